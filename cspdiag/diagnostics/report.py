@@ -1,0 +1,30 @@
+"""The collection that passes report into, so that one run shows everything that is wrong."""
+
+from __future__ import annotations
+
+from cspdiag.diagnostics.diagnostic import Diagnostic
+
+
+class Report:
+    """Diagnostics of one run, each told once.
+
+    The same kind of diagnostic at the same place is kept once, whatever the number of instances that lead to it.
+    """
+
+    def __init__(self) -> None:
+        self._found: dict[tuple[str, str, int, int], Diagnostic] = {}
+
+    def add(self, diagnostic: Diagnostic) -> None:
+        """Add a diagnostic, unless the same code was already reported for the same range of characters."""
+        span = diagnostic.span
+        self._found.setdefault((diagnostic.code, span.file, span.start, span.end), diagnostic)
+
+    @property
+    def diagnostics(self) -> list[Diagnostic]:
+        """All diagnostics by file and place."""
+        return sorted(self._found.values(), key=lambda d: (d.span.file, d.span.start, d.code))
+
+    @property
+    def has_errors(self) -> bool:
+        """Whether any diagnostic is an error."""
+        return any(d.severity == "error" for d in self._found.values())

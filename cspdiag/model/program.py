@@ -1,0 +1,100 @@
+"""The resolved, typed model: the syntax trees with tables beside them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TypeAlias
+
+from cspdiag.diagnostics.record import node
+from cspdiag.model.types import Type
+from cspdiag.syntax import ast
+
+Value: TypeAlias = "bool | int | float | str | tuple[Value, ...]"
+"""A constant: enum literals by index, ``time`` in nanoseconds, structs and arrays as tuples."""
+
+
+@node
+class PortSymbol:
+    """One name of a port declaration."""
+
+    declaration: ast.Ports
+    port: ast.PortName
+    type: Type
+
+    @property
+    def name(self) -> str:
+        """The name of the port."""
+        return self.port.name.text
+
+
+@node
+class EndLabelSymbol:
+    """A label that ends an arrow, or names the communication object in the middle of one."""
+
+    connection: ast.Connection
+    type: Type
+    ends_arrow: bool
+
+
+@node
+class EnumLiteralSymbol:
+    """A literal of an enum."""
+
+    definition: ast.EnumDefinition
+    index: int
+
+
+@node
+class BuiltinSymbol:
+    """``sample``, ``time``, ``pi``, ``Timeout``, ``Fault``, and the functions."""
+
+    name: str
+
+
+Symbol: TypeAlias = (
+    ast.Definition
+    | ast.Parameter
+    | ast.Variable
+    | ast.Channel
+    | ast.Instance
+    | ast.Let
+    | ast.State
+    | ast.Replicator
+    | PortSymbol
+    | EndLabelSymbol
+    | EnumLiteralSymbol
+    | BuiltinSymbol
+)
+
+
+@dataclass(eq=False)
+class Scope:
+    """What the names inside a process, submodel, driver or environment mean; ``ports`` are in text order."""
+
+    ports: dict[str, PortSymbol] = field(default_factory=dict)
+    names: dict[str, Symbol] = field(default_factory=dict)
+
+
+@dataclass(eq=False)
+class Program:
+    """A program after names and types were resolved.
+
+    ``bindings``: ast.Name, ast.Reference (its first name), ast.Identifier (of definitions used, members, callees) to what they mean.
+    ``members``: ast.Reference or ast.Member with a member, to the port, literal or field meant.
+    ``types``: of every expression; sizes that depend on parameters are None.
+    ``poisoned``: nodes about which something was reported; later passes are silent about them.
+    ``overrides``: values of constants given from outside (``--set``).
+    """
+
+    main: ast.SourceTree
+    trees: tuple[ast.SourceTree, ...]
+    definitions: dict[str, ast.Definition] = field(default_factory=dict)
+    assertions: list[ast.Assertion] = field(default_factory=list)
+    scopes: dict[ast.Node, Scope] = field(default_factory=dict)
+    bindings: dict[ast.Node, Symbol] = field(default_factory=dict)
+    members: dict[ast.Node, PortSymbol | EnumLiteralSymbol | str] = field(default_factory=dict)
+    types: dict[ast.Node, Type] = field(default_factory=dict)
+    """Of expressions, parameters, variables, channels, states, lets, constants, fields and type names."""
+    constants: dict[ast.Constant, Value] = field(default_factory=dict)
+    poisoned: set[ast.Node] = field(default_factory=set)
+    overrides: dict[str, Value] = field(default_factory=dict)

@@ -1,0 +1,252 @@
+"""What a process does: the composition, resolved and unrolled."""
+
+from __future__ import annotations
+
+from typing import TypeAlias
+
+from cspdiag.diagnostics import Span
+from cspdiag.diagnostics.record import record
+from cspdiag.network.expressions import Expression
+
+
+@record
+class PortEnd:
+    """A port of the enclosing process class; ``index`` counts in an array of ports.
+
+    ``end`` tells apart the ends of a port that parallel parts of this process read (each takes every sample or
+    broadcast value for itself); parts in sequence share an end.
+    """
+
+    port: str
+    index: int | None = None
+    end: int = 0
+
+
+@record
+class ChannelEnd:
+    """A channel that the enclosing process class declares; ``end`` as for ports."""
+
+    channel: str
+    end: int = 0
+
+
+End: TypeAlias = PortEnd | ChannelEnd
+
+
+@record(kw_only=True)
+class Step:
+    """Anything in a composition; it has a place."""
+
+    span: Span
+
+
+@record(kw_only=True)
+class RunInstance(Step):
+    """Runs an instance of the enclosing class to its end."""
+
+    instance: str
+
+
+@record(kw_only=True)
+class ReadValue(Step):
+    """One communication: reads a value into a ``var`` channel of the class."""
+
+    source: End
+    target: Target
+
+
+@record(kw_only=True)
+class WriteValue(Step):
+    """One communication: writes a value."""
+
+    sink: End
+    value: Expression
+
+
+@record(kw_only=True)
+class AssignValue(Step):
+    """Sets a ``var`` channel of the class; no communication."""
+
+    target: Target
+    value: Expression
+
+
+@record
+class Target:
+    """A variable, or an element of it when ``indexes`` are given."""
+
+    channel: str
+    indexes: tuple[Expression, ...] = ()
+
+
+@record(kw_only=True)
+class SkipStep(Step):
+    """Ends at once."""
+
+
+@record(kw_only=True)
+class StopStep(Step):
+    """Never ends."""
+
+
+@record(kw_only=True)
+class WaitStep(Step):
+    """A delay; ``duration`` is a ``time``."""
+
+    duration: Expression
+
+
+@record(kw_only=True)
+class ResetInstance(Step):
+    """Puts the states of a submodel instance back."""
+
+    instance: str
+
+
+@record(kw_only=True)
+class RaiseException(Step):
+    """Ends the process unsuccessfully."""
+
+    exception: str
+
+
+@record(kw_only=True)
+class SequentialSteps(Step):
+    """One after another."""
+
+    steps: tuple[Action, ...]
+
+
+@record(kw_only=True)
+class ParallelSteps(Step):
+    """All at once; ``prioritized``: each has a higher priority than those to its right."""
+
+    steps: tuple[Action, ...]
+    prioritized: bool
+
+
+@record(kw_only=True)
+class ReadyEvent(Step):
+    """Ready when a reading end has something; the guarded process begins by reading it."""
+
+    source: End
+
+
+@record(kw_only=True)
+class InputEvent(Step):
+    """Reads into a variable."""
+
+    source: End
+    target: Target
+
+
+@record(kw_only=True)
+class OutputEvent(Step):
+    """Writes a value."""
+
+    sink: End
+    value: Expression
+
+
+@record(kw_only=True)
+class AfterEvent(Step):
+    """Ready when ``duration`` has passed since the alternative began."""
+
+    duration: Expression
+
+
+@record(kw_only=True)
+class SkipEvent(Step):
+    """Always ready."""
+
+
+Event: TypeAlias = ReadyEvent | InputEvent | OutputEvent | AfterEvent | SkipEvent
+
+
+@record(kw_only=True)
+class Branch(Step):
+    """A guarded process: the condition that must hold, the event, and what follows."""
+
+    condition: Expression | None
+    event: Event
+    body: Action
+
+
+@record(kw_only=True)
+class Choice(Step):
+    """An alternative. A guarded process alone is one with a single branch."""
+
+    branches: tuple[Branch, ...]
+    prioritized: bool
+
+
+@record(kw_only=True)
+class Repeat(Step):
+    """The mu process: runs the body, then tests; for ever without ``until``."""
+
+    body: Action
+    until: Expression | None
+
+
+@record(kw_only=True)
+class WhileLoop(Step):
+    """Tests first."""
+
+    condition: Expression
+    body: Action
+
+
+@record(kw_only=True)
+class IfElse(Step):
+    """A condition; ``otherwise`` is SkipStep where nothing was said."""
+
+    condition: Expression
+    then: Action
+    otherwise: Action
+
+
+@record(kw_only=True)
+class CatchException(Step):
+    """If the exception ends the body, the handler runs."""
+
+    body: Action
+    exception: str
+    handler: Action
+
+
+@record(kw_only=True)
+class InterruptOn(Step):
+    """The body is abandoned at its next communication once the branch's guard is ready; then the branch's body runs."""
+
+    body: Action
+    branch: Branch
+
+
+@record(kw_only=True)
+class Group(Step):
+    """A named group."""
+
+    label: str
+    body: Action
+
+
+Action: TypeAlias = (
+    RunInstance
+    | ReadValue
+    | WriteValue
+    | AssignValue
+    | SkipStep
+    | StopStep
+    | WaitStep
+    | ResetInstance
+    | RaiseException
+    | SequentialSteps
+    | ParallelSteps
+    | Choice
+    | Repeat
+    | WhileLoop
+    | IfElse
+    | CatchException
+    | InterruptOn
+    | Group
+)
