@@ -1,0 +1,87 @@
+"""The whole compiler on one page: parse → imports → resolve → check → network check → lower → generate.
+
+Every step is a pure function of its own layer, reports what it finds and goes on. Layers are imported when they are
+reached, so that ``cspdiag check`` starts without the generator and what it needs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING
+
+from cspdiag.diagnostics.record import node
+from cspdiag.diagnostics.report import Report
+from cspdiag.diagnostics.span import SourceFile
+
+if TYPE_CHECKING:
+    from cspdiag.model.program import Program, Value
+    from cspdiag.network.ir import Network
+
+Reader = Callable[[str], SourceFile]
+"""Reads an imported file; raises OSError where it cannot."""
+
+
+@node
+class Checked:
+    """A program after all checks; ``program`` is None where nothing of it could be understood."""
+
+    program: Program | None
+    report: Report
+
+
+def check(main: SourceFile, read: Reader, overrides: Mapping[str, Value] | None = None) -> Checked:
+    """Find everything that is wrong with a program and the files it imports.
+
+    ``overrides`` replaces the values of constants by name. Raises nothing because of what the program says.
+    """
+    report = Report()
+    try:
+        from cspdiag.model.imports import load
+
+        trees = load(main, read, report)
+    except ModuleNotFoundError:
+        from cspdiag.syntax.parser import parse
+
+        tree = parse(main, report)
+        trees = [tree] if tree else []
+    if not trees or report.has_errors:
+        return Checked(program=None, report=report)
+    try:
+        from cspdiag.model.check import check as check_model
+        from cspdiag.model.resolve import resolve
+
+        program = resolve(trees, overrides or {}, report)
+        check_model(program, report)
+        from cspdiag.network.lower import check as check_network
+
+        check_network(program, report)
+        return Checked(program=program, report=report)
+    except ModuleNotFoundError:
+        return Checked(program=None, report=report)
+
+
+def compile_network(
+    checked: Checked,
+    *,
+    top: str | None = None,
+    environment: str | None = None,
+    overrides: Mapping[str, Value] | None = None,
+) -> Network | None:
+    """Lower a program that has no errors to its network; None where that reports an error.
+
+    ``top`` names the outermost process and ``environment`` the environment it is compiled for (defaults: those of
+    the text); ``overrides`` replaces parameters of instances by path.
+    """
+    from cspdiag.network.lower import lower
+
+    if checked.program is None or checked.report.has_errors:
+        return None
+    network = lower(checked.program, top, environment, overrides or {}, checked.report)
+    return None if checked.report.has_errors else network
+
+
+def generate(network: Network, target: str = "python") -> dict[str, str]:
+    """The files of a target's package, by path relative to its folder; KeyError for an unknown target."""
+    from cspdiag.codegen import TARGETS
+
+    return TARGETS[target](network)

@@ -1,0 +1,128 @@
+"""Literate cases: Markdown files whose sections hold a program and what the compiler says about it.
+
+Each ``##`` section is a case: prose, a fenced ``csp`` block with the program, further ``csp NAME`` blocks with the files it imports,
+then a ``diagnostics`` block, a ``network`` block or both.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from cspdiag import pipeline
+from cspdiag.diagnostics import Diagnostic, SourceFile, Span
+
+CASES = Path(__file__).parent / "cases"
+MAIN = "case.csp"
+
+_FENCE = re.compile(r"^```(?P<language>\w+)(?: +(?P<name>\S+))?\n(?P<text>.*?)^```$", re.MULTILINE | re.DOTALL)
+
+
+@dataclass(frozen=True)
+class Block:
+    """A fenced block: ``start`` and ``end`` enclose its text within the file."""
+
+    language: str
+    name: str | None
+    text: str
+    start: int
+    end: int
+
+
+@dataclass(frozen=True)
+class Case:
+    """A section of a literate file."""
+
+    path: Path
+    title: str
+    line: int
+    blocks: tuple[Block, ...]
+
+    @property
+    def files(self) -> dict[str, str]:
+        """The programs of the case by file name; the one without a name is ``case.csp``."""
+        return {block.name or MAIN: block.text for block in self.blocks if block.language == "csp"}
+
+    @property
+    def expectations(self) -> tuple[Block, ...]:
+        return tuple(block for block in self.blocks if block.language in {"diagnostics", "network"})
+
+
+def cases_of(path: Path) -> Iterator[Case]:
+    """The cases of one Markdown file."""
+    text = path.read_text(encoding="utf-8")
+    blocks = [
+        Block(m["language"], m["name"], m["text"], m.start("text"), m.end("text")) for m in _FENCE.finditer(text)
+    ]
+    inside = [(block.start, block.end) for block in blocks]
+    heads = [
+        head
+        for head in re.finditer(r"^## +(.+)$", text, re.MULTILINE)
+        if not any(start <= head.start() < end for start, end in inside)
+    ]
+    for head, following in zip(heads, [*[h.start() for h in heads[1:]], len(text)], strict=True):
+        own = tuple(block for block in blocks if head.start() < block.start < following)
+        yield Case(path, head[1].strip(), text.count("\n", 0, head.start()) + 1, own)
+
+
+def all_cases() -> list[Case]:
+    return [case for path in sorted(CASES.rglob("*.md")) for case in cases_of(path)]
+
+
+def check_files(files: dict[str, str]) -> pipeline.Checked:
+    """Check the program ``case.csp`` with imports found among ``files``."""
+
+    def read(path: str) -> SourceFile:
+        if path not in files:
+            raise FileNotFoundError(2, "No such file or directory", path)
+        return SourceFile(name=path, text=files[path])
+
+    return pipeline.check(read(MAIN), read)
+
+
+def _place(span: Span) -> str:
+    place = f"{span.line}:{span.column}"
+    return place if span.file == MAIN else f"{span.file}:{place}"
+
+
+def describe(diagnostics: list[Diagnostic]) -> str:
+    """Diagnostics as a ``diagnostics`` block holds them."""
+    lines = []
+    for diagnostic in diagnostics:
+        lines.append(f"{_place(diagnostic.span)} {diagnostic.severity}[{diagnostic.code}] {diagnostic.message}")
+        if diagnostic.help is not None:
+            first, *rest = diagnostic.help.splitlines()
+            lines += [f"  help: {first}", *(f"    {line}" for line in rest)]
+        lines += [f"  note {_place(label.span)} {label.message}" for label in diagnostic.labels]
+    return "".join(f"{line}\n" for line in lines)
+
+
+def actual(case: Case, block: Block) -> str:
+    """What the compiler says now where ``block`` stands."""
+    checked = check_files(case.files)
+    if block.language == "diagnostics":
+        return describe(checked.report.diagnostics)
+    network = pipeline.compile_network(checked)
+    if network is None:
+        return describe(checked.report.diagnostics)
+    from cspdiag.network.dump import dump
+
+    text = dump(network)
+    return text if text.endswith("\n") else f"{text}\n"
+
+
+def update(path: Path) -> None:
+    """Rewrite every expected block of a literate file with what the compiler says now."""
+    text = path.read_text(encoding="utf-8")
+    replacements = []
+    for case in cases_of(path):
+        for block in case.expectations:
+            # A case that makes the compiler fail keeps its block, and its own test shows the traceback.
+            with contextlib.suppress(Exception):
+                replacements.append((block, actual(case, block)))
+    for block, found in sorted(replacements, key=lambda pair: pair[0].start, reverse=True):
+        text = text[: block.start] + found + text[block.end :]
+    path.write_text(text, encoding="utf-8")
