@@ -1,1 +1,1 @@
-"""cspdiag.simulate"""
+"""Runs a compiled program against its environment: results, recordings, traces and plots."""

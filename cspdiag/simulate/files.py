@@ -1,0 +1,110 @@
+"""Recordings and the plain trace as text."""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from cspdiag.model.types import ArrayType, EnumType, StructType, Type
+
+if TYPE_CHECKING:
+    from cspdiag.simulate.result import Run
+
+
+def write_whole(path: Path, data: bytes) -> None:
+    """Write a file whole or not at all: into a temporary one beside it, then renamed.
+
+    Raises OSError as the file system does.
+    """
+    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(data)
+        os.chmod(temporary, 0o666 & ~_umask())
+        os.replace(temporary, path)
+    except BaseException:
+        os.unlink(temporary)
+        raise
+
+
+def _umask() -> int:
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask
+
+
+def readable(value: object, kind: Type | None) -> object:
+    """A value as JSON shows it: enum literals by name, structs as objects, arrays as lists."""
+    match kind:
+        case EnumType(literals=literals):
+            return literals[int(value)]  # type: ignore[call-overload]
+        case StructType(fields=fields):
+            values = list(value)  # type: ignore[call-overload]
+            return {name: readable(part, inner) for (name, inner), part in zip(fields, values, strict=True)}
+        case ArrayType(element=element):
+            return [readable(part, element) for part in value]  # type: ignore[attr-defined]
+        case _:
+            return value
+
+
+def plain_trace_text(run: Run) -> str:
+    """One JSON object a communication, in order: time in nanoseconds, channel, value."""
+    types: Mapping[str, Type] = run.types
+    lines = [
+        json.dumps({"t": time, "channel": channel, "value": readable(value, types.get(channel))})
+        for time, channel, value, _, _ in run.communications
+    ]
+    return "".join(f"{line}\n" for line in lines)
+
+
+def csv_text(run: Run) -> str:
+    """A header, then a row for each instant at which an external port communicated; values held between."""
+    prefix = f"{run.network.top}."
+    names = [port.name for port in run.network.external_ports]
+    column = {f"{prefix}{name}": position for position, name in enumerate(names)}
+    kinds = {f"{prefix}{port.name}": port.type for port in run.network.external_ports}
+    row = [""] * len(names)
+    rows: list[str] = [",".join(["time", *names])]
+    instant: int | None = None
+    for time, channel, value, _, _ in run.communications:
+        position = column.get(channel)
+        if position is None:
+            continue
+        if instant is not None and time != instant:
+            rows.append(",".join([repr(instant / 1e9), *row]))
+        instant = time
+        row[position] = _cell(value, kinds[channel])
+    if instant is not None:
+        rows.append(",".join([repr(instant / 1e9), *row]))
+    return "".join(f"{line}\n" for line in rows)
+
+
+def _cell(value: object, kind: Type) -> str:
+    shown = readable(value, kind)
+    if isinstance(shown, bool):
+        return "true" if shown else "false"
+    if isinstance(shown, list | dict):
+        return '"' + json.dumps(shown).replace('"', '""') + '"'
+    return str(shown)
+
+
+def npz_bytes(run: Run) -> bytes:
+    """For each external port ``NAME`` its values and ``NAME.time`` its instants in seconds."""
+    import numpy
+
+    arrays = {}
+    for port in run.network.external_ports:
+        signal = run.signals[port.name]
+        values = signal.value
+        if values.dtype == object:
+            values = numpy.array([json.dumps(readable(value, port.type)) for value in values])
+        arrays[port.name] = values
+        arrays[f"{port.name}.time"] = signal.time
+    buffer = io.BytesIO()
+    numpy.savez_compressed(buffer, allow_pickle=False, **arrays)
+    return buffer.getvalue()

@@ -1,0 +1,141 @@
+"""One figure of a run: a column for each part of the program that runs in parallel, a row for each unit, the modes behind.
+
+Needs matplotlib (``pip install "cspdiag[plot]"``), which is imported when a plot is made.
+"""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from cspdiag.model.types import BoolType, EnumType, IntType, RealType, Type
+from cspdiag.simulate.files import write_whole
+from cspdiag.simulate.modes import ModeGroup, mode_groups
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from cspdiag.simulate.result import Run, Signal
+
+_MODE_COLORS = ("#dbe9f6", "#e3f1dc", "#fdebd3", "#eee3f3", "#f9dfe1", "#e4e4e4")
+_LINE_COLORS = ("#1f4e79", "#c0504d", "#4f8a3c", "#7f5fa0", "#b07d2b", "#3a8f99")
+_STYLE = {
+    "font.family": "DejaVu Sans",
+    "font.size": 9,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.linewidth": 0.6,
+    "axes.titlesize": 10,
+    "lines.linewidth": 1.1,
+    "legend.frameon": False,
+    "legend.fontsize": 8,
+    "svg.hashsalt": "cspdiag",
+}
+
+
+def plot(run: Run, path: Path | None) -> Figure:
+    """The figure; written whole to ``path`` (its suffix says the format) if given."""
+    import matplotlib as mpl
+    from matplotlib.figure import Figure
+
+    with mpl.rc_context(_STYLE):  # type: ignore[arg-type]
+        groups = [group for group in mode_groups(run.network) if group.ports] or [
+            ModeGroup(run.network.top, {}, tuple(port.name for port in run.network.external_ports))
+        ]
+        rows = _rows(run, groups)
+        figure = Figure(figsize=(max(5.2, 4.6 * len(groups)), 1.1 + 1.75 * max(1, len(rows))), layout="constrained")
+        axes = figure.subplots(max(1, len(rows)), len(groups), sharex=True, sharey="row", squeeze=False)
+        for column, group in enumerate(groups):
+            for row, unit in enumerate(rows):
+                _panel(run, axes[row, column], group, unit, rows[unit])
+                if column == 0:
+                    axes[row, column].set_ylabel(unit or "value")
+            _name_modes(run, axes[0, column], group)
+            axes[-1, column].set_xlabel("time (s)")
+        if path is not None:
+            write_whole(path, _rendered(figure, path.suffix.lstrip(".") or "svg"))
+    return figure
+
+
+def svg_text(run: Run) -> str:
+    """The figure as SVG."""
+    return _rendered(plot(run, None), "svg").decode()
+
+
+def _rendered(figure: Figure, kind: str) -> bytes:
+    buffer = io.BytesIO()
+    metadata: dict[str, Any] = {"Date": None} if kind == "svg" else {}
+    figure.savefig(buffer, format=kind, dpi=160, metadata=metadata)
+    return buffer.getvalue()
+
+
+def _rows(run: Run, groups: Sequence[ModeGroup]) -> Mapping[str, set[str]]:
+    """Signals by what is on the vertical axis, measured quantities before outputs."""
+    used = {name for group in groups for name in group.ports}
+    rows: dict[str, set[str]] = {}
+    for port in sorted(run.network.external_ports, key=lambda port: port.direction == "out"):
+        signal = run.signals[port.name]
+        if port.name in used and port.period is not None and len(signal.time):
+            rows.setdefault(_quantity(port.type), set()).add(port.name)
+    return rows or {"": set(used)}
+
+
+_QUANTITIES = {
+    "rad": "angle (rad)",
+    "V": "voltage (V)",
+    "A": "current (A)",
+    "rad/s": "speed (rad/s)",
+    "m": "position (m)",
+}
+
+
+def _quantity(kind: Type) -> str:
+    if isinstance(kind, RealType) and kind.unit.text:
+        return _QUANTITIES.get(kind.unit.text, f"({kind.unit.text})")
+    return "1" if isinstance(kind, RealType) else "value"
+
+
+def _panel(run: Run, axes: Axes, group: ModeGroup, unit: str, names: set[str]) -> None:
+    for activity in run.activities:
+        if activity.path in group.modes:
+            end = run.outcome.time if activity.end is None else activity.end
+            position = list(group.modes).index(activity.path)
+            axes.axvspan(
+                activity.start / 1e9, end / 1e9, color=_MODE_COLORS[position % len(_MODE_COLORS)], linewidth=0, zorder=0
+            )
+    color = iter(_LINE_COLORS * 4)
+    for name in group.ports:
+        if name in names:
+            signal = run.signals[name]
+            axes.plot(signal.time, _numbers(signal), drawstyle="steps-post", label=name, color=next(color))
+    for name in group.ports:
+        signal = run.signals[name]
+        if isinstance(signal.type, IntType | BoolType | EnumType):
+            for time, value in zip(signal.time, signal.value, strict=True):
+                axes.axvline(time, color="#555555", linewidth=0.7, linestyle=(0, (3, 2)))
+                axes.annotate(
+                    f"{name} = {value}", (time, 1), xycoords=("data", "axes fraction"), xytext=(2, -3),
+                    textcoords="offset points", rotation=90, va="top", fontsize=6.5, color="#555555",
+                )  # fmt: skip
+    axes.margins(x=0)
+    axes.grid(axis="y", linewidth=0.3, color="#bbbbbb")
+    if axes.lines:
+        axes.legend(loc="best")
+
+
+def _numbers(signal: Signal) -> Any:
+    return signal.value.astype(float)
+
+
+def _name_modes(run: Run, axes: Axes, group: ModeGroup) -> None:
+    axes.set_title(group.name, pad=18, fontweight="bold")
+    for activity in run.activities:
+        if activity.path in group.modes:
+            end = run.outcome.time if activity.end is None else activity.end
+            axes.annotate(
+                group.modes[activity.path], ((activity.start + end) / 2e9, 1), xycoords=("data", "axes fraction"),
+                xytext=(0, 4), textcoords="offset points", ha="center", fontsize=7, color="#444444",
+            )  # fmt: skip

@@ -1,0 +1,67 @@
+"""What is noted down while a program runs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+
+class Communication(NamedTuple):
+    """A value that passed: the time in nanoseconds, the channel's hierarchical name, who wrote and who read."""
+
+    time: int
+    channel: str
+    value: object
+    writer: str
+    reader: str
+
+
+class Activity(NamedTuple):
+    """A process or a named group from its start to its end, in nanoseconds; ``end`` is None while it runs."""
+
+    path: str
+    kind: str
+    start: int
+    end: int | None
+
+
+class Recorder:
+    """Observer of a run: communications, processes and groups, in the order in which they happen.
+
+    ``on_activity`` is told the time after every change of the running processes and groups.
+    """
+
+    def __init__(self, on_activity: Callable[[int], None] | None = None) -> None:
+        self.communications: list[Communication] = []
+        self.finished: list[Activity] = []
+        self.running: dict[str, Activity] = {}
+        self._on_activity = on_activity
+
+    def communication(self, time: int, channel: str, value: object, writer: str, reader: str) -> None:
+        """A value passed through a channel or an external port."""
+        self.communications.append(Communication(time, channel, value, writer, reader))
+
+    def process_started(self, time: int, path: str, kind: str) -> None:
+        """A process of class ``kind`` begins."""
+        self.running[path] = Activity(path, kind, time, None)
+        if self._on_activity is not None:
+            self._on_activity(time)
+
+    def process_ended(self, time: int, path: str) -> None:
+        """A process ended, successfully or not."""
+        activity = self.running.pop(path, None)
+        if activity is not None:
+            self.finished.append(activity._replace(end=time))
+
+    def group_started(self, time: int, path: str) -> None:
+        """A named group begins."""
+        self.process_started(time, path, "")
+
+    def group_ended(self, time: int, path: str) -> None:
+        """A named group ended."""
+        self.process_ended(time, path)
+
+    @property
+    def activities(self) -> list[Activity]:
+        """All activities by start, those that still run at the end of the run included."""
+        return sorted([*self.finished, *self.running.values()], key=lambda activity: activity.start)

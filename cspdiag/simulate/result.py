@@ -1,0 +1,149 @@
+"""The result of a run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+from cspdiag.model.types import BoolType, EnumType, IntType, RealType, TimeType, Type
+from cspdiag.network.ir import Environment, Network
+from cspdiag.simulate.recorder import Activity, Communication
+
+if TYPE_CHECKING:
+    import numpy
+    from matplotlib.figure import Figure
+
+    from cspdiag.runtime import Outcome
+
+
+class Signal(NamedTuple):
+    """What passed through a port: instants in seconds (shape ``(n,)``), values (shape ``(n,)``), and the type of the port."""
+
+    time: numpy.ndarray
+    value: numpy.ndarray
+    type: Type
+
+
+class Run:
+    """A run of a program: why it ended, what was communicated and when, which process ran when.
+
+    ``signals`` has the external ports under their names and the internal channels under their hierarchical names (``Jiwy.horizontal.status``).
+    ``run["control_horizontal"]`` is an array of values, ``run.time("control_horizontal")`` the array of their instants in seconds.
+    """
+
+    def __init__(
+        self,
+        network: Network,
+        environment: Environment | None,
+        outcome: Outcome,
+        communications: Sequence[Communication],
+        activities: Sequence[Activity],
+    ) -> None:
+        self.network = network
+        self.environment = environment
+        self.outcome = outcome
+        self.communications = communications
+        self.activities = activities
+
+    @cached_property
+    def types(self) -> Mapping[str, Type]:
+        """Types of the channels by hierarchical name."""
+        return {net.path: net.type for net in self.network.nets}
+
+    @cached_property
+    def signals(self) -> Mapping[str, Signal]:
+        """Signals by name, in the order of the ports and then of the first communication."""
+        import numpy
+
+        prefix = f"{self.network.top}."
+        external = {f"{prefix}{port.name}": port for port in self.network.external_ports}
+        found: dict[str, tuple[list[int], list[object]]] = {path: ([], []) for path in external}
+        for time, channel, value, _, _ in self.communications:
+            times, values = found.setdefault(channel, ([], []))
+            times.append(time)
+            values.append(value)
+        signals = {}
+        for path, (times, values) in found.items():
+            kind = external[path].type if path in external else self.types.get(path)
+            if kind is None:
+                continue
+            name = path.removeprefix(prefix) if path in external else path
+            signals[name] = Signal(numpy.array(times, dtype=float) * 1e-9, _column(values, kind), kind)
+        return signals
+
+    def __getitem__(self, name: str) -> numpy.ndarray:
+        """Values of a signal; KeyError with the known names if there is none of that name."""
+        return self._signal(name).value
+
+    def time(self, name: str) -> numpy.ndarray:
+        """Instants of a signal in seconds."""
+        return self._signal(name).time
+
+    def _signal(self, name: str) -> Signal:
+        try:
+            return self.signals[name]
+        except KeyError:
+            raise KeyError(f"no signal {name!r}; there are: {', '.join(self.signals)}") from None
+
+    @property
+    def events(self) -> Sequence[Communication]:
+        """All communications in order."""
+        return self.communications
+
+    def summary(self) -> str:
+        """Why and when the run ended, missed samples, real-time figures."""
+        from cspdiag.simulate.summary import summary
+
+        return summary(self)
+
+    def to_csv(self, path: str | Path) -> None:
+        """Write the external ports as CSV (format: ``cspdiag run --record``)."""
+        self._write(path, "csv_text")
+
+    def to_npz(self, path: str | Path) -> None:
+        """Write the external ports as a numpy archive."""
+        from cspdiag.simulate.files import npz_bytes, write_whole
+
+        write_whole(Path(path), npz_bytes(self))
+
+    def to_trace(self, path: str | Path) -> None:
+        """Write Chrome trace events (``.json``) or the plain trace (``.jsonl``)."""
+        self._write(path, "plain_trace_text" if str(path).endswith(".jsonl") else "chrome_trace_text")
+
+    def _write(self, path: str | Path, maker: str) -> None:
+        from cspdiag.simulate import chrome_trace, files
+
+        make: Callable[[Run], str] = getattr(chrome_trace if maker.startswith("chrome") else files, maker)
+        files.write_whole(Path(path), make(self).encode())
+
+    def plot(self, path: str | Path | None = None) -> Figure:
+        """One figure of set-points, measurements, outputs and modes over time; written to ``path`` if given.
+
+        Raises ImportError with the command to install matplotlib if it is missing.
+        """
+        from cspdiag.simulate.plot import plot
+
+        return plot(self, None if path is None else Path(path))
+
+    def _repr_svg_(self) -> str:
+        from cspdiag.simulate.plot import svg_text
+
+        return svg_text(self)
+
+
+def _column(values: list[object], kind: Type) -> numpy.ndarray:
+    import numpy
+
+    match kind:
+        case BoolType():
+            return numpy.array(values, dtype=bool)
+        case IntType() | TimeType() | EnumType():
+            return numpy.array([int(v) for v in values], dtype=numpy.int64)  # type: ignore[call-overload]
+        case RealType():
+            return numpy.array(values, dtype=float)
+        case _:
+            column = numpy.empty(len(values), dtype=object)
+            column[:] = values
+            return column

@@ -1,0 +1,71 @@
+"""The account that a person gets after a run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from cspdiag.network.ir import ProcessClass
+from cspdiag.simulate.modes import mode_groups
+
+if TYPE_CHECKING:
+    from cspdiag.simulate.result import Run
+
+
+def seconds(nanoseconds: int) -> str:
+    """A time for people: ``20 s``, ``3.05 s``, ``1.5 ms``."""
+    for unit, size in (("s", 1_000_000_000), ("ms", 1_000_000), ("us", 1_000)):
+        if nanoseconds >= size:
+            return f"{nanoseconds / size:.6g} {unit}"
+    return f"{nanoseconds} ns"
+
+
+def summary(run: Run) -> str:
+    """Several lines: why it ended and when, what ended when, missed samples, jitter."""
+    return "\n".join(_lines(run))
+
+
+def _lines(run: Run) -> Iterator[str]:
+    outcome = run.outcome
+    where = f" in {run.environment.name}" if run.environment is not None else ""
+    yield f"{run.network.top}{where}: {_ending(run)}"
+    ratio = outcome.time / 1e9 / outcome.wall_time if outcome.wall_time > 0 else 0.0
+    yield f"  simulated {seconds(outcome.time)} in {outcome.wall_time:.3g} s, {ratio:.3g} times real time"
+    yield from _process_lines(run)
+    missed = {port: count for port, count in outcome.missed.items() if count}
+    yield "  missed samples: " + (", ".join(f"{port} {count}" for port, count in missed.items()) or "none")
+    for period, jitter in outcome.jitter.items():
+        yield f"  jitter of {period}: {jitter}"
+
+
+def _ending(run: Run) -> str:
+    outcome = run.outcome
+    at = f"at {seconds(outcome.time)}"
+    match outcome.ended:
+        case "terminated":
+            return f"ended by itself {at}"
+        case "time limit":
+            return f"reached the time limit {at}"
+        case "stopped":
+            return f"stopped {at}"
+        case "deadlock":
+            return f"deadlock {at}"
+        case _:
+            return f"ended unsuccessfully {at}: {outcome.error}"
+
+
+def _process_lines(run: Run) -> Iterator[str]:
+    processes = {
+        instance.path for instance in run.network.instances
+        if isinstance(run.network.class_named(instance.class_name), ProcessClass)
+    }  # fmt: skip
+    ends = {activity.path: activity.end for activity in run.activities}
+    for group in mode_groups(run.network):
+        shown = []
+        for path, name in group.modes.items():
+            if path not in ends or (path not in processes and "." not in path):
+                continue
+            end = ends[path]
+            shown.append(f"{name} running" if end is None else f"{name} until {seconds(end)}")
+        if shown:
+            yield f"  {group.name}: {', '.join(shown)}"
