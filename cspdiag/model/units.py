@@ -18,17 +18,29 @@ from cspdiag.diagnostics.record import record
 class Unit:
     """A unit, compared by dimension, scale and whether it is an angle spelled out.
 
-    ``exponents`` are the powers of m, kg, s, A, K, mol, cd, in this order; ``factor`` is the multiple of the coherent SI unit;
-    ``angle`` is the power of the angle that was spelled out (1 for ``rad/s``); ``text`` is how it was written and takes no part in
-    comparison.
+    ``exponents`` are the powers of m, kg, s, A, K, mol, cd, in this order; the scale is ``numerator / denominator * pi**pi_power``
+    times the coherent SI unit, exactly; ``angle`` is the power of the angle that was spelled out (1 for ``rad/s``); ``text`` is how
+    it was written and takes no part in comparison.
     """
 
     exponents: tuple[int, ...] = (0, 0, 0, 0, 0, 0, 0)
-    factor: float = 1.0
+    numerator: int = 1
+    denominator: int = 1
+    pi_power: int = 0
     angle: int = 0
     text: str = ""
 
     uncompared: ClassVar[frozenset[str]] = frozenset({"text"})
+
+    @property
+    def factor(self) -> float:
+        """The multiple of the coherent SI unit."""
+        return self.numerator * math.pi**self.pi_power / self.denominator
+
+    @property
+    def scale(self) -> tuple[int, int, int]:
+        """The factor, exactly: numerator, denominator, power of pi."""
+        return self.numerator, self.denominator, self.pi_power
 
     @property
     def is_dimensionless(self) -> bool:
@@ -44,47 +56,53 @@ DIMENSIONLESS = Unit()
 _BASE_SYMBOLS = ("m", "kg", "s", "A", "K", "mol", "cd")
 
 _PREFIXES = {
-    "Y": 1e24, "Z": 1e21, "E": 1e18, "P": 1e15, "T": 1e12, "G": 1e9, "M": 1e6, "k": 1e3, "h": 1e2, "da": 1e1,
-    "d": 1e-1, "c": 1e-2, "m": 1e-3, "u": 1e-6, "n": 1e-9, "p": 1e-12, "f": 1e-15, "a": 1e-18, "z": 1e-21, "y": 1e-24,
+    "Y": 24, "Z": 21, "E": 18, "P": 15, "T": 12, "G": 9, "M": 6, "k": 3, "h": 2, "da": 1,
+    "d": -1, "c": -2, "m": -3, "u": -6, "n": -9, "p": -12, "f": -15, "a": -18, "z": -21, "y": -24,
 }  # fmt: skip
 
-_PREFIXED: dict[str, tuple[tuple[int, ...], float, int]] = {
-    "m": ((1, 0, 0, 0, 0, 0, 0), 1.0, 0),
-    "g": ((0, 1, 0, 0, 0, 0, 0), 1e-3, 0),
-    "s": ((0, 0, 1, 0, 0, 0, 0), 1.0, 0),
-    "A": ((0, 0, 0, 1, 0, 0, 0), 1.0, 0),
-    "K": ((0, 0, 0, 0, 1, 0, 0), 1.0, 0),
-    "mol": ((0, 0, 0, 0, 0, 1, 0), 1.0, 0),
-    "cd": ((0, 0, 0, 0, 0, 0, 1), 1.0, 0),
-    "rad": ((0, 0, 0, 0, 0, 0, 0), 1.0, 1),
-    "Hz": ((0, 0, -1, 0, 0, 0, 0), 1.0, 0),
-    "N": ((1, 1, -2, 0, 0, 0, 0), 1.0, 0),
-    "Pa": ((-1, 1, -2, 0, 0, 0, 0), 1.0, 0),
-    "bar": ((-1, 1, -2, 0, 0, 0, 0), 1e5, 0),
-    "J": ((2, 1, -2, 0, 0, 0, 0), 1.0, 0),
-    "Wh": ((2, 1, -2, 0, 0, 0, 0), 3600.0, 0),
-    "W": ((2, 1, -3, 0, 0, 0, 0), 1.0, 0),
-    "C": ((0, 0, 1, 1, 0, 0, 0), 1.0, 0),
-    "V": ((2, 1, -3, -1, 0, 0, 0), 1.0, 0),
-    "F": ((-2, -1, 4, 2, 0, 0, 0), 1.0, 0),
-    "Ohm": ((2, 1, -3, -2, 0, 0, 0), 1.0, 0),
-    "S": ((-2, -1, 3, 2, 0, 0, 0), 1.0, 0),
-    "Wb": ((2, 1, -2, -1, 0, 0, 0), 1.0, 0),
-    "T": ((0, 1, -2, -1, 0, 0, 0), 1.0, 0),
-    "H": ((2, 1, -2, -2, 0, 0, 0), 1.0, 0),
-    "l": ((3, 0, 0, 0, 0, 0, 0), 1e-3, 0),
-    "L": ((3, 0, 0, 0, 0, 0, 0), 1e-3, 0),
+
+def _unit(*exponents: int, numerator: int = 1, denominator: int = 1, pi_power: int = 0, angle: int = 0) -> Unit:
+    return Unit((*exponents, *(0,) * (7 - len(exponents))), numerator, denominator, pi_power, angle)
+
+
+_PREFIXED = {
+    "m": _unit(1),
+    "g": _unit(0, 1, denominator=1000),
+    "s": _unit(0, 0, 1),
+    "A": _unit(0, 0, 0, 1),
+    "K": _unit(0, 0, 0, 0, 1),
+    "mol": _unit(0, 0, 0, 0, 0, 1),
+    "cd": _unit(0, 0, 0, 0, 0, 0, 1),
+    "rad": _unit(angle=1),
+    "Hz": _unit(0, 0, -1),
+    "N": _unit(1, 1, -2),
+    "Pa": _unit(-1, 1, -2),
+    "bar": _unit(-1, 1, -2, numerator=100_000),
+    "J": _unit(2, 1, -2),
+    "Wh": _unit(2, 1, -2, numerator=3600),
+    "W": _unit(2, 1, -3),
+    "C": _unit(0, 0, 1, 1),
+    "V": _unit(2, 1, -3, -1),
+    "F": _unit(-2, -1, 4, 2),
+    "Ohm": _unit(2, 1, -3, -2),
+    "S": _unit(-2, -1, 3, 2),
+    "Wb": _unit(2, 1, -2, -1),
+    "T": _unit(0, 1, -2, -1),
+    "H": _unit(2, 1, -2, -2),
+    "l": _unit(3, denominator=1000),
+    "L": _unit(3, denominator=1000),
 }
 
-_UNPREFIXED: dict[str, tuple[tuple[int, ...], float, int]] = {
-    "deg": ((0, 0, 0, 0, 0, 0, 0), math.pi / 180, 1),
-    "rev": ((0, 0, 0, 0, 0, 0, 0), math.tau, 1),
-    "rpm": ((0, 0, -1, 0, 0, 0, 0), math.tau / 60, 1),
-    "min": ((0, 0, 1, 0, 0, 0, 0), 60.0, 0),
-    "h": ((0, 0, 1, 0, 0, 0, 0), 3600.0, 0),
-    "day": ((0, 0, 1, 0, 0, 0, 0), 86400.0, 0),
-    "t": ((0, 1, 0, 0, 0, 0, 0), 1e3, 0),
-    "%": ((0, 0, 0, 0, 0, 0, 0), 0.01, 0),
+_UNPREFIXED = {
+    "1": DIMENSIONLESS,
+    "deg": _unit(denominator=180, pi_power=1, angle=1),
+    "rev": _unit(numerator=2, pi_power=1, angle=1),
+    "rpm": _unit(0, 0, -1, denominator=30, pi_power=1, angle=1),
+    "min": _unit(0, 0, 1, numerator=60),
+    "h": _unit(0, 0, 1, numerator=3600),
+    "day": _unit(0, 0, 1, numerator=86_400),
+    "t": _unit(0, 1, numerator=1000),
+    "%": _unit(denominator=100),
 }
 
 _NAMED = ("Hz", "N", "J", "W", "C", "V", "F", "Ohm", "Wb", "T", "H", "Pa")
@@ -95,22 +113,21 @@ _LONGEST = 200
 
 
 @cache
-def _symbol(text: str) -> tuple[tuple[int, ...], float, int] | None:
-    if text == "1":
-        return DIMENSIONLESS.exponents, 1.0, 0
+def _symbol(text: str) -> Unit | None:
     found = _UNPREFIXED.get(text) or _PREFIXED.get(text)
     if found:
         return found
     for length in (1, 2):
         scale, base = _PREFIXES.get(text[:length]), _PREFIXED.get(text[length:])
         if scale and base:
-            return base[0], _rounded(scale * base[1]), base[2]
+            prefix = (10**scale, 1) if scale > 0 else (1, 10**-scale)
+            return _scaled(base.exponents, base.numerator * prefix[0], base.denominator * prefix[1], 0, base.angle)
     return None
 
 
-def _rounded(factor: float) -> float:
-    """Twelve digits, so that factors reached in different ways compare equal."""
-    return float(f"{factor:.12g}")
+def _scaled(exponents: tuple[int, ...], numerator: int, denominator: int, pi_power: int, angle: int) -> Unit:
+    common = math.gcd(numerator, denominator)
+    return Unit(exponents, numerator // common, denominator // common, pi_power, angle)
 
 
 @cache
@@ -155,21 +172,23 @@ def parse_unit(text: str) -> Unit | None:
 
 
 def _of_powers(powers: dict[str, int], text: str) -> Unit | None:
-    exponents, factor, angle = [0] * 7, 1.0, 0
-    try:
-        for name, power in powers.items():
-            base = _symbol(name)
-            if base is None:
-                return None
-            for position, exponent in enumerate(base[0]):
-                exponents[position] += power * exponent
-            factor *= base[1] ** power
-            angle += power * base[2]
-    except OverflowError:
-        return None
-    if not 0 < factor < math.inf:
-        return None
-    return Unit(tuple(exponents), _rounded(factor), angle, "" if text == "1" else text)
+    unit = DIMENSIONLESS
+    for name, exponent in powers.items():
+        base = _symbol(name)
+        raised = _raised(base, exponent, 1) if base else None
+        if raised is None:
+            return None
+        unit = _product(unit, raised, 1)
+    return Unit(*_key(unit), "" if text == "1" else text) if _reasonable(unit) else None
+
+
+def _key(unit: Unit) -> tuple[tuple[int, ...], int, int, int, int]:
+    return unit.exponents, unit.numerator, unit.denominator, unit.pi_power, unit.angle
+
+
+def _reasonable(unit: Unit) -> bool:
+    """Whether the scale fits a double with room to spare."""
+    return max(unit.numerator.bit_length(), unit.denominator.bit_length()) < 900 and abs(unit.pi_power) < 100
 
 
 def multiply(left: Unit, right: Unit) -> Unit:
@@ -184,37 +203,56 @@ def divide(left: Unit, right: Unit) -> Unit:
 
 @cache
 def _combined(left: Unit, left_text: str, right: Unit, right_text: str, sign: int) -> Unit:
-    exponents = tuple(a + sign * b for a, b in zip(left.exponents, right.exponents, strict=True))
-    factor = _rounded(_bounded(left.factor * _bounded(right.factor**sign)))
+    product = _product(left, right, sign)
+    if not _reasonable(product):
+        product = Unit(product.exponents)
     powers = _powers(left_text)
-    for name, power in _powers(right_text).items():
-        powers[name] = powers.get(name, 0) + sign * power
-    return _spelled(Unit(exponents, factor, left.angle + sign * right.angle), powers)
+    for name, exponent in _powers(right_text).items():
+        powers[name] = powers.get(name, 0) + sign * exponent
+    return _spelled(product, powers)
 
 
-def power(unit: Unit, numerator: int, denominator: int = 1) -> Unit | None:
-    """``unit`` to a rational power; None where a base unit would get a broken one, as in the square root of a metre."""
-    if unit == DIMENSIONLESS:
-        return DIMENSIONLESS
-    if any(exponent * numerator % denominator for exponent in unit.exponents):
+def _product(left: Unit, right: Unit, sign: int) -> Unit:
+    exponents = tuple(a + sign * b for a, b in zip(left.exponents, right.exponents, strict=True))
+    above, below = (right.numerator, right.denominator) if sign > 0 else (right.denominator, right.numerator)
+    pi_power, angle = left.pi_power + sign * right.pi_power, left.angle + sign * right.angle
+    return _scaled(exponents, left.numerator * above, left.denominator * below, pi_power, angle)
+
+
+def power(unit: Unit, exponent: int, root: int = 1) -> Unit | None:
+    """The ``root``-th root of ``unit`` to the power ``exponent``.
+
+    None where a base unit would get a broken exponent, as in the square root of a metre, or a scale that is not exact.
+    """
+    raised = _raised(unit, exponent, root)
+    if raised is None or not _reasonable(raised):
         return None
-    exponents = tuple(exponent * numerator // denominator for exponent in unit.exponents)
-    try:
-        factor = _rounded(_bounded(unit.factor ** (numerator / denominator)))
-    except OverflowError:
-        return None
-    # Half an angle is a number: an angle is dimensionless, so that its square root is allowed.
-    angle = 0 if unit.angle * numerator % denominator else unit.angle * numerator // denominator
     powers = _powers(unit.text)
-    if any(value * numerator % denominator for value in powers.values()):
+    if any(value * exponent % root for value in powers.values()):
         powers = {}
-    return _spelled(
-        Unit(exponents, factor, angle), {name: value * numerator // denominator for name, value in powers.items()}
-    )
+    return _spelled(raised, {name: value * exponent // root for name, value in powers.items()})
 
 
-def _bounded(factor: float) -> float:
-    return min(max(factor, 1e-300), 1e300)
+def _raised(unit: Unit, exponent: int, root: int) -> Unit | None:
+    if abs(exponent) > 100 or any(value * exponent % root for value in (*unit.exponents, unit.pi_power)):
+        return None
+    numerator, denominator = _root(unit.numerator, root), _root(unit.denominator, root)
+    if numerator is None or denominator is None:
+        return None
+    if exponent < 0:
+        numerator, denominator = denominator, numerator
+    exponents = tuple(value * exponent // root for value in unit.exponents)
+    # An angle is a number: its square root is a number too.
+    angle = 0 if unit.angle * exponent % root else unit.angle * exponent // root
+    size = abs(exponent)
+    return _scaled(exponents, numerator**size, denominator**size, unit.pi_power * exponent // root, angle)
+
+
+def _root(number: int, root: int) -> int | None:
+    if root == 1 or number == 1:
+        return number
+    near = round(number ** (1 / root)) if number.bit_length() < 1000 else 0
+    return near if near**root == number else None
 
 
 def _powers(text: str) -> dict[str, int]:
@@ -234,21 +272,21 @@ def _powers(text: str) -> dict[str, int]:
 def _spelled(unit: Unit, powers: dict[str, int]) -> Unit:
     """``unit`` with a spelling: its factors, or where these are many a name or the base units."""
     powers = {name: power for name, power in powers.items() if power}
-    text = _product(powers)
+    text = _written(powers)
     spelled = _of_powers(powers, text)
     if len(powers) > 3 or spelled != unit:
-        shorter = [name for name in _NAMED if _PREFIXED[name][0] == unit.exponents]
+        shorter = [name for name in _NAMED if _PREFIXED[name].exponents == unit.exponents]
         text = shorter[0] if shorter else _base_text(unit.exponents)
         if unit.factor != 1:
             text = f"{unit.factor:g}*{text}" if text else f"{unit.factor:g}"
-    return Unit(unit.exponents, unit.factor, unit.angle, text)
+    return Unit(*_key(unit), text)
 
 
 def _base_text(exponents: tuple[int, ...]) -> str:
-    return _product(dict(zip(_BASE_SYMBOLS, exponents, strict=True)))
+    return _written(dict(zip(_BASE_SYMBOLS, exponents, strict=True)))
 
 
-def _product(powers: dict[str, int]) -> str:
+def _written(powers: dict[str, int]) -> str:
     def factor(name: str, power: int) -> str:
         return name if power == 1 else f"{name}^{power}"
 
@@ -259,7 +297,7 @@ def _product(powers: dict[str, int]) -> str:
 
 def agree(left: Unit, right: Unit) -> bool:
     """Whether two quantities may be added: dimension and scale are equal; ``rad`` counts as 1."""
-    return left.exponents == right.exponents and left.factor == right.factor
+    return left.exponents == right.exponents and left.scale == right.scale
 
 
 def same_dimension(left: Unit, right: Unit) -> bool:
@@ -271,9 +309,9 @@ def conversion_factor(source: Unit, target: Unit) -> float | None:
     """What a number in ``source`` is multiplied by to be one in ``target``; None where the dimensions differ.
 
     >>> conversion_factor(parse_unit("deg"), parse_unit("rad"))
-    0.0174532925199433
+    0.017453292519943295
     """
-    return source.factor / target.factor if source.exponents == target.exponents else None
+    return _product(source, target, -1).factor if source.exponents == target.exponents else None
 
 
 def canonical(unit: Unit) -> str:
@@ -282,10 +320,9 @@ def canonical(unit: Unit) -> str:
         return unit.text
     if unit.is_dimensionless:
         return "rad" if unit.angle else "1"
-    text = _base_text(unit.exponents)
-    return text
+    return _base_text(unit.exponents)
 
 
-SECOND = Unit((0, 0, 1, 0, 0, 0, 0), 1.0, 0, "s")
-HERTZ = Unit((0, 0, -1, 0, 0, 0, 0), 1.0, 0, "Hz")
-PER_SECOND = Unit((0, 0, -1, 0, 0, 0, 0), 1.0, 0, "1/s")
+SECOND = Unit((0, 0, 1, 0, 0, 0, 0), text="s")
+HERTZ = Unit((0, 0, -1, 0, 0, 0, 0), text="Hz")
+PER_SECOND = Unit((0, 0, -1, 0, 0, 0, 0), text="1/s")
