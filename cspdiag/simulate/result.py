@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
@@ -100,7 +100,9 @@ class Run:
 
     def to_csv(self, path: str | Path) -> None:
         """Write the external ports as CSV (format: ``cspdiag run --record``)."""
-        self._write(path, "csv_text")
+        from cspdiag.simulate.files import csv_text, write_whole
+
+        write_whole(Path(path), csv_text(self).encode())
 
     def to_npz(self, path: str | Path) -> None:
         """Write the external ports as a numpy archive."""
@@ -110,13 +112,11 @@ class Run:
 
     def to_trace(self, path: str | Path) -> None:
         """Write Chrome trace events (``.json``) or the plain trace (``.jsonl``)."""
-        self._write(path, "plain_trace_text" if str(path).endswith(".jsonl") else "chrome_trace_text")
+        from cspdiag.simulate.chrome_trace import chrome_trace_text
+        from cspdiag.simulate.files import plain_trace_text, write_whole
 
-    def _write(self, path: str | Path, maker: str) -> None:
-        from cspdiag.simulate import chrome_trace, files
-
-        make: Callable[[Run], str] = getattr(chrome_trace if maker.startswith("chrome") else files, maker)
-        files.write_whole(Path(path), make(self).encode())
+        make = plain_trace_text if Path(path).suffix == ".jsonl" else chrome_trace_text
+        write_whole(Path(path), make(self).encode())
 
     def plot(self, path: str | Path | None = None) -> Figure:
         """One figure of set-points, measurements, outputs and modes over time; written to ``path`` if given.

@@ -1,0 +1,75 @@
+"""Runs a network: the generated Python of ``-O0``, imported from memory, against its environment."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING
+
+from cspdiag.network.ir import Environment, Network
+from cspdiag.simulate.package import LoadedPackage
+from cspdiag.simulate.recorder import Recorder
+from cspdiag.simulate.result import Run
+
+if TYPE_CHECKING:
+    from cspdiag.runtime import Network as RunningNetwork
+
+
+class NoEnvironmentError(LookupError):
+    """The program has ports to the outside and nothing to connect them to."""
+
+
+def chosen_environment(network: Network, name: str | None) -> Environment | None:
+    """The environment of that name, or the first; None for a program without ports and environments.
+
+    Raises NoEnvironmentError, with a message for people, where there is none to be had.
+    """
+    names = [environment.name for environment in network.environments]
+    if name is not None:
+        if name not in names:
+            known = f"there are: {', '.join(names)}" if names else "the program has none"
+            raise NoEnvironmentError(f"no environment `{name}` for `{network.top}`; {known}")
+        return network.environments[names.index(name)]
+    if network.environments:
+        return network.environments[0]
+    if network.external_ports:
+        ports = ", ".join(f"`{port.name}`" for port in network.external_ports)
+        raise NoEnvironmentError(
+            f"`{network.top}` has no environment to run in: say what its ports {ports} are connected to "
+            f"with `environment NAME for {network.top} {{ ... }}`"
+        )
+    return None
+
+
+def simulate(
+    network: Network,
+    files: Mapping[str, str],
+    *,
+    environment: str | None = None,
+    until: int | None = None,
+    real_time: bool = False,
+    recorder: Recorder | None = None,
+    on_start: Callable[[RunningNetwork], None] | None = None,
+) -> Run:
+    """Run the generated package ``files`` of ``network``.
+
+    ``until`` is a time limit in nanoseconds. ``on_start`` is handed the running network, whose ``now`` is the present instant. Ctrl-C and what the
+    program raises end the run with an outcome, not with an exception. Raises NoEnvironmentError.
+    """
+    chosen = chosen_environment(network, environment)
+    recorder = recorder if recorder is not None else Recorder()
+    package = LoadedPackage(network.name, files)
+    try:
+        plant = package.module("environments").ENVIRONMENTS[chosen.name]() if chosen is not None else None
+        running = package.module("network").build(plant.drivers if plant is not None else {})
+        if on_start is not None:
+            on_start(running)
+        outcome = running.run(
+            environment=plant,
+            until=until,
+            real_time=real_time,
+            on_miss=chosen.on_miss if chosen is not None else "timeout",
+            observer=recorder,
+        )
+    finally:
+        package.close()
+    return Run(network, chosen, outcome, recorder.communications, recorder.activities)

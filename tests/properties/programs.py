@@ -1,0 +1,198 @@
+"""Random well-typed programs, as text, with all constructs of the language.
+
+A program is a few leaf processes in parallel, joined by channels of all kinds, with sampled and event ports to an environment. Every process uses each of
+its ports; loops are bounded or contain a delay. Such a program may deadlock, miss a sample or overflow: each of these
+is an outcome like any other, and has to be the same on every run and target.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from hypothesis import strategies as st
+
+TYPES = ("int", "double", "bool", "int16", "Mode")
+INITIAL = {"int": "0", "double": "0.0", "bool": "false", "int16": "int16(0)", "Mode": "Mode.idle"}
+
+
+@dataclass
+class Leaf:
+    """A process under construction: its ports with their types and the statements that use them."""
+
+    name: str
+    inputs: dict[str, str] = field(default_factory=dict)
+    outputs: dict[str, str] = field(default_factory=dict)
+    periods: dict[str, str] = field(default_factory=dict)
+    priority_alternative: bool = False
+
+
+def value(draw: st.DrawFn, kind: str, depth: int = 2) -> str:
+    """An expression of a type over the variables ``v_<type>`` and ``n``."""
+    if depth == 0 or draw(st.booleans()):
+        literals = {
+            "int": st.sampled_from(["0", "1", "7", "-3", "n", "v_int"]),
+            "double": st.sampled_from(["0.5", "1.25", "-2.0", "v_double"]),
+            "bool": st.sampled_from(["true", "false", "v_bool"]),
+            "int16": st.sampled_from(["int16(3)", "v_int16"]),
+            "Mode": st.sampled_from(["Mode.idle", "Mode.run", "v_Mode"]),
+        }
+        return draw(literals[kind])
+    inner = lambda k: value(draw, k, depth - 1)  # noqa: E731
+    match kind:
+        case "int":
+            form = draw(st.sampled_from(["({} + {})", "({} - {})", "({} * {})", "({} % 5 + {})", "max({}, {})"]))
+            return form.format(inner("int"), inner("int"))
+        case "double":
+            form = draw(st.sampled_from(["({} + {})", "({} * {})", "limit({}, -10.0, 10.0 + abs({}))", "min({}, {})"]))
+            return form.format(inner("double"), inner("double"))
+        case "bool":
+            form = draw(st.sampled_from(["({} < {})", "({} == {})", "({} >= {})"]))
+            return form.format(inner("int"), inner("int"))
+        case _:
+            return f"(if {inner('bool')} then {inner(kind)} else {inner(kind)})"
+
+
+def use_inputs(draw: st.DrawFn, leaf: Leaf) -> list[str]:
+    """Statements that read every input, one by one or by an alternative."""
+    plain = dict(leaf.inputs)
+    statements = []
+    if len(plain) >= 2 and draw(st.booleans()):
+        operator = draw(st.sampled_from(["[]", "[]>"]))
+        branches = [f"({guard(draw, name, kind)} -> {small_step(draw)})" for name, kind in plain.items()]
+        if draw(st.booleans()):
+            branches.append(f"(after {draw(st.sampled_from([1, 3, 10]))} ms -> skip)")
+        count = draw(st.integers(1, 4))
+        statements.append(f"(n := 0 ; (mu (({f' {operator} '.join(branches)}) ; n := n + 1) until n >= {count}))")
+    else:
+        statements += [f"{name} ? v_{kind}" for name, kind in plain.items()]
+    return statements
+
+
+def guard(draw: st.DrawFn, name: str, kind: str) -> str:
+    """An input guard, with or without a condition that can hold."""
+    condition = "when n < 100 & " if draw(st.booleans()) else ""
+    return f"{condition}{name} ? v_{kind}"
+
+
+def small_step(draw: st.DrawFn) -> str:
+    """A step without communication."""
+    kind = draw(st.sampled_from(TYPES))
+    return draw(
+        st.sampled_from(
+            [
+                "skip",
+                "wait 1 ms",
+                f"v_{kind} := {value(draw, kind)}",
+                f"(if {value(draw, 'bool')} then skip else wait 2 ms)",
+            ]
+        )
+    )
+
+
+def body(draw: st.DrawFn, leaf: Leaf) -> str:
+    """A composition that uses every port, decorated with loops, exceptions and interrupts."""
+    steps = use_inputs(draw, leaf)
+    steps += [f"{name} ! {value(draw, kind)}" for name, kind in leaf.outputs.items()]
+    steps += [small_step(draw) for _ in range(draw(st.integers(0, 2)))]
+    order = draw(st.permutations(steps)) or ["skip"]
+    text = " ; ".join(f"({step})" for step in order) if len(order) > 1 else f"{order[0]} ; skip"
+    wrapped = f"({text})"
+    match draw(st.sampled_from(["once", "mu", "while", "catch", "raise", "interrupt", "seq", "group"])):
+        case "mu":
+            turns = draw(st.integers(1, 5))
+            wrapped = f"(k := 0 ; (mu (({text}) ; k := k + 1 ; wait 1 ms) until k >= {turns}))"
+        case "while":
+            wrapped = f"(k := 0 ; (while k < {draw(st.integers(0, 4))} do (({text}) ; k := k + 1 ; wait 1 ms)))"
+        case "catch":
+            name = draw(st.sampled_from(["Overheated", "Fault", "Timeout"]))
+            wrapped = f"(({text}) catch {name} -> (k := 99))"
+        case "raise":
+            wrapped = f"((({text}) ; (if {value(draw, 'bool')} then raise Overheated)) catch Overheated -> skip)"
+        case "interrupt":
+            wrapped = f"(({text}) interrupt after {draw(st.integers(1, 20))} ms -> skip)"
+        case "seq":
+            wrapped = f"(seq i < {draw(st.integers(1, 3))} : ({text}))"
+        case "group":
+            wrapped = f"(work: ({text}))"
+        case _:
+            pass
+    return wrapped
+
+
+def leaf_text(draw: st.DrawFn, leaf: Leaf) -> str:
+    """The definition of a leaf process."""
+    ports = [f"    in {name} : {kind}{leaf.periods.get(name, '')}" for name, kind in leaf.inputs.items()]
+    ports += [f"    out {name} : {kind}{leaf.periods.get(name, '')}" for name, kind in leaf.outputs.items()]
+    variables = [f"        var v_{kind} : {kind} = {INITIAL[kind]}" for kind in TYPES]
+    variables += ["        var n : int = 0", "        var k : int = 0"]
+    return "\n".join(
+        [
+            f"process {leaf.name} {{",
+            *ports,
+            "    communication {",
+            *variables,
+            "    }",
+            "    composition {",
+            f"        {body(draw, leaf)}",
+            "    }",
+            "}",
+        ]
+    )
+
+
+@st.composite
+def programs(draw: st.DrawFn) -> str:
+    """A whole program with its environment ``Bench``."""
+    leaves = [Leaf(f"Leaf{i}") for i in range(draw(st.integers(2, 4)))]
+    relations: list[str] = []
+    for number in range(draw(st.integers(1, 5))):
+        writer, reader = draw(st.permutations(range(len(leaves))))[:2]
+        kind = draw(st.sampled_from(TYPES))
+        asked = draw(st.sampled_from(["", "", "buffer 2", "overwrite 3"]))
+        leaves[writer].outputs[f"o{number}"] = kind
+        leaves[reader].inputs[f"i{number}"] = kind
+        arrow = f"-> c{number} : {kind} {asked}".rstrip()
+        relations.append(f"leaf{writer}.o{number} {arrow} -> leaf{reader}.i{number}")
+    if len(leaves) >= 3 and draw(st.booleans()):
+        one, two, three = draw(st.permutations(range(len(leaves))))[:3]
+        shared = draw(st.sampled_from(["any", "broadcast"]))
+        if shared == "any":
+            leaves[one].outputs["m"] = leaves[two].outputs["m"] = "int"
+            leaves[three].inputs["m"] = "int"
+            relations.append(f"leaf{one}.m, leaf{two}.m -> any -> leaf{three}.m")
+        else:
+            leaves[one].outputs["m"] = "int"
+            leaves[two].inputs["m"] = leaves[three].inputs["m"] = "int"
+            relations.append(f"leaf{one}.m -> broadcast -> leaf{two}.m, leaf{three}.m")
+    period = draw(st.sampled_from(["1 ms", "2 ms", "5 ms"]))
+    sampler = draw(st.integers(0, len(leaves) - 1))
+    leaves[sampler].inputs["sample_in"] = "double"
+    leaves[sampler].outputs["sample_out"] = "double"
+    button = draw(st.integers(0, len(leaves) - 1))
+    leaves[button].inputs["button"] = "int"
+    relations += [
+        f"level -> leaf{sampler}.sample_in",
+        f"leaf{sampler}.sample_out -> drive",
+        f"press -> leaf{button}.button",
+    ]
+    operator = draw(st.sampled_from(["||", "||>"]))
+    definitions = [leaf_text(draw, leaf) for leaf in leaves]
+    instances = "\n".join(f"        leaf{i} : Leaf{i}" for i in range(len(leaves)))
+    arrows = "\n".join(f"        {relation}" for relation in relations)
+    running = f" {operator} ".join(f"leaf{i}" for i in range(len(leaves)))
+    return (
+        "\n\n".join(
+            [
+                "enum Mode { idle, run }\n\nexception Overheated",
+                *definitions,
+                f"process Top {{\n    in level : double @ {period}\n    in press : int\n    out drive : double @ {period}\n"
+                f"    communication {{\n{instances}\n{arrows}\n    }}\n    composition {{\n        {running}\n    }}\n}}",
+                "submodel Plant {\n    in force : double\n    out level : double\n    out press : int\n"
+                "    state x : double = 1.0\n    state count : int = 0\n"
+                "    der x = force - 0.5 * x\n    next count = count + 1\n    level = x\n    press = count / 7\n}",
+                "environment Bench for Top step 1 ms {\n    plant : Plant\n    drive -> plant.force\n"
+                "    plant.level -> level\n    plant.press -> press\n}",
+            ]
+        )
+        + "\n"
+    )
