@@ -29,6 +29,14 @@ class Checked:
     report: Report
 
 
+@node
+class Built:
+    """A program on its way to code; ``network`` is None where errors, in ``checked.report``, prevent it."""
+
+    checked: Checked
+    network: Network | None
+
+
 def check(main: SourceFile, read: Reader, overrides: Mapping[str, Value] | None = None) -> Checked:
     """Find everything that is wrong with a program and the files it imports.
 
@@ -78,6 +86,30 @@ def compile_network(
         return None
     network = lower(checked.program, top, environment, overrides or {}, checked.report)
     return None if checked.report.has_errors else network
+
+
+def build(
+    main: SourceFile,
+    read: Reader,
+    *,
+    top: str | None = None,
+    environment: str | None = None,
+    settings: Mapping[str, str] | None = None,
+) -> Built:
+    """Check a program and lower it, with settings such as ``{"Tsh": "10 ms", "pan.inertia": "2e-3"}``.
+
+    Raises ``cspdiag.settings.SettingError`` for a setting that fits nothing in a program without errors.
+    """
+    from cspdiag.settings import NO_OVERRIDES, parse_settings
+
+    checked = check(main, read)
+    if checked.program is None or checked.report.has_errors:
+        return Built(checked=checked, network=None)
+    overrides = parse_settings(checked.program, settings) if settings else NO_OVERRIDES
+    if overrides.constants:
+        checked = check(main, read, overrides.constants)
+    network = compile_network(checked, top=top, environment=environment, overrides=overrides.parameters)
+    return Built(checked=checked, network=network)
 
 
 def generate(network: Network, target: str = "python") -> dict[str, str]:

@@ -54,9 +54,7 @@ class Case:
 def cases_of(path: Path) -> Iterator[Case]:
     """The cases of one Markdown file."""
     text = path.read_text(encoding="utf-8")
-    blocks = [
-        Block(m["language"], m["name"], m["text"], m.start("text"), m.end("text")) for m in _FENCE.finditer(text)
-    ]
+    blocks = [Block(m["language"], m["name"], m["text"], m.start("text"), m.end("text")) for m in _FENCE.finditer(text)]
     inside = [(block.start, block.end) for block in blocks]
     heads = [
         head

@@ -1,1 +1,1 @@
-"""cspdiag.cli"""
+"""The command line: one file a verb. Only here are files written, results printed and exit codes chosen."""

@@ -1,0 +1,120 @@
+"""``cspdiag compile``: generate a controller package."""
+
+from __future__ import annotations
+
+import os
+import sys
+from argparse import ArgumentParser, Namespace
+from typing import TYPE_CHECKING
+
+from cspdiag.cli.failure import FINE, UNSUCCESSFUL, UsageError
+from cspdiag.cli.terminal import show_diagnostics
+from cspdiag.diagnostics.report import Report
+from cspdiag.pipeline import build, check, generate
+from cspdiag.settings import SettingError, split_setting
+from cspdiag.sources import read_source
+
+if TYPE_CHECKING:
+    from cspdiag.network.ir import Network
+
+EXAMPLE = "cspdiag compile models/jiwy/jiwy.csp -o build\ncspdiag compile models/jiwy/jiwy.csp --emit network"
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Declare the options."""
+    parser.add_argument("file", metavar="FILE", help="a program; - reads standard input")
+    parser.add_argument(
+        "-o", "--output", metavar="DIR", default="build", help="where the package goes (default: build)"
+    )
+    parser.add_argument(
+        "--target", metavar="TARGET", default="python", help="language of the package (default: python)"
+    )
+    parser.add_argument("--top", metavar="PROCESS", help="the outermost process (default: that of the environment)")
+    parser.add_argument("--environment", metavar="NAME", help="the environment to compile for (default: the first)")
+    parser.add_argument(
+        "--set", metavar="NAME=VALUE", action="append", default=[], help="set a constant or a parameter"
+    )
+    parser.add_argument("--force", action="store_true", help="overwrite files that were changed by hand")
+    parser.add_argument("--emit", choices=("ast", "model", "network"), help="print a representation instead")
+    level = parser.add_mutually_exclusive_group()
+    level.add_argument("-O0", dest="level", action="store_const", const=0, default=0, help="readable code (default)")
+    level.add_argument("-O1", dest="level", action="store_const", const=1, help="fast code (not in this version)")
+
+
+def run(arguments: Namespace) -> int:
+    """Generate the package, or print what was asked for."""
+    if arguments.level == 1:
+        raise UsageError("-O1 is not in this version; -O0 generates the readable package")
+    match arguments.emit:
+        case "ast":
+            return _emit_tree(arguments)
+        case "model":
+            return _emit_model(arguments)
+        case "network":
+            return _emit_network(arguments)
+        case _:
+            return _generate(arguments)
+
+
+def _emit_tree(arguments: Namespace) -> int:
+    from cspdiag.cli.representation import show_tree
+    from cspdiag.syntax.parser import parse
+
+    report = Report()
+    tree = parse(read_source(arguments.file), report)
+    show_diagnostics(report.diagnostics, arguments.color)
+    if tree is None or report.has_errors:
+        return UNSUCCESSFUL
+    sys.stdout.write(show_tree(tree))
+    return FINE
+
+
+def _emit_model(arguments: Namespace) -> int:
+    from cspdiag.cli.representation import show_model
+
+    checked = check(read_source(arguments.file), read_source)
+    show_diagnostics(checked.report.diagnostics, arguments.color)
+    if checked.program is None or checked.report.has_errors:
+        return UNSUCCESSFUL
+    sys.stdout.write(show_model(checked.program))
+    return FINE
+
+
+def _emit_network(arguments: Namespace) -> int:
+    network = _network(arguments)
+    if network is None:
+        return UNSUCCESSFUL
+    from cspdiag.network.dump import dump
+
+    sys.stdout.write(dump(network))
+    return FINE
+
+
+def _generate(arguments: Namespace) -> int:
+    from cspdiag.cli.output import write_package
+    from cspdiag.codegen import TARGETS
+
+    if arguments.target not in TARGETS:
+        raise UsageError(f"unknown target {arguments.target!r} (there are: {', '.join(TARGETS)})")
+    network = _network(arguments)
+    if network is None:
+        return UNSUCCESSFUL
+    folder = os.path.join(arguments.output, network.name)
+    write_package(folder, generate(network, arguments.target), force=arguments.force)
+    sys.stderr.write(f"wrote {folder}\n")
+    return FINE
+
+
+def _network(arguments: Namespace) -> Network | None:
+    try:
+        built = build(
+            read_source(arguments.file),
+            read_source,
+            top=arguments.top,
+            environment=arguments.environment,
+            settings=dict(split_setting(setting) for setting in arguments.set),
+        )
+    except SettingError as problem:
+        raise UsageError(f"--set {problem}") from None
+    show_diagnostics(built.checked.report.diagnostics, arguments.color)
+    return built.network

@@ -1,0 +1,17 @@
+"""Exit codes, and the failures that end a command with one line."""
+
+from __future__ import annotations
+
+FINE = 0
+UNSUCCESSFUL = 1
+"""The program has errors, or a run ended unsuccessfully."""
+WRONG_USAGE = 2
+"""Wrong usage, or a file that cannot be read or written."""
+INTERNAL_ERROR = 3
+INTERRUPTED = 130
+BROKEN_PIPE = 141
+"""What a shell reports for a program that writes to a pipe nobody reads."""
+
+
+class UsageError(Exception):
+    """The command cannot be carried out as given; the message is one line for the person who gave it."""

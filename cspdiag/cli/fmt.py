@@ -1,0 +1,75 @@
+"""``cspdiag fmt``: format programs."""
+
+from __future__ import annotations
+
+import sys
+from argparse import ArgumentParser, Namespace
+
+from cspdiag.cli.failure import FINE, UNSUCCESSFUL
+from cspdiag.cli.output import replace_text
+from cspdiag.cli.terminal import show_diagnostics
+from cspdiag.diagnostics.report import Report
+from cspdiag.diagnostics.span import SourceFile
+from cspdiag.sources import STANDARD_INPUT, read_source
+from cspdiag.syntax.formatter import format_tree
+from cspdiag.syntax.parser import parse
+
+EXAMPLE = "cspdiag fmt controller.csp\ncspdiag fmt --check --diff models/*/*.csp"
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Declare the options."""
+    parser.add_argument("files", nargs="+", metavar="FILE", help="a program; - reads standard input and prints")
+    parser.add_argument("--check", action="store_true", help="change nothing; exit 1 if a file would change")
+    parser.add_argument(
+        "--diff", action="store_true", help="change nothing; print the differences, exit 1 if there are any"
+    )
+
+
+def run(arguments: Namespace) -> int:
+    """Format every file; one with syntax errors is left as it is."""
+    report = Report()
+    changed: list[SourceFile] = []
+    for source in [read_source(name) for name in dict.fromkeys(arguments.files)]:
+        text = formatted(source, report)
+        if text is None:
+            continue
+        if arguments.diff:
+            sys.stdout.write(_difference(source, text))
+        elif source.name == STANDARD_INPUT and not arguments.check:
+            sys.stdout.write(text)
+        if text != source.text:
+            changed.append(source)
+            _change(source, text, arguments)
+    show_diagnostics(report.diagnostics, arguments.color)
+    only_looked = arguments.check or arguments.diff
+    return UNSUCCESSFUL if report.has_errors or (only_looked and changed) else FINE
+
+
+def formatted(source: SourceFile, report: Report) -> str | None:
+    """The text of a file in the one style; None, with the reason in ``report``, if it has syntax errors."""
+    own = Report()
+    tree = parse(source, own)
+    for diagnostic in own.diagnostics:
+        report.add(diagnostic)
+    return None if tree is None or own.has_errors else format_tree(tree)
+
+
+def _change(source: SourceFile, text: str, arguments: Namespace) -> None:
+    if arguments.check:
+        sys.stderr.write(f"would format {source.name}\n")
+    elif not arguments.diff and source.name != STANDARD_INPUT:
+        replace_text(source.name, text)
+        sys.stderr.write(f"formatted {source.name}\n")
+
+
+def _difference(source: SourceFile, text: str) -> str:
+    from difflib import unified_diff
+
+    lines = unified_diff(
+        source.text.splitlines(keepends=True),
+        text.splitlines(keepends=True),
+        source.name,
+        f"{source.name} (formatted)",
+    )
+    return "".join(line if line.endswith("\n") else f"{line}\n\\ No newline at end of file\n" for line in lines)

@@ -1,0 +1,152 @@
+"""Finds the verb, runs it, and turns whatever happens into an exit code.
+
+Only the module of the verb at hand is imported, and only its options are built: ``cspdiag check`` has 120 ms for everything.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
+from collections.abc import Sequence
+from importlib import import_module
+from typing import NoReturn, Protocol, cast
+
+from cspdiag import __version__
+from cspdiag.cli.failure import BROKEN_PIPE, FINE, INTERNAL_ERROR, INTERRUPTED, WRONG_USAGE, UsageError
+
+VERBS = {
+    "check": "find everything that is wrong with programs",
+    "compile": "generate a controller package",
+    "run": "run a program against an environment",
+    "fmt": "format programs",
+    "explain": "show the manual page of a diagnostic",
+    "new": "start a project",
+    "bench": "run the benchmarks on this machine",
+}
+"""The verbs with what they do; each is the module ``cspdiag.cli.VERB``, a ``Verb``."""
+
+EXAMPLE = "cspdiag run models/jiwy/jiwy.csp --plot jiwy.svg"
+
+
+class Verb(Protocol):
+    """What the module of a verb offers."""
+
+    EXAMPLE: str
+    """Command lines that end the verb's help."""
+
+    def add_arguments(self, parser: ArgumentParser) -> None:
+        """Declare the options."""
+
+    def run(self, arguments: Namespace) -> int:
+        """Carry the verb out and return the exit code; raises UsageError and OSError for exit code 2."""
+
+
+class _Parser(ArgumentParser):
+    def error(self, message: str) -> NoReturn:
+        raise UsageError(f"{message} (try {self.prog} --help)")
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Carry out a command line (default: that of this process) and return its exit code."""
+    given = list(sys.argv[1:] if arguments is None else arguments)
+    try:
+        _accept_any_character()
+        code = _dispatch(given)
+        sys.stdout.flush()
+    except UsageError as problem:
+        return _refuse(str(problem))
+    except KeyboardInterrupt:
+        return INTERRUPTED
+    except BrokenPipeError:
+        # The interpreter flushes standard output once more when it ends.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return BROKEN_PIPE
+    except OSError as problem:
+        return _refuse(_described(problem))
+    except SystemExit as end:
+        return end.code if isinstance(end.code, int) else FINE
+    except Exception as problem:
+        from cspdiag.cli.internal import describe
+
+        sys.stderr.write(describe(problem, given))
+        return INTERNAL_ERROR
+    return code
+
+
+def verb_parser(verb: str) -> ArgumentParser:
+    """The parser of a verb's options."""
+    module = _module(verb)
+    summary = VERBS[verb]
+    examples = "\n".join(f"  {line}" for line in module.EXAMPLE.splitlines())
+    parser = _Parser(
+        prog=f"cspdiag {verb}",
+        description=f"{summary[0].upper()}{summary[1:]}.",
+        epilog=f"example:\n{examples}",
+        formatter_class=RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+    )
+    module.add_arguments(parser)
+    parser.add_argument(
+        "--color", choices=("auto", "always", "never"), default="auto", help="colours (default: on a terminal)"
+    )
+    return parser
+
+
+def _dispatch(given: list[str]) -> int:
+    if not given or given[0] in {"-h", "--help", "help"}:
+        sys.stdout.write(_overview())
+        return FINE if given else WRONG_USAGE
+    if given[0] in {"-V", "--version"}:
+        print(f"cspdiag {__version__}")
+        return FINE
+    verb = given[0]
+    if verb not in VERBS:
+        raise UsageError(_unknown(verb))
+    return _module(verb).run(verb_parser(verb).parse_args(given[1:]))
+
+
+def _module(verb: str) -> Verb:
+    return cast(Verb, import_module(f"cspdiag.cli.{verb}"))
+
+
+def _overview() -> str:
+    verbs = "\n".join(f"  {verb:<9}{summary}" for verb, summary in VERBS.items())
+    return (
+        "usage: cspdiag VERB [options] FILE\n\n"
+        "Communication and composition diagrams in text, checked and turned into control software that runs.\n\n"
+        f"verbs:\n{verbs}\n\n"
+        "options:\n  --help     this page; after a verb, the page of the verb\n  --version  the version\n\n"
+        f"example:\n  {EXAMPLE}\n"
+    )
+
+
+def _unknown(verb: str) -> str:
+    from difflib import get_close_matches
+
+    kind = "option" if verb.startswith("-") else "verb"
+    near = get_close_matches(verb, VERBS, n=1)
+    help_ = f"did you mean {near[0]}?" if near else "try cspdiag --help"
+    return f"unknown {kind} {verb!r} ({help_})"
+
+
+def _refuse(message: str) -> int:
+    from cspdiag.diagnostics.snippet import printable
+
+    line = " ".join(printable(message).split("\n"))
+    sys.stderr.write(f"cspdiag: {line}\n")
+    return WRONG_USAGE
+
+
+def _described(problem: OSError) -> str:
+    reason = problem.strerror or str(problem)
+    reason = f"{reason[:1].lower()}{reason[1:]}"
+    return f"{problem.filename}: {reason}" if problem.filename is not None else reason
+
+
+def _accept_any_character() -> None:
+    """Let a terminal of a small character set show what it has no character for by its number."""
+    for stream in (sys.stdout, sys.stderr):
+        reconfigure = getattr(stream, "reconfigure", None)
+        if reconfigure is not None:
+            reconfigure(errors="backslashreplace")

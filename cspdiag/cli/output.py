@@ -1,0 +1,108 @@
+"""Writes results: whole or not at all, and never over what somebody made by hand."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from contextlib import suppress
+from hashlib import sha256
+
+from cspdiag.cli.failure import UsageError
+
+MANIFEST = ".cspdiag-manifest"
+"""Names the generated files of a package, each with the SHA-256 of its text, so that changes made by hand are seen."""
+
+
+def replace_text(path: str, text: str) -> None:
+    """Write a text file by way of a temporary one beside it; a symbolic link keeps pointing where it points."""
+    real = os.path.realpath(path)
+    temporary = f"{real}.{os.getpid()}.tmp"
+    try:
+        with open(temporary, "x", encoding="utf-8", newline="\n") as file:
+            file.write(text)
+        with suppress(OSError):
+            os.chmod(temporary, os.stat(real).st_mode & 0o7777)
+        os.replace(temporary, real)
+    finally:
+        with suppress(FileNotFoundError):
+            os.unlink(temporary)
+
+
+def write_package(folder: str, files: Mapping[str, str], *, force: bool) -> None:
+    """Write the files of a generated package, by path relative to ``folder``.
+
+    All files are written beside the folder first and then moved to their places. Files of an earlier generation that are no
+    longer generated are removed; files that were never generated stay. Raises UsageError, having written nothing, where
+    a file was changed or put there by hand, unless ``force``; OSError where a file cannot be written.
+    """
+    recorded = _recorded(folder)
+    if not force:
+        _refuse_changes(folder, files, recorded)
+    staging = f"{folder.rstrip(os.sep)}.{os.getpid()}.tmp"
+    complete = {**files, MANIFEST: _manifest(files)}
+    try:
+        for path, text in complete.items():
+            _write(os.path.join(staging, path), text)
+        for path in complete:
+            target = os.path.join(folder, path)
+            os.makedirs(os.path.dirname(target), exist_ok=True)
+            os.replace(os.path.join(staging, path), target)
+    finally:
+        _remove_tree(staging)
+    for path in recorded.keys() - files.keys():
+        with suppress(OSError):
+            os.unlink(os.path.join(folder, path))
+
+
+def _write(path: str, text: str) -> None:
+    os.makedirs(os.path.dirname(path), exist_ok=True)
+    with open(path, "x", encoding="utf-8", newline="\n") as file:
+        file.write(text)
+
+
+def _remove_tree(folder: str) -> None:
+    for parent, folders, names in os.walk(folder, topdown=False):
+        for name in names:
+            os.unlink(os.path.join(parent, name))
+        for name in folders:
+            os.rmdir(os.path.join(parent, name))
+    with suppress(FileNotFoundError):
+        os.rmdir(folder)
+
+
+def _digest(text: str) -> str:
+    return sha256(text.encode()).hexdigest()
+
+
+def _manifest(files: Mapping[str, str]) -> str:
+    return "".join(f"{_digest(text)}  {path}\n" for path, text in sorted(files.items()))
+
+
+def _recorded(folder: str) -> dict[str, str]:
+    try:
+        with open(os.path.join(folder, MANIFEST), encoding="utf-8") as file:
+            pairs = [line.rstrip("\n").partition("  ") for line in file]
+    except FileNotFoundError:
+        return {}
+    # A manifest is a file like any other: a path in it that leads elsewhere is none of ours.
+    return {
+        path: digest for digest, _, path in pairs if path and not os.path.isabs(path) and ".." not in path.split("/")
+    }
+
+
+def _refuse_changes(folder: str, files: Mapping[str, str], recorded: Mapping[str, str]) -> None:
+    changed = [path for path in sorted({*files, *recorded}) if _is_hand_made(folder, path, files, recorded)]
+    if not changed:
+        return
+    listed = ", ".join(changed[:3]) + (f" and {len(changed) - 3} more" if len(changed) > 3 else "")
+    raise UsageError(f"{folder} holds files changed by hand: {listed} (--force overwrites them)")
+
+
+def _is_hand_made(folder: str, path: str, files: Mapping[str, str], recorded: Mapping[str, str]) -> bool:
+    try:
+        with open(os.path.join(folder, path), "rb") as file:
+            data = file.read()
+    except (FileNotFoundError, NotADirectoryError):
+        return False
+    known = {recorded.get(path), _digest(files[path]) if path in files else None}
+    return sha256(data).hexdigest() not in known

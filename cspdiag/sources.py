@@ -1,0 +1,42 @@
+"""Reads source files."""
+
+from __future__ import annotations
+
+import errno
+import sys
+
+from cspdiag.diagnostics.span import SourceFile
+
+MAXIMUM_SIZE = 64 * 1024 * 1024
+"""Bytes. A larger file (or a device that never ends) is not a program."""
+
+STANDARD_INPUT = "-"
+
+
+def read_source(path: str) -> SourceFile:
+    """The text of a file, or of standard input for ``-``, with line ends as ``\\n``.
+
+    Raises OSError, with a ``strerror`` for people, for a file that cannot be read, is not UTF-8 text or is too large.
+    """
+    try:
+        if path == STANDARD_INPUT:
+            data = sys.stdin.buffer.read(MAXIMUM_SIZE + 1)
+        else:
+            with open(path, "rb") as file:
+                data = file.read(MAXIMUM_SIZE + 1)
+    except ValueError as problem:
+        raise OSError(errno.EINVAL, str(problem), path) from None
+    if len(data) > MAXIMUM_SIZE:
+        raise OSError(errno.EFBIG, f"larger than {MAXIMUM_SIZE // 1024 // 1024} MiB", path)
+    return SourceFile(name=path, text=_decoded(data, path).replace("\r\n", "\n"))
+
+
+def _decoded(data: bytes, path: str) -> str:
+    zero = data.find(b"\0")
+    if zero >= 0:
+        raise OSError(errno.EILSEQ, f"not text (a zero byte at offset {zero})", path)
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as problem:
+        byte = data[problem.start]
+        raise OSError(errno.EILSEQ, f"not UTF-8 text (byte 0x{byte:02x} at offset {problem.start})", path) from None
