@@ -311,14 +311,21 @@ class Communication(Node):
 
 
 @node
-class Run(Node):
+class Step(Node):
+    """A part of a composition; ``parenthesized`` as it was written."""
+
+    parenthesized: bool = False
+
+
+@node
+class Run(Step):
     """The name of an instance: run it."""
 
     instance: Reference
 
 
 @node
-class Read(Node):
+class Read(Step):
     """``port ? x``."""
 
     channel: Reference
@@ -326,7 +333,7 @@ class Read(Node):
 
 
 @node
-class Write(Node):
+class Write(Step):
     """``port ! e``."""
 
     channel: Reference
@@ -334,7 +341,7 @@ class Write(Node):
 
 
 @node
-class Assign(Node):
+class Assign(Step):
     """``x := e``."""
 
     target: Reference
@@ -342,45 +349,45 @@ class Assign(Node):
 
 
 @node
-class Skip(Node):
+class Skip(Step):
     """Ends at once."""
 
 
 @node
-class Stop(Node):
+class Stop(Step):
     """Never ends."""
 
 
 @node
-class Wait(Node):
+class Wait(Step):
     """``wait 5 ms``."""
 
     duration: Expression
 
 
 @node
-class Reset(Node):
+class Reset(Step):
     """``reset name``: the states of a submodel instance go back to their initial values."""
 
     instance: Reference
 
 
 @node
-class Raise(Node):
+class Raise(Step):
     """``raise Name``."""
 
     exception: Identifier
 
 
 @node
-class Sequence(Node):
+class Sequence(Step):
     """``P ; Q ; ...``, at least two."""
 
     processes: tuple[Composition, ...]
 
 
 @node
-class Parallel(Node):
+class Parallel(Step):
     """``P || Q || ...`` or, prioritized, ``P ||> Q ||> ...``."""
 
     prioritized: bool
@@ -388,7 +395,7 @@ class Parallel(Node):
 
 
 @node
-class Alternative(Node):
+class Alternative(Step):
     """``P [] Q [] ...`` or, prioritized, ``P []> Q []> ...``; every branch is a guarded process or a replicated alternative."""
 
     prioritized: bool
@@ -442,7 +449,7 @@ class Guard(Node):
 
 
 @node
-class Guarded(Node):
+class Guarded(Step):
     """``guard -> P``."""
 
     guard: Guard
@@ -450,7 +457,7 @@ class Guarded(Node):
 
 
 @node
-class Mu(Node):
+class Mu(Step):
     """``mu P until e`` or ``mu P``."""
 
     process: Composition
@@ -458,7 +465,7 @@ class Mu(Node):
 
 
 @node
-class While(Node):
+class While(Step):
     """``while e do P``."""
 
     condition: Expression
@@ -466,7 +473,7 @@ class While(Node):
 
 
 @node
-class If(Node):
+class If(Step):
     """``if e then P else Q``."""
 
     condition: Expression
@@ -475,7 +482,7 @@ class If(Node):
 
 
 @node
-class Catch(Node):
+class Catch(Step):
     """``P catch Timeout -> Q``."""
 
     process: Composition
@@ -484,7 +491,7 @@ class Catch(Node):
 
 
 @node
-class Interrupt(Node):
+class Interrupt(Step):
     """``P interrupt g -> Q``."""
 
     process: Composition
@@ -496,7 +503,7 @@ ReplicatedOperator: TypeAlias = Literal["seq", "par", "pripar", "alt", "prialt"]
 
 
 @node
-class Replicated(Node):
+class Replicated(Step):
     """``par i < N : P``."""
 
     operator: ReplicatedOperator
@@ -505,7 +512,7 @@ class Replicated(Node):
 
 
 @node
-class Labelled(Node):
+class Labelled(Step):
     """``label: P``."""
 
     label: Identifier

@@ -1,0 +1,40 @@
+"""The values of number and duration tokens, exactly."""
+
+from __future__ import annotations
+
+import math
+
+_NANOSECONDS = {"ns": 1, "us": 1_000, "ms": 1_000_000, "s": 1_000_000_000, "min": 60_000_000_000}
+_HERTZ = {"Hz": 1, "kHz": 1_000, "MHz": 1_000_000}
+_LONGEST_NUMBER = 64
+"""In characters; also keeps powers of ten small."""
+_LARGEST_EXPONENT = 40
+
+
+def number_value(digits: str) -> int | float | None:
+    """An ``int`` for digits alone, otherwise a ``float``; None if it is not representable."""
+    if digits.isdigit():
+        return int(digits) if len(digits) <= _LONGEST_NUMBER else None
+    value = float(digits)
+    return value if math.isfinite(value) else None
+
+
+def nanoseconds(digits: str, unit: str) -> int | None:
+    """A duration, or the period of a frequency, rounded to whole nanoseconds.
+
+    None for a frequency of zero and for what is too large or too long a number.
+    """
+    mantissa, _, exponent_text = digits.lower().partition("e")
+    whole, _, fraction = mantissa.partition(".")
+    if len(digits) > _LONGEST_NUMBER or abs(int(exponent_text or "0")) > _LARGEST_EXPONENT:
+        return None
+    exponent = int(exponent_text or "0") - len(fraction)
+    numerator = int(whole + fraction) * 10 ** max(exponent, 0)
+    denominator: int = 10 ** max(-exponent, 0)
+    if unit in _HERTZ:
+        numerator, denominator = 1_000_000_000 * denominator, numerator * _HERTZ[unit]
+    else:
+        numerator *= _NANOSECONDS[unit]
+    if denominator == 0:
+        return None
+    return (2 * numerator + denominator) // (2 * denominator)
