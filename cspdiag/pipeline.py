@@ -6,6 +6,7 @@ reached, so that ``cspdiag check`` starts without the generator and what it need
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
@@ -112,8 +113,17 @@ def build(
     return Built(checked=checked, network=network)
 
 
-def generate(network: Network, target: str = "python") -> dict[str, str]:
-    """The files of a target's package, by path relative to its folder; KeyError for an unknown target."""
-    from cspdiag.codegen import TARGETS
+def generate(network: Network, read: Reader, target: str = "python") -> dict[str, str]:
+    """The files of a target's package, by path relative to its folder.
 
-    return TARGETS[target](network)
+    Hand-written modules that the program names are read relative to the file that names them. Raises KeyError
+    for an unknown target, OSError for a module that cannot be read.
+    """
+    from cspdiag.codegen import TARGETS
+    from cspdiag.codegen.python import external_files
+
+    modules: dict[str, str] = {}
+    for body in external_files(network):
+        name = body.target.partition(":")[0]
+        modules[name] = read(os.path.join(os.path.dirname(body.span.file), name)).text
+    return TARGETS[target](network, modules)

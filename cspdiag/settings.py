@@ -35,6 +35,19 @@ def split_setting(text: str) -> tuple[str, str]:
     return name.strip(), value.strip()
 
 
+def parse_duration(text: str) -> int:
+    """``20s``, ``1.5 ms`` in nanoseconds. Raises SettingError."""
+    from cspdiag.model.evaluate import parse_value
+    from cspdiag.model.types import TIME
+
+    try:
+        duration = parse_value(TIME, text)
+    except ValueError as problem:
+        raise SettingError(str(problem)) from None
+    assert isinstance(duration, int)
+    return duration
+
+
 def parse_settings(program: Program, settings: Mapping[str, str]) -> Overrides:
     """The settings with their values read by the types of what they set.
 

@@ -100,7 +100,7 @@ def _generate(arguments: Namespace) -> int:
     if network is None:
         return UNSUCCESSFUL
     folder = os.path.join(arguments.output, network.name)
-    write_package(folder, generate(network, arguments.target), force=arguments.force)
+    write_package(folder, generate(network, read_source, arguments.target), force=arguments.force)
     sys.stderr.write(f"wrote {folder}\n")
     return FINE
 

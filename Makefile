@@ -1,0 +1,67 @@
+# Works with python3 (3.11 or newer), gcc and make; everything else is installed into .venv.
+
+PYTHON ?= python3
+VENV   := .venv
+BIN    := $(VENV)/bin
+MODEL  := models/jiwy/jiwy.csp
+
+.DEFAULT_GOAL := help
+.PHONY: help setup run test check bench fmt docs cases clean
+
+help: ## Show this list
+	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-7s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+
+setup: $(VENV)/.stamp-dev ## Create .venv with cspdiag (editable) and the developer's tools
+
+run: $(VENV)/.stamp-run ## Compile JIWY, drive the plant, leave a picture and a summary in build/
+	@mkdir -p build
+	$(BIN)/cspdiag compile $(MODEL) -o build
+	$(BIN)/cspdiag run $(MODEL) --plot build/jiwy.svg --record build/jiwy.csv > build/jiwy.txt 2>&1 \
+	    || { cat build/jiwy.txt; exit 1; }
+	@cat build/jiwy.txt
+	@echo "the picture is build/jiwy.svg, the summary build/jiwy.txt, the controller build/jiwy/"
+
+test: $(VENV)/.stamp-dev ## Run the whole test suite
+	$(BIN)/pytest -n 2
+
+check: $(VENV)/.stamp-dev ## Format, lint, types, import rules, generated documentation
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+	$(BIN)/cspdiag explain --markdown | cmp - docs/diagnostics.md
+
+bench: $(VENV)/.stamp-bench ## Run the benchmarks, peers included
+	$(BIN)/cspdiag bench
+
+fmt: $(VENV)/.stamp-dev ## Format the Python and the .csp files
+	$(BIN)/ruff check --fix --select I .
+	$(BIN)/ruff format .
+	$(BIN)/cspdiag fmt $(wildcard models/*/*.csp cspdiag/std/*.csp)
+
+docs: $(VENV)/.stamp-dev ## Write the generated documentation
+	$(BIN)/cspdiag explain --markdown > build-diagnostics.tmp
+	mv build-diagnostics.tmp docs/diagnostics.md
+
+cases: $(VENV)/.stamp-dev ## Rewrite the expectations of the literate cases; read the difference
+	$(BIN)/pytest tests/test_cases.py --update-cases
+
+clean: ## Remove .venv, build/ and the caches
+	rm -rf $(VENV) build dist .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
+
+$(VENV)/bin/python:
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' \
+	    || { echo "cspdiag needs Python 3.11 or newer; say which: make PYTHON=/path/to/python3"; exit 1; }
+	$(PYTHON) -m venv $(VENV)
+
+$(VENV)/.stamp-run: pyproject.toml | $(VENV)/bin/python
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[plot]'
+	@touch $@
+
+$(VENV)/.stamp-dev: pyproject.toml | $(VENV)/bin/python
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[plot,dev]'
+	@touch $(VENV)/.stamp-run $@
+
+$(VENV)/.stamp-bench: pyproject.toml | $(VENV)/bin/python
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[bench]'
+	@touch $@

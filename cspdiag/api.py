@@ -1,0 +1,102 @@
+"""The use from Python: a program that was loaded, without files in between."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from cspdiag import pipeline
+from cspdiag.diagnostics import Diagnostic, SourceFile
+from cspdiag.sources import read_source
+
+if TYPE_CHECKING:
+    from cspdiag.network.ir import Network
+    from cspdiag.simulate.result import Run
+
+Setting = str | int | float
+"""A value as ``cspdiag run --set`` takes it (``"10 ms"``), or a plain number."""
+
+
+class ProgramError(Exception):
+    """The program has errors; the text shows them all, ``diagnostics`` has them as objects."""
+
+    def __init__(self, diagnostics: list[Diagnostic]) -> None:
+        from cspdiag.diagnostics.render_text import render
+
+        super().__init__(f"the program has errors\n\n{render(diagnostics)}")
+        self.diagnostics = diagnostics
+
+
+def load(path: str | os.PathLike[str]) -> LoadedProgram:
+    """The program in a file. Raises OSError for a file that cannot be read or is not text."""
+    return LoadedProgram(read_source(os.fspath(path)))
+
+
+class LoadedProgram:
+    """A program, as text; what is asked of it is worked out then."""
+
+    def __init__(self, source: SourceFile) -> None:
+        self.source = source
+
+    def __repr__(self) -> str:
+        return f"LoadedProgram({self.source.name!r})"
+
+    @cached_property
+    def _checked(self) -> pipeline.Checked:
+        return pipeline.check(self.source, read_source)
+
+    def check(self) -> list[Diagnostic]:
+        """Everything that is wrong, warnings included, by file and place; empty when all is well."""
+        return self._checked.report.diagnostics
+
+    @cached_property
+    def network(self) -> Network:
+        """The network of the outermost process. Raises ProgramError."""
+        return self.build()
+
+    def build(
+        self,
+        *,
+        top: str | None = None,
+        environment: str | None = None,
+        set: Mapping[str, Setting] | None = None,
+    ) -> Network:
+        """The network of the process ``top`` for an environment, with constants and parameters set.
+
+        Raises ProgramError, and SettingError for a setting that fits nothing.
+        """
+        settings = {name: str(value) for name, value in (set or {}).items()}
+        built = pipeline.build(self.source, read_source, top=top, environment=environment, settings=settings)
+        if built.network is None:
+            raise ProgramError(built.checked.report.diagnostics)
+        return built.network
+
+    def compile(self, target: str = "python") -> dict[str, str]:
+        """The generated package: texts by path. Raises ProgramError, and KeyError for an unknown target."""
+        return pipeline.generate(self.network, read_source, target)
+
+    def run(
+        self,
+        environment: str | None = None,
+        *,
+        until: str | None = None,
+        set: Mapping[str, Setting] | None = None,
+        real_time: bool = False,
+    ) -> Run:
+        """Run the program against an environment (the first one by default), until ``until`` such as ``"20 s"``.
+
+        Raises ProgramError, SettingError, and ``cspdiag.simulate.execute.NoEnvironmentError``.
+        """
+        from cspdiag.settings import parse_duration
+        from cspdiag.simulate.execute import simulate
+
+        network = self.build(environment=environment, set=set)
+        return simulate(
+            network,
+            pipeline.generate(network, read_source),
+            environment=environment,
+            until=None if until is None else parse_duration(until),
+            real_time=real_time,
+        )
