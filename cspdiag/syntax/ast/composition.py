@@ -1,0 +1,241 @@
+"""The composition diagram."""
+
+from __future__ import annotations
+
+from typing import Literal, TypeAlias
+
+from cspdiag.diagnostics.record import node
+from cspdiag.syntax.ast.expressions import Expression, Identifier, Node, Reference, Replicator
+
+
+@node
+class Step(Node):
+    """A part of a composition; ``parenthesized`` as it was written."""
+
+    parenthesized: bool = False
+
+
+@node
+class Run(Step):
+    """The name of an instance: run it."""
+
+    instance: Reference
+
+
+@node
+class Read(Step):
+    """``port ? x``."""
+
+    channel: Reference
+    target: Reference
+
+
+@node
+class Write(Step):
+    """``port ! e``."""
+
+    channel: Reference
+    value: Expression
+
+
+@node
+class Assign(Step):
+    """``x := e``."""
+
+    target: Reference
+    value: Expression
+
+
+@node
+class Skip(Step):
+    """Ends at once."""
+
+
+@node
+class Stop(Step):
+    """Never ends."""
+
+
+@node
+class Wait(Step):
+    """``wait 5 ms``."""
+
+    duration: Expression
+
+
+@node
+class Reset(Step):
+    """``reset name``: the states of a submodel instance go back to their initial values."""
+
+    instance: Reference
+
+
+@node
+class Raise(Step):
+    """``raise Name``."""
+
+    exception: Identifier
+
+
+@node
+class Sequence(Step):
+    """``P ; Q ; ...``, at least two."""
+
+    processes: tuple[Composition, ...]
+
+
+@node
+class Parallel(Step):
+    """``P || Q || ...`` or, prioritized, ``P ||> Q ||> ...``."""
+
+    prioritized: bool
+    processes: tuple[Composition, ...]
+
+
+@node
+class Alternative(Step):
+    """``P [] Q [] ...`` or, prioritized, ``P []> Q []> ...``; every branch is a guarded process or a replicated alternative."""
+
+    prioritized: bool
+    branches: tuple[Composition, ...]
+
+
+@node
+class ReadyGuard(Node):
+    """``port -> P``: ready when the port is; the guarded process begins by reading it."""
+
+    channel: Reference
+
+
+@node
+class InputGuard(Node):
+    """``port ? x -> P``: reads."""
+
+    channel: Reference
+    target: Reference
+
+
+@node
+class OutputGuard(Node):
+    """``port ! e -> P``: writes."""
+
+    channel: Reference
+    value: Expression
+
+
+@node
+class AfterGuard(Node):
+    """``after 5 ms -> P``: a time-out."""
+
+    duration: Expression
+
+
+@node
+class SkipGuard(Node):
+    """``skip -> P``: always ready."""
+
+
+Event: TypeAlias = ReadyGuard | InputGuard | OutputGuard | AfterGuard | SkipGuard
+
+
+@node
+class Guard(Node):
+    """``[when condition &] event``."""
+
+    condition: Expression | None
+    event: Event
+
+
+@node
+class Guarded(Step):
+    """``guard -> P``."""
+
+    guard: Guard
+    process: Composition
+
+
+@node
+class Mu(Step):
+    """``mu P until e`` or ``mu P``."""
+
+    process: Composition
+    until: Expression | None
+
+
+@node
+class While(Step):
+    """``while e do P``."""
+
+    condition: Expression
+    process: Composition
+
+
+@node
+class If(Step):
+    """``if e then P else Q``."""
+
+    condition: Expression
+    then: Composition
+    otherwise: Composition | None
+
+
+@node
+class Catch(Step):
+    """``P catch Timeout -> Q``."""
+
+    process: Composition
+    exception: Identifier
+    handler: Composition
+
+
+@node
+class Interrupt(Step):
+    """``P interrupt g -> Q``."""
+
+    process: Composition
+    guard: Guard
+    handler: Composition
+
+
+ReplicatedOperator: TypeAlias = Literal["seq", "par", "pripar", "alt", "prialt"]
+
+
+@node
+class Replicated(Step):
+    """``par i < N : P``."""
+
+    operator: ReplicatedOperator
+    replicator: Replicator
+    process: Composition
+
+
+@node
+class Labelled(Step):
+    """``label: P``."""
+
+    label: Identifier
+    process: Composition
+
+
+Composition: TypeAlias = (
+    Run
+    | Read
+    | Write
+    | Assign
+    | Skip
+    | Stop
+    | Wait
+    | Reset
+    | Raise
+    | Sequence
+    | Parallel
+    | Alternative
+    | Guarded
+    | Mu
+    | While
+    | If
+    | Catch
+    | Interrupt
+    | Replicated
+    | Labelled
+)

@@ -1,0 +1,244 @@
+"""Definitions, equations of submodels, and a whole file."""
+
+from __future__ import annotations
+
+from typing import Literal, TypeAlias
+
+from cspdiag.diagnostics import SourceFile, Span
+from cspdiag.diagnostics.record import field_names, is_record, node
+from cspdiag.syntax.ast.communication import Communication, Declaration, Instance, Ports
+from cspdiag.syntax.ast.composition import Composition
+from cspdiag.syntax.ast.expressions import (
+    Argument,
+    Expression,
+    External,
+    Identifier,
+    Node,
+    Parameter,
+    Reference,
+    TypeName,
+)
+
+
+@node
+class Import(Node):
+    """``import "laws.csp"`` or ``import std.control`` (then ``library`` is ``std.control``)."""
+
+    path: str | None
+    library: str | None
+
+
+@node
+class Constant(Node):
+    """``const Tsh = 1 ms``."""
+
+    doc: str | None
+    name: Identifier
+    type: TypeName | None
+    value: Expression
+
+
+@node
+class TypeAliasDefinition(Node):
+    """``type Angle = double<rad>``."""
+
+    doc: str | None
+    name: Identifier
+    type: TypeName
+
+
+@node
+class EnumDefinition(Node):
+    """``enum Mode { idle, run }``."""
+
+    doc: str | None
+    name: Identifier
+    literals: tuple[Identifier, ...]
+
+
+@node
+class Field(Node):
+    """A field of a struct."""
+
+    doc: str | None
+    name: Identifier
+    type: TypeName
+
+
+@node
+class StructDefinition(Node):
+    """``struct Pose { x: double<m>  y: double<m> }``."""
+
+    doc: str | None
+    name: Identifier
+    fields: tuple[Field, ...]
+
+
+@node
+class ExceptionDefinition(Node):
+    """``exception Overheated``."""
+
+    doc: str | None
+    name: Identifier
+
+
+@node
+class ProcessDefinition(Node):
+    """A process with its two diagrams, or with an external body."""
+
+    doc: str | None
+    name: Identifier
+    parameters: tuple[Parameter, ...]
+    external: External | None
+    wcet: Expression | None
+    ports: tuple[Ports, ...]
+    communication: Communication | None
+    composition: Composition | None
+    composition_span: Span | None
+
+
+@node
+class Let(Node):
+    """``let name = e`` in a submodel."""
+
+    doc: str | None
+    name: Identifier
+    value: Expression
+
+
+@node
+class State(Node):
+    """``state name : type = initial``."""
+
+    doc: str | None
+    name: Identifier
+    type: TypeName
+    initial: Expression
+
+
+@node
+class Next(Node):
+    """``next name = e``: the value of a discrete state at the next sample."""
+
+    name: Identifier
+    value: Expression
+
+
+@node
+class Derivative(Node):
+    """``der name = e``: the derivative of a continuous state."""
+
+    name: Identifier
+    value: Expression
+
+
+@node
+class Equation(Node):
+    """``output = e`` or ``instance.input = e``."""
+
+    target: Reference
+    value: Expression
+
+
+SubmodelItem: TypeAlias = Let | State | Next | Derivative | Equation | Instance
+
+
+@node
+class SubmodelDefinition(Node):
+    """A control law or a piece of plant: equations, or an external body."""
+
+    doc: str | None
+    name: Identifier
+    parameters: tuple[Parameter, ...]
+    external: External | None
+    wcet: Expression | None
+    step: Expression | None
+    method: Identifier | None
+    ports: tuple[Ports, ...]
+    items: tuple[SubmodelItem, ...]
+
+
+@node
+class DriverDefinition(Node):
+    """A device."""
+
+    doc: str | None
+    name: Identifier
+    parameters: tuple[Parameter, ...]
+    external: External | None
+    ports: tuple[Ports, ...]
+
+
+@node
+class EnvironmentDefinition(Node):
+    """``environment Bench for Jiwy(arguments) step 1 ms on miss count { ... }``."""
+
+    doc: str | None
+    name: Identifier
+    process: Identifier
+    arguments: tuple[Argument, ...]
+    step: Expression | None
+    on_miss: Identifier | None
+    declarations: tuple[Declaration, ...]
+
+
+@node
+class Assertion(Node):
+    """``assert P deadlock free`` and its kin; ``specification`` and ``model`` belong to ``refines``."""
+
+    doc: str | None
+    process: Identifier
+    property: Literal["deadlock free", "livelock free", "terminates", "schedulable", "refines"]
+    specification: Identifier | None = None
+    model: Literal["traces", "failures"] = "traces"
+
+
+Definition: TypeAlias = (
+    Constant
+    | TypeAliasDefinition
+    | EnumDefinition
+    | StructDefinition
+    | ExceptionDefinition
+    | ProcessDefinition
+    | SubmodelDefinition
+    | DriverDefinition
+    | EnvironmentDefinition
+)
+Item: TypeAlias = Import | Definition | Assertion
+
+
+@node
+class Comment:
+    """A comment that is not a doc comment, with its markers."""
+
+    span: Span
+    text: str
+
+
+@node
+class SourceTree(Node):
+    """A parsed file."""
+
+    source: SourceFile
+    items: tuple[Item, ...]
+    comments: tuple[Comment, ...]
+
+
+def same_tree(left: object, right: object) -> bool:
+    """Whether two trees are equal but for the places of their nodes and their comments."""
+    pending: list[tuple[object, object]] = [(left, right)]
+    while pending:
+        a, b = pending.pop()
+        if type(a) is not type(b):
+            return False
+        if isinstance(a, tuple) and isinstance(b, tuple):
+            if len(a) != len(b):
+                return False
+            pending += zip(a, b, strict=True)
+        elif is_record(a):
+            for name in field_names(a):
+                if name not in {"span", "unit_span", "target_span", "composition_span", "source", "comments"}:
+                    pending.append((getattr(a, name), getattr(b, name)))
+        elif a != b:
+            return False
+    return True
