@@ -6,7 +6,6 @@ reached, so that ``cspdiag check`` starts without the generator and what it need
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
@@ -119,11 +118,6 @@ def generate(network: Network, read: Reader, target: str = "python") -> dict[str
     Hand-written modules that the program names are read relative to the file that names them. Raises KeyError
     for an unknown target, OSError for a module that cannot be read.
     """
-    from cspdiag.codegen import TARGETS
-    from cspdiag.codegen.python import external_files
+    from cspdiag.codegen import TARGETS, external_modules
 
-    modules: dict[str, str] = {}
-    for body in external_files(network):
-        name = body.target.partition(":")[0]
-        modules[name] = read(os.path.join(os.path.dirname(body.span.file), name)).text
-    return TARGETS[target](network, modules)
+    return TARGETS[target](network, {path: read(path).text for path in external_modules(network)})

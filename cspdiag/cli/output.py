@@ -54,6 +54,22 @@ def write_package(folder: str, files: Mapping[str, str], *, force: bool) -> None
             os.unlink(os.path.join(folder, path))
 
 
+def write_new_folder(folder: str, files: Mapping[str, str]) -> None:
+    """Write files, by path relative to ``folder``, into a folder that does not exist yet or is empty.
+
+    Raises UsageError where there is something already, OSError where a file cannot be written; then nothing is left.
+    """
+    if os.path.lexists(folder) and not (os.path.isdir(folder) and not os.listdir(folder)):
+        raise UsageError(f"{folder} exists already")
+    staging = f"{folder}.{os.getpid()}.tmp"
+    try:
+        for path, text in files.items():
+            _write(os.path.join(staging, path), text)
+        os.replace(staging, folder)
+    finally:
+        _remove_tree(staging)
+
+
 def _write(path: str, text: str) -> None:
     os.makedirs(os.path.dirname(path), exist_ok=True)
     with open(path, "x", encoding="utf-8", newline="\n") as file:
