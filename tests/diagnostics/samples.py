@@ -1,0 +1,70 @@
+"""Diagnostics made by hand, for tests of how they are shown."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from cspdiag.diagnostics import Diagnostic, Label, Severity, SourceFile, Span
+from cspdiag.diagnostics.record import record
+
+
+@record
+class Sample(Diagnostic):
+    """Two ends of an arrow differ.
+
+    A value would change its meaning on the way.
+
+    Refused::
+
+        process A {
+          in x : int
+        }
+
+    Mended::
+
+        process A {
+        }
+    """
+
+    code: ClassVar[str] = "E0399"
+    title: ClassVar[str] = "ends differ"
+
+    text: str
+    beside: str = ""
+    mend: str | None = None
+    places: tuple[Label, ...] = ()
+
+    @property
+    def message(self) -> str:
+        return self.text
+
+    @property
+    def label(self) -> str:
+        return self.beside
+
+    @property
+    def help(self) -> str | None:
+        return self.mend
+
+    @property
+    def labels(self) -> tuple[Label, ...]:
+        return self.places
+
+
+@record
+class SampleWarning(Sample):
+    """Something looks odd."""
+
+    code: ClassVar[str] = "W0399"
+    title: ClassVar[str] = "odd"
+    severity: ClassVar[Severity] = "warning"
+
+
+def source(text: str, name: str = "arm.csp") -> SourceFile:
+    return SourceFile(name=name, text=text)
+
+
+def at(file: SourceFile, words: str) -> Span:
+    """Where ``words`` first stand in a file."""
+    start = file.text.index(words)
+    return Span(file, start, start + len(words))
