@@ -1,0 +1,535 @@
+"""What can be wrong with the equations of a submodel once they are put together."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from cspdiag.diagnostics import Diagnostic, Label, Severity, Span
+from cspdiag.diagnostics.record import record
+
+
+@record
+class AlgebraicLoop(Diagnostic):
+    """Some signals of a submodel depend on themselves within one sample.
+
+    The equations of a submodel are evaluated one after another, each after those that it reads. For signals that need
+    each other at the same instant there is no such order. A value of the sample before, a state or an operator without direct
+    feedthrough breaks the loop. (Cellier and Kofman, Continuous System Simulation, section 7.2.)
+
+    Refused::
+
+        submodel Speed(gain: double) {
+          in  setpoint : double
+          out control  : double
+
+          let error = setpoint - control
+          control = gain * error
+        }
+
+    Mended::
+
+        submodel Speed(gain: double) {
+          in  setpoint : double
+          out control  : double
+
+          let error = setpoint - pre(control, 0)
+          control = gain * error
+        }
+    """
+
+    code = "E0450"
+    title = "algebraic loop"
+
+    loop: tuple[tuple[str, Span], ...]
+    """Name and place of each equation, each reading the next and the last the first."""
+
+    @property
+    def message(self) -> str:
+        if len(self.loop) == 1:
+            return f"`{self.loop[0][0]}` depends on itself within one sample"
+        names = [name for name, _ in self.loop]
+        return "these equations need each other within one sample: " + " ← ".join([*names, names[0]])
+
+    @property
+    def label(self) -> str:
+        return f"reads `{self.loop[1 % len(self.loop)][0]}`"
+
+    @property
+    def labels(self) -> tuple[Label, ...]:
+        following = [*self.loop[2:], self.loop[0]]
+        return tuple(
+            Label(span, f"`{name}` reads `{other}`")
+            for (name, span), (other, _) in zip(self.loop[1:], following, strict=True)
+        )
+
+    @property
+    def help(self) -> str:
+        return f"take one of them from the sample before, for example `pre({self.loop[-1][0]}, 0)`, or make it a state"
+
+
+@record
+class RecursiveSubmodel(Diagnostic):
+    """A submodel contains itself, directly or through others.
+
+    The equations of nested submodels become equations of the outer one; one that contains itself would never end.
+
+    Refused::
+
+        submodel Filter {
+          in  x : double
+          out y : double
+
+          inner : Filter
+          inner.x = x
+          y = inner.y
+        }
+
+    Mended::
+
+        submodel Stage {
+          in  x : double
+          out y : double
+
+          y = x / 2
+        }
+
+        submodel Filter {
+          in  x : double
+          out y : double
+
+          inner : Stage
+          inner.x = x
+          y = inner.y
+        }
+    """
+
+    code = "E0451"
+    title = "submodel contains itself"
+
+    path: tuple[str, ...]
+
+    @property
+    def message(self) -> str:
+        return f"the submodel `{self.path[-1]}` contains itself: {' contains '.join(self.path)}"
+
+    @property
+    def help(self) -> str:
+        return "write a delay chain or a filter of higher order with `delay` or `transfer`"
+
+
+@record
+class ChangingCoefficient(Diagnostic):
+    """A coefficient, a size or an initial value depends on a signal.
+
+    ``lag``, ``transfer``, ``statespace`` and ``delay`` become difference equations at compile time, and states start from values
+    that are known then. Parameters and constants are; inputs, states and the time are not.
+
+    Refused::
+
+        submodel Smooth {
+          in  x    : double
+          in  slow : double
+          out y    : double
+
+          y = lag(x, slow * 10 ms)
+        }
+
+    Mended::
+
+        submodel Smooth(slow: double) {
+          in  x : double
+          out y : double
+
+          y = lag(x, slow * 10 ms)
+        }
+    """
+
+    code = "E0452"
+    title = "not known at compile time"
+
+    what: str
+    signal: str
+
+    @property
+    def message(self) -> str:
+        return f"{self.what} must be known at compile time, but depends on the signal `{self.signal}`"
+
+    @property
+    def help(self) -> str:
+        return f"make `{self.signal}` a parameter, or write the difference equation with `state` and `next`"
+
+
+@record
+class ImproperTransfer(Diagnostic):
+    """The numerator of a transfer function has a higher degree than the denominator.
+
+    Such an operator would need future samples: it contains a pure differentiator. Give it a pole that limits its bandwidth.
+
+    Refused::
+
+        submodel Lead {
+          in  x : double
+          out y : double
+
+          y = transfer([0.1, 1], [1], x)
+        }
+
+    Mended::
+
+        submodel Lead {
+          in  x : double
+          out y : double
+
+          y = transfer([0.1, 1], [0.01, 1], x)
+        }
+    """
+
+    code = "E0453"
+    title = "improper transfer function"
+
+    numerator: int
+    denominator: int
+
+    @property
+    def message(self) -> str:
+        return (
+            f"the numerator is of degree {self.numerator} and the denominator of degree {self.denominator}: "
+            "a transfer function may not look into the future"
+        )
+
+    @property
+    def help(self) -> str:
+        return "add a fast pole to the denominator; coefficients go from the highest power of s down to the constant"
+
+
+@record
+class WrongShape(Diagnostic):
+    """The coefficients of a transfer function or the matrices of a state space do not fit.
+
+    ``transfer`` takes two lists, neither empty, the first coefficient of the denominator not zero. ``statespace`` takes A (nxn), B (nxm), C (pxn)
+    and D (pxm), as lists of rows.
+
+    Refused::
+
+        submodel Plant {
+          in  u : double
+          out y : double
+
+          y = statespace([[0, 1], [-4, -1]], [[0], [1], [2]], [[1, 0]], [[0]], u)
+        }
+
+    Mended::
+
+        submodel Plant {
+          in  u : double
+          out y : double
+
+          y = statespace([[0, 1], [-4, -1]], [[0], [1]], [[1, 0]], [[0]], u)
+        }
+    """
+
+    code = "E0454"
+    title = "coefficients do not fit"
+
+    problem: str
+
+    @property
+    def message(self) -> str:
+        return self.problem
+
+
+@record
+class ValueOutOfRange(Diagnostic):
+    """A time constant is not positive, or a delay is not a whole number of samples between 1 and 10000.
+
+    A lag with a time constant of zero or below has no difference equation that means anything.
+
+    Refused::
+
+        submodel Smooth {
+          in  x : double
+          out y : double
+
+          y = delay(x, 0, 0)
+        }
+
+    Mended::
+
+        submodel Smooth {
+          in  x : double
+          out y : double
+
+          y = delay(x, 3, 0)
+        }
+    """
+
+    code = "E0455"
+    title = "argument out of range"
+
+    problem: str
+
+    @property
+    def message(self) -> str:
+        return self.problem
+
+
+@record
+class UnknownMethod(Diagnostic):
+    """A method of integration or discretization that does not exist.
+
+    Linear operators are discretized by ``tustin`` (the default), ``zoh``, ``euler`` or ``backward``; states with ``der`` are integrated by
+    ``rk4`` (the default) or ``euler``.
+
+    Refused::
+
+        submodel Smooth method = trapezium {
+          in  x : double
+          out y : double
+
+          y = lag(x, 10 ms)
+        }
+
+    Mended::
+
+        submodel Smooth method = tustin {
+          in  x : double
+          out y : double
+
+          y = lag(x, 10 ms)
+        }
+    """
+
+    code = "E0456"
+    title = "unknown method"
+
+    name: str
+
+    @property
+    def message(self) -> str:
+        return f"there is no method `{self.name}`"
+
+    @property
+    def help(self) -> str:
+        return "the methods are tustin, zoh, euler and backward, and rk4 for states with `der`"
+
+
+@record
+class UnstableDiscretization(Diagnostic):
+    """A stable operator becomes unstable by its discretization.
+
+    The forward Euler method puts a pole at s = -a to z = 1 - aT: beyond T = 2/a it leaves the unit circle, and the signal grows
+    without bound. (Åström and Wittenmark, Computer-Controlled Systems, section 8.3.)
+
+    Refused::
+
+        submodel Smooth method = euler {
+          in  x : double
+          out y : double
+
+          y = lag(x, 1 ms)
+        }
+
+        process Filter {
+          in  x : double @ 10 ms
+          out y : double @ 10 ms
+
+          communication {
+            smooth : Smooth
+            x -> smooth.x
+            smooth.y -> y
+          }
+          composition { mu smooth }
+        }
+
+    Mended::
+
+        submodel Smooth method = tustin {
+          in  x : double
+          out y : double
+
+          y = lag(x, 1 ms)
+        }
+
+        process Filter {
+          in  x : double @ 10 ms
+          out y : double @ 10 ms
+
+          communication {
+            smooth : Smooth
+            x -> smooth.x
+            smooth.y -> y
+          }
+          composition { mu smooth }
+        }
+    """
+
+    code = "W0457"
+    title = "unstable discretization"
+    severity: ClassVar[Severity] = "warning"
+
+    sample: str
+    radius: float
+
+    @property
+    def message(self) -> str:
+        return f"this operator is stable, but discretized by euler at {self.sample} it has a pole at |z| = {self.radius:.3g}"
+
+    @property
+    def help(self) -> str:
+        return "choose the method tustin or backward, or a shorter sample period"
+
+
+@record
+class TimeOutsideEnvironment(Diagnostic):
+    """A submodel that runs in a process reads the time.
+
+    A control law knows its sample period, ``sample``, but not the present instant: so it behaves the same whenever it starts. Only the submodels of
+    environments see ``time``.
+
+    Refused::
+
+        submodel Ramp {
+          out y : double
+
+          y = 1<1/s> * time
+        }
+
+        process Source {
+          out y : double @ 10 ms
+
+          communication {
+            ramp : Ramp
+            ramp.y -> y
+          }
+          composition { mu ramp }
+        }
+
+    Mended::
+
+        submodel Ramp {
+          out y : double
+
+          state count : double = 0
+          y = count
+          next count = count + sample / 1<s>
+        }
+
+        process Source {
+          out y : double @ 10 ms
+
+          communication {
+            ramp : Ramp
+            ramp.y -> y
+          }
+          composition { mu ramp }
+        }
+    """
+
+    code = "E0458"
+    title = "time outside an environment"
+
+    submodel: str
+
+    @property
+    def message(self) -> str:
+        return f"the submodel `{self.submodel}` runs in a process, where there is no `time`"
+
+    @property
+    def help(self) -> str:
+        return "count samples in a state: `next t = t + sample`"
+
+
+@record
+class StepNotPositive(Diagnostic):
+    """The step of an integration is zero or negative.
+
+    ``step`` is the longest sub-step in which the states with ``der`` are integrated over a sample.
+
+    Refused::
+
+        submodel Wheel step 0 ms {
+          in  a : double
+          out v : double
+
+          state speed : double = 0
+          der speed = a
+          v = speed
+        }
+
+    Mended::
+
+        submodel Wheel step 1 ms {
+          in  a : double
+          out v : double
+
+          state speed : double = 0
+          der speed = a
+          v = speed
+        }
+    """
+
+    code = "E0459"
+    title = "step is not positive"
+
+    @property
+    def message(self) -> str:
+        return "the step of an integration must be positive"
+
+
+@record
+class OperatorWithoutPlace(Diagnostic):
+    """An operator with a memory stands where no sample is computed.
+
+    ``pre``, ``delay``, ``integral``, ``derivative``, ``lag``, ``transfer`` and ``statespace`` keep states of the submodel, which advance once a sample. A parameter
+    of an instance, an initial value or a coefficient is computed once, at compile time.
+
+    Refused::
+
+        submodel Hold {
+          in  x : double
+          out y : double
+
+          state s : double = pre(1.0, 0)
+          next s = x
+          y = s
+        }
+
+    Mended::
+
+        submodel Hold {
+          in  x : double
+          out y : double
+
+          state s : double = 1.0
+          next s = x
+          y = s
+        }
+    """
+
+    code = "E0460"
+    title = "operator with a memory in a constant"
+
+    operator: str
+
+    @property
+    def message(self) -> str:
+        return f"`{self.operator}` has a memory and cannot be part of a constant"
+
+
+@record
+class TooManyEquations(Diagnostic):
+    """Nested submodels unfold to more equations than can be handled.
+
+    Every instance of a submodel brings its own equations. Nested in several levels these multiply.
+
+    The limit is 200 000 equations in one outermost submodel or environment.
+    """
+
+    code = "E0461"
+    title = "too many equations"
+
+    submodel: str
+
+    @property
+    def message(self) -> str:
+        return f"the submodels nested in `{self.submodel}` have more than 200000 equations in all"

@@ -1,0 +1,456 @@
+"""Submodels become equations of one system: nested ones are inlined under the names of their instances.
+
+``pid.error`` is the input ``error`` of the instance ``pid``. A parameter of an instance is a constant ``pid.kp``, unless its argument is a
+name itself, which then stands in its place.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import get_args
+
+from cspdiag.diagnostics import Report, Span
+from cspdiag.diagnostics.record import node
+from cspdiag.model.program import BuiltinSymbol, PortSymbol, Program, Scope
+from cspdiag.model.types import ArrayType, RealType, TimeType, Type
+from cspdiag.network.definitions import arguments_of
+from cspdiag.network.diagnostics_submodels import (
+    OperatorWithoutPlace,
+    RecursiveSubmodel,
+    StepNotPositive,
+    TimeOutsideEnvironment,
+    TooManyEquations,
+    UnknownMethod,
+)
+from cspdiag.network.discretize import Method
+from cspdiag.network.expressions import (
+    ArrayElements,
+    ElementValue,
+    Expression,
+    LiteralValue,
+    ParameterValue,
+    PresentTime,
+    SignalValue,
+)
+from cspdiag.network.ir import ExternalBody, ExternalCall, SubmodelEquation, SubmodelState
+from cspdiag.network.lower_expression import LoweringContext, in_seconds, lower_expression
+from cspdiag.network.submodel_draft import SECONDS, ConstantWanted, Draft
+from cspdiag.network.submodel_operators import PARAMETERS, Application, realize
+from cspdiag.syntax import ast
+
+MOST_EQUATIONS = 200_000
+
+
+@node
+class Surroundings:
+    """Where a definition is inlined: who contains it, and what ``time`` means there."""
+
+    path: tuple[ast.SubmodelDefinition, ...]
+    environment: bool
+
+
+class Inlining:
+    """One instance of a submodel on its way into a draft.
+
+    ``prefix`` is empty or ends in a dot. ``parameters`` are the arguments in terms of the draft; without one a parameter stays a parameter
+    of the class.
+    """
+
+    def __init__(
+        self,
+        program: Program,
+        draft: Draft,
+        definition: ast.SubmodelDefinition,
+        report: Report,
+        surroundings: Surroundings,
+        prefix: str = "",
+        parameters: Mapping[ast.Parameter, Expression] | None = None,
+    ) -> None:
+        self.program = program
+        self.draft = draft
+        self.definition = definition
+        self.report = report
+        self.surroundings = surroundings
+        self.prefix = prefix
+        self.parameters = parameters or {}
+        self.scope = program.scopes.get(definition) or Scope()
+        self.context = LoweringContext(values={}, lower_name=self._name, lower_call=self._call)
+        self.method: Method = "tustin"
+        self.operator_target: str | None = None
+        """The signal that the expression being lowered defines, if it is an operator as a whole."""
+        self.in_constant = False
+        self.continuous = {item.name.text for item in definition.items if isinstance(item, ast.Derivative)}
+        self.counts: dict[str, int] = {}
+        self.inner: dict[str, Inlining] = {}
+
+    def run(self) -> None:
+        """Add the states and equations of the definition; inputs are left to who instantiates it."""
+        if len(self.draft.equations) > MOST_EQUATIONS:
+            name = self.surroundings.path[0].name if self.surroundings.path else self.definition.name
+            self.report.add(TooManyEquations(name.span, name.text))
+            self.draft.complete = False
+            return
+        if self.program.poisoned.intersection((self.definition, *self.definition.items)):
+            self.draft.complete = False
+        if self.definition.external:
+            return
+        self._options()
+        self.draft.names.update(self.prefix + name for name in (*self.scope.ports, *self.scope.names))
+        # Equations may read instances that stand further down.
+        for item in self.definition.items:
+            if isinstance(item, ast.Instance) and item not in self.program.poisoned:
+                self._declare(item)
+        for item in self.definition.items:
+            self._item(item)
+        for key, instance in self.inner.items():
+            instance.close(key)
+
+    def close(self, name: str) -> None:
+        """After the inputs were connected: defaults for the others; an external body becomes a call."""
+        for port, key, kind in self.ports("in"):
+            if key in self.draft.equations:
+                continue
+            default = port.declaration.default
+            if default is None:
+                self.draft.complete = False
+                continue
+            self.draft.equation(key, self.constant(default), port.port.span, kind=kind)
+        if self.definition.external:
+            self._external_call(name, self.definition.external)
+
+    def ports(self, direction: str) -> Iterator[tuple[PortSymbol, str, Type]]:
+        """The ports of one direction, element by element, with the names of their signals and their types."""
+        for symbol in self.scope.ports.values():
+            if symbol.declaration.direction == direction:
+                kind = self.declared(symbol.declaration.type, symbol.type)
+                for key in self.elements(symbol):
+                    yield symbol, self.prefix + key, kind
+
+    def elements(self, symbol: PortSymbol) -> list[str]:
+        """Names of the ports of an array of ports, or of the one port."""
+        sizes = [self.size(dimension) for dimension in symbol.port.dimensions]
+        if not sizes:
+            return [symbol.name]
+        total = 1
+        for size in sizes:
+            total *= size
+        return [f"{symbol.name}[{index}]" for index in range(total)]
+
+    def size(self, expression: ast.Expression) -> int:
+        """The value of a size; 1 where it is not known, as in a check of the definition by itself."""
+        value = self.draft.value_of(lower_expression(self.program, expression, self.context))
+        return value if isinstance(value, int) and 0 < value < MOST_EQUATIONS else 1
+
+    def declared(self, written: ast.TypeName, known: Type) -> Type:
+        """A declared type with the sizes that depend on parameters filled in."""
+        if not written.dimensions:
+            return known
+        for _ in written.dimensions:
+            known = known.element if isinstance(known, ArrayType) else known
+        for dimension in reversed(written.dimensions):
+            known = ArrayType(known, self.size(dimension))
+        return known
+
+    def constant(self, expression: ast.Expression) -> Expression:
+        """An expression that is computed once; operators with a memory are refused in it."""
+        before, self.in_constant = self.in_constant, True
+        try:
+            return lower_expression(self.program, expression, self.context)
+        finally:
+            self.in_constant = before
+
+    def value(self, expression: ast.Expression, target: str) -> Expression:
+        """The right-hand side of the equation for ``target``."""
+        is_operator = isinstance(expression, ast.Call) and self._is_operator(expression)
+        self.operator_target = target if is_operator else None
+        return lower_expression(self.program, expression, self.context)
+
+    def _options(self) -> None:
+        definition = self.definition
+        if definition.method is not None:
+            name = definition.method.text
+            if name in get_args(Method):
+                self.method = name  # type: ignore[assignment]
+            elif name != "rk4":
+                self.report.add(UnknownMethod(definition.method.span, name))
+            self.draft.methods.append(name)
+        elif any(isinstance(item, ast.Derivative) for item in definition.items):
+            self.draft.methods.append("rk4")
+        if definition.step is not None:
+            step = self.draft.value_of(self.constant(definition.step))
+            if isinstance(step, int) and step <= 0:
+                self.report.add(StepNotPositive(definition.step.span))
+            elif isinstance(step, int):
+                self.draft.steps.append(step)
+
+    def _item(self, item: ast.SubmodelItem) -> None:
+        if item in self.program.poisoned:
+            self.draft.complete = False
+            return
+        match item:
+            case ast.Instance():
+                for name, _ in self._elements_of(item):
+                    if name in self.inner:
+                        self.inner[name].run()
+            case ast.Let():
+                name = self.prefix + item.name.text
+                value = self.value(item.value, name)
+                kind = self.program.types.get(item, value.type)
+                self.draft.equation(name, value, item.span, item.doc, _sized(kind, value.type))
+            case ast.State():
+                self._state(item)
+            case ast.Next():
+                name = self.prefix + item.name.text
+                self.draft.next_values[name] = self.value(item.value, "")
+            case ast.Derivative():
+                self.draft.sample_period()
+                self.draft.derivatives[self.prefix + item.name.text] = self.value(item.value, "")
+            case ast.Equation():
+                self._equation(item)
+
+    def _state(self, item: ast.State) -> None:
+        name = self.prefix + item.name.text
+        kind = self.declared(item.type, self.program.types.get(item, SECONDS))
+        initial = self.constant(item.initial)
+        continuous = item.name.text in self.continuous
+        self.draft.states[name] = SubmodelState(
+            name=name, type=kind, initial=initial, continuous=continuous, span=item.span, doc=item.doc
+        )
+        what = f"the initial value of the state `{item.name.text}`"
+        self.draft.constants_wanted.append(ConstantWanted(expression=initial, operator=what, span=item.initial.span))
+
+    def _equation(self, item: ast.Equation) -> None:
+        target = item.target
+        if target.member is None:
+            symbol = self.scope.ports.get(target.name.text)
+            owner, port, indexes = self, target.name.text, target.indexes
+        else:
+            name = target.name.text + "".join(f"[{self._index(index)}]" for index in target.indexes)
+            if name not in self.inner:
+                self.draft.complete = False
+                return
+            owner, port, indexes = self.inner[name], target.member.text, target.member_indexes
+            symbol = owner.scope.ports.get(port)
+        if symbol is None:
+            self.draft.complete = False
+            return
+        key = owner.prefix + port + "".join(f"[{self._index(index)}]" for index in indexes)
+        kind = owner.declared(symbol.declaration.type, symbol.type)
+        self.draft.equation(key, self.value(item.value, key), item.span, symbol.declaration.doc, kind)
+
+    def _index(self, expression: ast.Expression) -> int:
+        value = self.draft.value_of(self.constant(expression))
+        return value if isinstance(value, int) else 0
+
+    def _declare(self, instance: ast.Instance) -> None:
+        definition = self.program.bindings.get(instance.definition)
+        if not isinstance(definition, ast.SubmodelDefinition):
+            self.draft.complete = False
+            return
+        path = (*self.surroundings.path, self.definition)
+        if definition in path:
+            names = [d.name.text for d in path[path.index(definition) :]]
+            self.report.add(RecursiveSubmodel(instance.definition.span, (*names, definition.name.text)))
+            self.draft.complete = False
+            return
+        surroundings = Surroundings(path=path, environment=self.surroundings.environment)
+        for name, values in self._elements_of(instance):
+            context = LoweringContext(values=values, lower_name=self._name, lower_call=self._call)
+            before, self.in_constant = self.in_constant, True
+            arguments = {
+                parameter: lower_expression(self.program, argument, context)
+                for parameter, argument in arguments_of(definition.parameters, instance.arguments)
+            }
+            self.in_constant = before
+            self.inner[name] = nested(
+                self.program, self.draft, definition, self.report, surroundings, self.prefix + name, arguments
+            )
+
+    def _elements_of(self, instance: ast.Instance) -> Iterator[tuple[str, dict[ast.Node, int]]]:
+        """Names of the elements of an array of instances, with the value of its replicator."""
+        name, size = instance.name.text, instance.size
+        if size is None:
+            yield name, {}
+            return
+        count = size.count if isinstance(size, ast.Replicator) else size
+        for index in range(self.size(count)):
+            yield f"{name}[{index}]", {size: index} if isinstance(size, ast.Replicator) else {}
+
+    def _external_call(self, name: str, external: ast.External) -> None:
+        """A call that takes the inputs' equations as its arguments and gives all outputs."""
+        draft = self.draft
+        inputs = []
+        for _, key, _ in self.ports("in"):
+            equation = draft.equations.pop(key, None)
+            if isinstance(equation, SubmodelEquation):
+                inputs.append((key.removeprefix(self.prefix), equation.value))
+        outputs = tuple((key.removeprefix(self.prefix), key, kind) for _, key, kind in self.ports("out"))
+        arguments = [(p.name.text, self.parameters[p]) for p in self.definition.parameters if p in self.parameters]
+        key = self.prefix.removesuffix(".")
+        draft.equations[key] = ExternalCall(
+            name=key,
+            doc=self.definition.doc,
+            span=external.span,
+            external=external_body(external),
+            definition=self.definition.name.text,
+            arguments=tuple(arguments),
+            inputs=tuple(inputs),
+            outputs=outputs,
+        )
+
+    def _name(self, use: ast.Name | ast.Member | ast.Reference) -> Expression | None:
+        """What a name in an equation stands for; None for constants, replicators and literals of enums."""
+        if isinstance(use, ast.Member):
+            return self._port_of_instance(use)
+        symbol = self.program.bindings.get(use)
+        match symbol:
+            case ast.Parameter():
+                return self._parameter(symbol, use)
+            case PortSymbol():
+                return self._port(symbol, use.span)
+            case ast.Let():
+                kind = self.program.types.get(symbol, SECONDS)
+                defined = self.draft.equations.get(self.prefix + symbol.name.text)
+                if isinstance(defined, SubmodelEquation):
+                    kind = defined.type
+                return SignalValue(type=kind, name=self.prefix + symbol.name.text, span=use.span)
+            case ast.State():
+                kind = self.declared(symbol.type, self.program.types.get(symbol, SECONDS))
+                return SignalValue(type=kind, name=self.prefix + symbol.name.text, span=use.span)
+            case BuiltinSymbol(name="sample"):
+                return self.draft.sample_period()
+            case BuiltinSymbol(name="time"):
+                if not self.surroundings.environment:
+                    self.report.add(TimeOutsideEnvironment(use.span, self.definition.name.text))
+                return PresentTime(type=SECONDS, span=use.span)
+            case _:
+                return None
+
+    def _parameter(self, parameter: ast.Parameter, use: ast.Node) -> Expression:
+        argument = self.parameters.get(parameter)
+        kind = self.declared(parameter.type, self.program.types.get(parameter, SECONDS))
+        if argument is None:
+            return ParameterValue(type=kind, name=parameter.name.text, span=use.span)
+        wanted = self.program.types.get(use, kind)
+        is_seconds = isinstance(kind, TimeType) and isinstance(wanted, RealType)
+        if _is_name(argument) or (isinstance(kind, TimeType) and not is_seconds):
+            return argument
+        name = self.prefix + parameter.name.text
+        if name not in self.draft.equations:
+            value = in_seconds(argument, wanted) if is_seconds else argument
+            self.draft.equation(name, value, parameter.span, parameter.doc, wanted if is_seconds else kind)
+        return SignalValue(type=wanted if is_seconds else kind, name=name, span=use.span)
+
+    def _port(self, symbol: PortSymbol, span: Span) -> Expression:
+        kind = self.declared(symbol.declaration.type, symbol.type)
+        signals = tuple(SignalValue(type=kind, name=self.prefix + name, span=span) for name in self.elements(symbol))
+        if not symbol.port.dimensions:
+            return signals[0]
+        return ArrayElements(type=ArrayType(kind, len(signals)), values=signals, span=span)
+
+    def _port_of_instance(self, use: ast.Member) -> Expression | None:
+        symbol = self.program.members.get(use)
+        if not isinstance(symbol, PortSymbol):
+            return None
+        indexes: list[int] = []
+        instance = use.value
+        while isinstance(instance, ast.Index):
+            indexes.insert(0, self._index(instance.index))
+            instance = instance.value
+        if not isinstance(instance, ast.Name):
+            return None
+        owner = self.inner.get(instance.name + "".join(f"[{index}]" for index in indexes))
+        if owner is None:
+            self.draft.complete = False
+            return None
+        return owner._port(symbol, use.span)
+
+    def _is_operator(self, expression: ast.Call) -> bool:
+        symbol = self.program.bindings.get(expression.function)
+        return expression.function.text in PARAMETERS and not isinstance(symbol, ast.Node)
+
+    def _call(self, expression: ast.Call) -> Expression | None:
+        """An operator with a memory: its states are added; None for a function."""
+        name = expression.function.text
+        if not self._is_operator(expression):
+            return None
+        target, self.operator_target = self.operator_target, None
+        if self.in_constant:
+            self.report.add(OperatorWithoutPlace(expression.span, name))
+            return None
+        arguments: dict[str, Expression] = {}
+        for position, argument in enumerate(expression.arguments):
+            key = argument.name.text if argument.name else PARAMETERS[name][position]
+            arguments[key] = lower_expression(self.program, argument.value, self.context)
+        if target:
+            output, base = target, target
+        else:
+            self.counts[name] = self.counts.get(name, 0) + 1
+            output = base = self.draft.unique(f"{self.prefix}{name}_{self.counts[name]}")
+        use = Application(
+            operator=name,
+            arguments=arguments,
+            output=output,
+            base=base,
+            type=_operator_type(self.program.types.get(expression, SECONDS), arguments["x"].type, name),
+            method=self.method,
+            span=expression.span,
+        )
+        value = realize(self.draft, use, self.report)
+        if value is None:
+            self.draft.complete = False
+            return LiteralValue(type=use.type, value=0.0, span=expression.span)
+        self.draft.held.add(output)
+        if target or isinstance(value, SignalValue | ElementValue):
+            return value
+        self.draft.equation(output, value, expression.span, kind=use.type)
+        return SignalValue(type=use.type, name=output, span=expression.span)
+
+
+def nested(
+    program: Program,
+    draft: Draft,
+    definition: ast.SubmodelDefinition,
+    report: Report,
+    surroundings: Surroundings,
+    name: str,
+    arguments: Mapping[ast.Parameter, Expression],
+) -> Inlining:
+    """An instance called ``name`` inside the draft; parameters without an argument take their defaults.
+
+    What is still to be done: ``run`` it, add equations for its inputs, ``close`` it.
+    """
+    result = Inlining(program, draft, definition, report, surroundings, f"{name}.")
+    complete = dict(arguments)
+    for parameter in definition.parameters:
+        if parameter in complete:
+            continue
+        if parameter.default is None:
+            draft.complete = False
+        else:
+            complete[parameter] = result.constant(parameter.default)
+    result.parameters = complete
+    draft.names.add(name)
+    return result
+
+
+def external_body(external: ast.External) -> ExternalBody:
+    """The network's form of an external body."""
+    return ExternalBody(language=external.language.text, target=external.target, span=external.target_span)
+
+
+def _is_name(expression: Expression) -> bool:
+    """Whether an argument is a name, which may stand in many places."""
+    if isinstance(expression, LiteralValue):
+        return expression.name is not None
+    return isinstance(expression, ParameterValue | SignalValue)
+
+
+def _sized(declared: Type, found: Type) -> Type:
+    """The type that was declared, but for sizes, which are those of the value."""
+    return found if isinstance(declared, ArrayType) and isinstance(found, ArrayType) else declared
+
+
+def _operator_type(declared: Type, operand: Type, operator: str) -> Type:
+    """``pre`` and ``delay`` have the type of what they delay, with its sizes."""
+    return _sized(declared, operand) if operator in ("pre", "delay") else declared

@@ -1,0 +1,194 @@
+"""A draft becomes a system: sorted, constants apart, discretized, the part that the integration needs picked out."""
+
+from __future__ import annotations
+
+from typing import TypeVar
+
+from cspdiag.diagnostics import Report
+from cspdiag.diagnostics.record import replaced
+from cspdiag.network.diagnostics_submodels import (
+    AlgebraicLoop,
+    ChangingCoefficient,
+    UnstableDiscretization,
+    WrongShape,
+)
+from cspdiag.network.discretize import Method, spectral_radius, statespace_increments, transfer_coefficients
+from cspdiag.network.equation_order import Item, ordered, provides, reads
+from cspdiag.network.expression_walk import signals_read, walk
+from cspdiag.network.expressions import Expression, PresentTime, Value
+from cspdiag.network.ir import ExternalCall, SubmodelClass, SubmodelEquation
+from cspdiag.network.submodel_draft import Draft, LinearOperator
+
+SystemT = TypeVar("SystemT")
+
+
+def complete(system: SubmodelClass, draft: Draft, report: Report) -> SubmodelClass | None:
+    """``system`` with the equations of the draft; its ports and names are those it has.
+
+    None where there are algebraic loops or coefficients that make no sense, which are reported.
+    """
+    outputs = {
+        port.name if port.size is None else f"{port.name}[{index}]"
+        for port in system.ports
+        for index in range(port.size or 1)
+        if port.direction == "out"
+    }
+    order = ordered(list(draft.equations.values()))
+    for loop in order.loops:
+        places = tuple((item.name, item.span) for item in loop)
+        report.add(AlgebraicLoop(loop[0].span, places))
+    if order.loops or not draft.complete:
+        return None
+    constants, equations = _constants_apart(order.items, outputs)
+    if not _are_constant(draft, {item.name for item in constants}, report):
+        return None
+    if draft.concrete:
+        _discretize(draft, report)
+        constants = tuple(
+            item for item in map(draft.equations.get, (c.name for c in constants)) if isinstance(item, SubmodelEquation)
+        )
+    kept = _alive(draft, constants, equations, outputs)
+    constants = tuple(item for item in constants if item.name in kept)
+    equations = tuple(item for item in equations if not kept.isdisjoint(provides(item)))
+    return replaced(
+        system,
+        parameters=tuple(draft.parameters.values()),
+        constants=constants,
+        states=tuple(draft.states.values()),
+        equations=equations,
+        next_values=tuple((name, draft.next_values[name]) for name in draft.states if name in draft.next_values),
+        derivative_equations=_while_integrating(draft, equations),
+        derivatives=tuple((name, draft.derivatives[name]) for name in draft.states if name in draft.derivatives),
+        method="euler" if draft.methods and set(draft.methods) == {"euler"} else "rk4",
+        step=min(draft.steps, default=None),
+    )
+
+
+def _constants_apart(
+    items: tuple[Item, ...], outputs: set[str]
+) -> tuple[tuple[SubmodelEquation, ...], tuple[Item, ...]]:
+    """Equations over parameters only, and the others. An output is written at every sample, even if it never changes."""
+    constants: list[SubmodelEquation] = []
+    known: set[str] = set()
+    equations: list[Item] = []
+    for item in items:
+        if (
+            isinstance(item, SubmodelEquation)
+            and item.name not in outputs
+            and known.issuperset(reads(item))
+            and not _reads_time(item.value)
+        ):
+            constants.append(item)
+            known.add(item.name)
+        else:
+            equations.append(item)
+    return tuple(constants), tuple(equations)
+
+
+def _reads_time(expression: Expression) -> bool:
+    return any(isinstance(part, PresentTime) for part in walk(expression))
+
+
+def _are_constant(draft: Draft, constants: set[str], report: Report) -> bool:
+    """Whether everything that must be known at compile time is; reports what is not."""
+    fine = True
+    for wanted in draft.constants_wanted:
+        changing = [name for name in signals_read(wanted.expression) if name not in constants]
+        if _reads_time(wanted.expression):
+            changing.append("time")
+        if changing:
+            report.add(ChangingCoefficient(wanted.expression.span or wanted.span, wanted.operator, changing[0]))
+            fine = False
+    return fine
+
+
+def _alive(
+    draft: Draft, constants: tuple[SubmodelEquation, ...], equations: tuple[Item, ...], outputs: set[str]
+) -> set[str]:
+    """Signals that the outputs and states need, and those of the submodel itself (without a dot in their names)."""
+    alive = set(outputs)
+    for expression in (*draft.next_values.values(), *draft.derivatives.values()):
+        alive.update(signals_read(expression))
+    for state in draft.states.values():
+        alive.update(signals_read(state.initial))
+    for item in reversed((*constants, *equations)):
+        names = provides(item)
+        own = draft.kept if draft.closed else {name for name in names if "." not in name}
+        if not alive.isdisjoint(names) or not own.isdisjoint(names):
+            alive.update(names)
+            alive.update(reads(item))
+    return alive
+
+
+def _while_integrating(draft: Draft, equations: tuple[Item, ...]) -> tuple[SubmodelEquation, ...]:
+    """The equations that derivatives need again in every sub-step.
+
+    They depend on continuous states or on the time; outputs of discrete operators and of external calls are held over the sample.
+    """
+    varying = set(draft.derivatives)
+    again: list[SubmodelEquation] = []
+    for item in equations:
+        if isinstance(item, ExternalCall) or item.name in draft.held:
+            continue
+        if not varying.isdisjoint(reads(item)) or _reads_time(item.value):
+            varying.add(item.name)
+            again.append(item)
+    needed = {name for expression in draft.derivatives.values() for name in signals_read(expression)}
+    for item in reversed(again):
+        if item.name in needed:
+            needed.update(reads(item))
+    return tuple(item for item in again if item.name in needed)
+
+
+def _discretize(draft: Draft, report: Report) -> None:
+    """Give the coefficients of transfer functions and state spaces their values."""
+    for operator in draft.linear_operators:
+        if draft.sample is None:
+            continue
+        matrices = [draft.value_of(matrix) for matrix in operator.matrices]
+        values = _coefficients(draft, operator, matrices, draft.sample / 1_000_000_000, report)
+        if values is None:
+            draft.complete = False
+            continue
+        for (name, kind), value in zip(operator.coefficients, values, strict=True):
+            draft.give(name, kind, value)
+
+
+def _coefficients(
+    draft: Draft, operator: LinearOperator, matrices: list[Value | None], sample: float, report: Report
+) -> list[Value] | None:
+    method: Method = operator.method
+    try:
+        if len(matrices) == 4:
+            a, b, c, d = (_rows(matrix) for matrix in matrices)
+            return list(statespace_increments(a, b, c, d, method, sample))
+        numerator, denominator = (_row(matrix) for matrix in matrices)
+        if denominator[0] == 0:
+            report.add(WrongShape(operator.span, "the first coefficient of the denominator is zero"))
+            return None
+        above, below = transfer_coefficients(numerator, denominator, method, sample)
+    except (ValueError, ArithmeticError):
+        report.add(WrongShape(operator.span, "these coefficients have no discretization at this sample period"))
+        return None
+    if method == "euler":
+        _warn_if_unstable(operator, denominator, sample, report)
+    coefficients: list[Value] = [*above, *below]
+    return coefficients[len(coefficients) - len(operator.coefficients) :]
+
+
+def _row(value: Value | None) -> list[float]:
+    if not isinstance(value, tuple):
+        raise ValueError
+    return [float(element) for element in value if isinstance(element, int | float)]
+
+
+def _rows(value: Value | None) -> list[list[float]]:
+    if not isinstance(value, tuple):
+        raise ValueError
+    return [_row(row) for row in value]
+
+
+def _warn_if_unstable(operator: LinearOperator, denominator: list[float], sample: float, report: Report) -> None:
+    stable, radius = spectral_radius(denominator, sample)
+    if stable and radius > 1:
+        report.add(UnstableDiscretization(operator.span, f"{sample * 1000:g} ms", radius))

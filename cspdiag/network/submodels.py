@@ -1,0 +1,157 @@
+"""Submodels become classes of the network: flat, sorted, and discrete where they were linear operators."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from cspdiag.diagnostics import Report
+from cspdiag.diagnostics.record import node
+from cspdiag.model.program import BuiltinSymbol, Program
+from cspdiag.network.expressions import Value
+from cspdiag.network.ir import ClassParameter, Direction, Port, SubmodelClass
+from cspdiag.network.lower_expression import lower_expression
+from cspdiag.network.submodel_draft import SECONDS, Draft
+from cspdiag.network.submodel_inline import Inlining, Surroundings, external_body
+from cspdiag.network.submodel_operators import PARAMETERS
+from cspdiag.network.submodel_system import complete
+from cspdiag.network.syntax_walk import declarations, declared_in, nodes
+from cspdiag.syntax import ast
+
+
+@node
+class Flattened:
+    """A class with symbolic parameters, and the values of its derived parameters for one instance."""
+
+    cls: SubmodelClass
+    derived: dict[str, Value]
+
+
+def flatten(
+    program: Program,
+    definition: ast.SubmodelDefinition,
+    arguments: Mapping[str, Value],
+    sample: int | None,
+    report: Report,
+    *,
+    discretize: bool = True,
+) -> Flattened | None:
+    """The class of an instance with these arguments that runs every ``sample`` nanoseconds.
+
+    The arguments decide only sizes and the values in ``derived``: two instances whose classes are equal share one. None
+    where something is wrong that was reported. Without ``discretize`` no numbers are needed, as in a check.
+    """
+    draft = Draft(owner=definition.name.span, sample=sample, arguments=arguments, concrete=discretize)
+    inlining = Inlining(program, draft, definition, report, Surroundings(path=(), environment=False))
+    for parameter in definition.parameters:
+        name = parameter.name.text
+        kind = inlining.declared(parameter.type, program.types.get(parameter, SECONDS))
+        draft.parameters[name] = ClassParameter(name=name, doc=parameter.doc, span=parameter.name.span, type=kind)
+        draft.names.add(name)
+    inlining.run()
+    result: SubmodelClass | None = SubmodelClass(
+        name=definition.name.text,
+        definition=definition.name.text,
+        doc=definition.doc,
+        span=definition.name.span,
+        ports=_ports(inlining),
+        external=external_body(definition.external) if definition.external else None,
+        wcet=_nanoseconds(inlining, definition.wcet),
+        parameters=tuple(draft.parameters.values()),
+    )
+    if definition.external is None and result is not None:
+        result = complete(result, draft, report)
+    if result is None or not draft.complete:
+        return None
+    return Flattened(cls=result, derived=draft.derived)
+
+
+def _ports(inlining: Inlining) -> tuple[Port, ...]:
+    """The ports in text order, an array of ports as one."""
+    ports = []
+    for symbol in inlining.scope.ports.values():
+        direction: Direction = symbol.declaration.direction
+        period = symbol.declaration.period
+        ports.append(
+            Port(
+                name=symbol.name,
+                doc=symbol.declaration.doc,
+                span=symbol.port.span,
+                direction=direction,
+                type=inlining.declared(symbol.declaration.type, symbol.type),
+                size=len(inlining.elements(symbol)) if symbol.port.dimensions else None,
+                period=lower_expression(inlining.program, period, inlining.context) if period else None,
+            )
+        )
+    return tuple(ports)
+
+
+def _nanoseconds(inlining: Inlining, duration: ast.Expression | None) -> int | None:
+    value = inlining.draft.value_of(inlining.constant(duration)) if duration else None
+    return value if isinstance(value, int) else None
+
+
+_NEED_SAMPLE = frozenset(PARAMETERS) - {"pre", "delay"}
+
+
+def needs_sample(program: Program, definition: ast.SubmodelDefinition) -> bool:
+    """Whether the submodel or one inside it uses its sample period."""
+    pending, met = [definition], {definition}
+    while pending:
+        for part in nodes(*pending.pop().items):
+            match part:
+                case ast.Derivative():
+                    return True
+                case ast.Name():
+                    symbol = program.bindings.get(part)
+                    if isinstance(symbol, BuiltinSymbol) and symbol.name == "sample":
+                        return True
+                case ast.Call() if part.function.text in _NEED_SAMPLE:
+                    return True
+                case ast.Instance():
+                    inner = program.bindings.get(part.definition)
+                    if isinstance(inner, ast.SubmodelDefinition) and inner not in met:
+                        met.add(inner)
+                        pending.append(inner)
+                case _:
+                    pass
+    return False
+
+
+def check(program: Program, report: Report) -> None:
+    """Flatten, without numbers, every submodel that runs in a process and every one of the text that runs nowhere.
+
+    What is inside others is checked with them.
+    """
+    for definition in _outermost(program):
+        flatten(program, definition, {}, None, report, discretize=False)
+
+
+def _outermost(program: Program) -> list[ast.SubmodelDefinition]:
+    in_processes: dict[ast.Definition, None] = {}
+    elsewhere: set[object] = set()
+    for definition in program.definitions.values():
+        match definition:
+            case ast.ProcessDefinition():
+                for item in declared_in(definition):
+                    if isinstance(item, ast.Instance):
+                        found = program.bindings.get(item.definition)
+                        if isinstance(found, ast.SubmodelDefinition):
+                            in_processes[found] = None
+            case ast.EnvironmentDefinition():
+                found_items = declarations(definition.declarations)
+                elsewhere.update(program.bindings.get(i.definition) for i in found_items if isinstance(i, ast.Instance))
+            case ast.SubmodelDefinition():
+                inner = (item for item in definition.items if isinstance(item, ast.Instance))
+                elsewhere.update(program.bindings.get(item.definition) for item in inner)
+            case _:
+                pass
+    libraries = {item for tree in program.trees for item in tree.items if tree.source.name.startswith("std/")}
+    unused = [
+        definition
+        for definition in program.definitions.values()
+        if isinstance(definition, ast.SubmodelDefinition)
+        and definition not in in_processes
+        and definition not in elsewhere
+        and definition not in libraries
+    ]
+    return [d for d in in_processes if isinstance(d, ast.SubmodelDefinition)] + unused
