@@ -1,7 +1,7 @@
-"""Finds what ships beside the code: the grammar, the templates and the bundled library.
+"""Finds what ships beside the code: the grammar, the templates, the benchmarks and the bundled library.
 
-A checkout (and an editable install) has ``grammars/`` and ``templates/`` at its top level; a wheel has them under
-``cspdiag/_resources/``.
+A checkout (and an editable install) has ``grammars/``, ``templates/`` and ``benchmarks/`` at its top level; a wheel has them
+under ``cspdiag/_resources/``.
 """
 
 from __future__ import annotations
@@ -29,6 +29,11 @@ def grammar() -> str:
 def template_folder(target: str) -> Path:
     """The folder of the templates of a target, such as ``python``."""
     return _folder("templates") / target
+
+
+def benchmark_folder() -> Path:
+    """The folder of the benchmarks, itself a program."""
+    return _folder("benchmarks")
 
 
 def library_source(name: str) -> str | None:

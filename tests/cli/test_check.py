@@ -1,0 +1,66 @@
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+
+from tests.cli.conftest import BAD, GOOD, Command
+
+
+def test_a_clean_program(cspdiag: Command, good: Path) -> None:
+    assert cspdiag("check", good) == (0, "", "checked 1 file: no errors\n")
+    assert cspdiag("check", "-", stdin=GOOD) == (0, "", "checked 1 file: no errors\n")
+
+
+def test_an_error_is_shown_with_its_source_on_standard_error(cspdiag: Command, bad: Path) -> None:
+    result = cspdiag("check", bad)
+    assert (result.code, result.out) == (1, "")
+    assert f"--> {bad}:11:30" in result.err
+    assert "11 |     mu (given ? held ; taken ! hold)" in result.err
+    assert result.err.endswith("\n1 error\n")
+
+
+def test_several_files_are_checked_each_and_told_once(cspdiag: Command, good: Path, bad: Path) -> None:
+    result = cspdiag("check", good, bad, bad)
+    assert result.code == 1
+    assert result.err.endswith("\n1 error\n")
+    assert cspdiag("check", good, good.rename(good.with_name("b.csp")), bad).code == 2
+
+
+def test_an_import_that_several_files_share_is_told_once(cspdiag: Command, good: Path, bad: Path) -> None:
+    users = [good.with_name(f"user{number}.csp") for number in range(2)]
+    for user in users:
+        user.write_text(f'import "{bad.name}"\n')
+    result = cspdiag("check", "--format", "json", *users)
+    assert result.code == 1
+    assert len(json.loads(result.out)) == 1
+
+
+def test_standard_input_is_called_by_its_sign(cspdiag: Command) -> None:
+    assert cspdiag("check", "--format", "concise", "-", stdin=BAD).err.startswith("-:11:30: error[E")
+
+
+def test_what_is_for_machines_goes_to_standard_output(cspdiag: Command, good: Path, bad: Path) -> None:
+    found = cspdiag("check", "--format", "json", bad)
+    assert (found.code, found.err) == (1, "")
+    (entry,) = json.loads(found.out)
+    assert (entry["file"], entry["line"], entry["column"]) == (str(bad), 11, 30)
+    assert cspdiag("check", "--format", "json", good) == (0, "[]\n", "")
+    assert json.loads(cspdiag("check", "--format", "sarif", bad).out)["runs"][0]["results"][0]["level"] == "error"
+    assert cspdiag("check", "--format", "github", bad).out.startswith("::error file=")
+    suites = ElementTree.fromstring(cspdiag("check", "--format", "junit", good, bad).out)
+    assert [suite.get("failures") for suite in suites] == ["0", "1"]
+
+
+def test_colours(cspdiag: Command, bad: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert "\x1b" not in cspdiag("check", bad).err
+    assert "\x1b[1;31m" in cspdiag("check", "--color", "always", bad).err
+    monkeypatch.setattr("sys.stderr.isatty", lambda: True, raising=False)
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.delenv("NO_COLOR", raising=False)
+    assert "\x1b" in cspdiag("check", bad).err
+    assert "\x1b" not in cspdiag("check", "--color", "never", bad).err
+    monkeypatch.setenv("NO_COLOR", "1")
+    assert "\x1b" not in cspdiag("check", bad).err

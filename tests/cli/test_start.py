@@ -1,0 +1,42 @@
+"""What a command loads: ``check`` has little time, so it loads little."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+HEAVY = {"numpy", "networkx", "jinja2", "control", "matplotlib", "scipy", "hypothesis", "dataclasses_json"}
+UNNEEDED_BY_CHECK = {
+    "json",
+    "tempfile",
+    "subprocess",
+    "asyncio",
+    "importlib.metadata",
+    "cspdiag.runtime",
+    "cspdiag.codegen",
+}
+
+
+def modules_after(statements: str) -> set[str]:
+    program = f"import sys\n{statements}\nprint(*sys.modules)"
+    result = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, check=True)
+    return set(result.stdout.split())
+
+
+def test_importing_the_package_loads_nothing_else() -> None:
+    loaded = modules_after("import cspdiag")
+    assert {name for name in loaded if name.startswith("cspdiag")} == {"cspdiag"}
+    assert not loaded & (HEAVY | {"lark"})
+
+
+def test_check_loads_no_heavy_package() -> None:
+    loaded = modules_after("from cspdiag.cli.main import main\nassert main(['check', 'models/jiwy/jiwy.csp']) == 0")
+    assert "cspdiag.network.lower" in loaded
+    assert not loaded & HEAVY
+    assert not loaded & UNNEEDED_BY_CHECK
+
+
+def test_checking_from_python_loads_no_heavy_package() -> None:
+    assert not modules_after("import cspdiag\nassert cspdiag.check('models/jiwy/jiwy.csp') == []") & HEAVY

@@ -1,0 +1,147 @@
+"""Wrong usage and unreadable files: exit 2 and one line; whatever else happens has its code too."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from cspdiag import __version__
+from cspdiag.cli import check
+from cspdiag.cli.main import VERBS
+from tests.cli.conftest import Command
+
+
+def one_line(text: str) -> bool:
+    return text.count("\n") == 1 and text.endswith("\n") and text.startswith("cspdiag: ")
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["verfy"],
+        ["--nonsense"],
+        ["check"],
+        ["check", "--nonsense", "x.csp"],
+        ["check", "--format", "yaml", "x.csp"],
+        ["check", "missing.csp"],
+        ["check", "."],
+        ["check", "a\0b.csp"],
+        ["check", ""],
+        ["check", "/dev/zero"],
+        ["compile", "missing.csp"],
+        ["compile", "--emit", "assembly", "x.csp"],
+        ["fmt", "missing.csp"],
+        ["explain", "E9999"],
+        ["explain", "--markdown", "E0101"],
+        ["new", "3d"],
+        ["new", ""],
+        ["new", "class"],
+    ],
+    ids=repr,
+)
+def test_wrong_usage_ends_with_one_line(
+    cspdiag: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: list[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    result = cspdiag(*arguments)
+    assert result.code == 2
+    assert result.out == ""
+    assert one_line(result.err)
+
+
+def test_a_near_verb_is_suggested(cspdiag: Command) -> None:
+    assert "did you mean check?" in cspdiag("chekc").err
+
+
+@pytest.mark.parametrize("data", [b"\xff\xfe", b"process \0", bytes(range(256))], ids=repr)
+def test_a_binary_file_is_not_a_program(cspdiag: Command, tmp_path: Path, data: bytes) -> None:
+    path = tmp_path / "binary.csp"
+    path.write_bytes(data)
+    result = cspdiag("check", path)
+    assert result.code == 2
+    assert one_line(result.err)
+    assert "text" in result.err
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root reads every file")
+def test_a_file_without_permission(cspdiag: Command, good: Path) -> None:
+    good.chmod(0)
+    result = cspdiag("check", good)
+    assert result.code == 2
+    assert one_line(result.err)
+
+
+def test_line_ends_and_byte_order_marks_do_not_matter(cspdiag: Command, good: Path, bad: Path) -> None:
+    text = bad.read_bytes()
+    expected = cspdiag("check", bad)
+    bad.write_bytes(b"\xef\xbb\xbf" + text.replace(b"\n", b"\r\n"))
+    assert cspdiag("check", bad) == expected
+
+
+def test_the_overview_lists_the_verbs(cspdiag: Command) -> None:
+    result = cspdiag("--help")
+    assert result.code == 0
+    assert all(f"  {verb} " in result.out for verb in VERBS)
+    assert "example:" in result.out
+    nothing = cspdiag()
+    assert (nothing.code, nothing.out) == (2, result.out)
+
+
+@pytest.mark.parametrize("verb", VERBS)
+def test_the_help_of_a_verb_ends_with_an_example(cspdiag: Command, verb: str) -> None:
+    result = cspdiag(verb, "--help")
+    assert result.code == 0
+    last = result.out.rstrip().splitlines()[-1]
+    assert last.startswith(f"  cspdiag {verb}")
+
+
+def test_the_version(cspdiag: Command) -> None:
+    assert cspdiag("--version") == (0, f"cspdiag {__version__}\n", "")
+
+
+def test_an_internal_error_says_what_to_report(cspdiag: Command, good: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(*_: object) -> None:
+        raise KeyError("lost")
+
+    monkeypatch.setattr(check, "check", fail)
+    result = cspdiag("check", good)
+    assert result.code == 3
+    assert "Traceback" not in result.err
+    for told in ("internal error", __version__, "KeyError: 'lost'", "in fail", good.name):
+        assert told in result.err
+
+
+def test_ctrl_c_ends_quietly(cspdiag: Command, good: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupt(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(check, "check", interrupt)
+    assert cspdiag("check", good) == (130, "", "")
+
+
+def test_a_reader_that_goes_away_is_no_error() -> None:
+    process = subprocess.Popen(
+        [sys.executable, "-m", "cspdiag", "explain", "--markdown"], stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    )
+    assert process.stdout is not None
+    assert process.stderr is not None
+    process.stdout.close()
+    errors = process.stderr.read()
+    process.stderr.close()
+    assert process.wait() == 141
+    assert errors == b""
+
+
+def test_a_terminal_without_the_characters_still_shows_the_message(good: Path) -> None:
+    good.write_text("process Ü {")
+    environment = {**os.environ, "PYTHONIOENCODING": "ascii"}
+    for style in ("text", "concise", "github"):
+        result = subprocess.run(
+            [sys.executable, "-m", "cspdiag", "check", "--format", style, good], env=environment, capture_output=True
+        )
+        assert result.returncode == 1
+        assert b"E01" in result.stdout + result.stderr
