@@ -41,7 +41,7 @@ def constant_value(expression: Expression, lookup: Lookup) -> Value | None:
     try:
         value: Value = _value(expression, lookup)
         return value
-    except (ArithmeticError, ValueError, TypeError, IndexError, RecursionError, _NoValueError):
+    except (ArithmeticError, ValueError, TypeError, IndexError, _NoValueError):
         return None
 
 
@@ -67,7 +67,7 @@ def _value(expression: Expression, lookup: Lookup) -> Any:
             operand = value(expression.operand)
             return -operand if expression.operator == "-" else not operand
         case BinaryOperation():
-            return _chain(expression, lookup)
+            return _binary(expression, lookup)
         case ConditionalValue():
             return value(expression.then if value(expression.condition) else expression.otherwise)
         case FunctionCall():
@@ -90,22 +90,13 @@ def _value(expression: Expression, lookup: Lookup) -> Any:
             assert_never(expression)
 
 
-def _chain(expression: BinaryOperation, lookup: Lookup) -> Any:
-    """A chain of operators, from its left end."""
-    operations = [expression]
-    while isinstance(operations[-1].left, BinaryOperation):
-        operations.append(operations[-1].left)
-    result = _value(operations[-1].left, lookup)
-    for operation in reversed(operations):
-        if operation.operator == "and":
-            result = result and _value(operation.right, lookup)
-        elif operation.operator == "or":
-            result = result or _value(operation.right, lookup)
-        else:
-            right = _value(operation.right, lookup)
-            whole = isinstance(operation.left.type, IntType | TimeType) and isinstance(result, int)
-            result = _operation(operation.operator, result, right, whole)
-    return result
+def _binary(expression: BinaryOperation, lookup: Lookup) -> Any:
+    left = _value(expression.left, lookup)
+    if expression.operator in ("and", "or"):
+        decided = left == (expression.operator == "or")
+        return left if decided else _value(expression.right, lookup)
+    whole = isinstance(expression.left.type, IntType | TimeType) and isinstance(left, int)
+    return _operation(expression.operator, left, _value(expression.right, lookup), whole)
 
 
 def _operation(name: str, left: Any, right: Any, whole: bool) -> Any:

@@ -118,48 +118,6 @@ class RecursiveSubmodel(Diagnostic):
 
 
 @record
-class ChangingCoefficient(Diagnostic):
-    """A coefficient, a size or an initial value depends on a signal.
-
-    ``lag``, ``transfer``, ``statespace`` and ``delay`` become difference equations at compile time, and states start from values
-    that are known then. Parameters and constants are; inputs, states and the time are not.
-
-    Refused::
-
-        submodel Smooth {
-          in  x    : double
-          in  slow : double
-          out y    : double
-
-          y = lag(x, slow * 10 ms)
-        }
-
-    Mended::
-
-        submodel Smooth(slow: double) {
-          in  x : double
-          out y : double
-
-          y = lag(x, slow * 10 ms)
-        }
-    """
-
-    code = "E0452"
-    title = "not known at compile time"
-
-    what: str
-    signal: str
-
-    @property
-    def message(self) -> str:
-        return f"{self.what} must be known at compile time, but depends on the signal `{self.signal}`"
-
-    @property
-    def help(self) -> str:
-        return f"make `{self.signal}` a parameter, or write the difference equation with `state` and `next`"
-
-
-@record
 class ImproperTransfer(Diagnostic):
     """The numerator of a transfer function has a higher degree than the denominator.
 
@@ -474,46 +432,6 @@ class StepNotPositive(Diagnostic):
     @property
     def message(self) -> str:
         return "the step of an integration must be positive"
-
-
-@record
-class OperatorWithoutPlace(Diagnostic):
-    """An operator with a memory stands where no sample is computed.
-
-    ``pre``, ``delay``, ``integral``, ``derivative``, ``lag``, ``transfer`` and ``statespace`` keep states of the submodel, which advance once a sample. A parameter
-    of an instance, an initial value or a coefficient is computed once, at compile time.
-
-    Refused::
-
-        submodel Hold {
-          in  x : double
-          out y : double
-
-          state s : double = pre(1.0, 0)
-          next s = x
-          y = s
-        }
-
-    Mended::
-
-        submodel Hold {
-          in  x : double
-          out y : double
-
-          state s : double = 1.0
-          next s = x
-          y = s
-        }
-    """
-
-    code = "E0460"
-    title = "operator with a memory in a constant"
-
-    operator: str
-
-    @property
-    def message(self) -> str:
-        return f"`{self.operator}` has a memory and cannot be part of a constant"
 
 
 @record

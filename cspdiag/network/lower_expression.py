@@ -108,7 +108,7 @@ class _Lowering:
             case ast.Unary():
                 return self.unary(expression, wanted)
             case ast.Binary():
-                return self.chain(expression)
+                return self.binary(expression, wanted)
             case ast.Conditional():
                 return ConditionalValue(
                     type=wanted,
@@ -183,21 +183,14 @@ class _Lowering:
             return replaced(operand, value=-operand.value, span=expression.span)
         return UnaryOperation(type=wanted, span=expression.span, operator=expression.operator, operand=operand)
 
-    def chain(self, expression: ast.Binary) -> Expression:
-        """A chain of operators leans to the left and may be thousands long: go down by a loop, come back up."""
-        operations = [expression]
-        while isinstance(operations[-1].left, ast.Binary):
-            operations.append(operations[-1].left)
-        result = self.lower(operations[-1].left)
-        for operation in reversed(operations):
-            result = BinaryOperation(
-                type=self.program.types.get(operation, UNKNOWN),
-                span=operation.span,
-                operator=operation.operator,
-                left=result,
-                right=self.lower(operation.right),
-            )
-        return result
+    def binary(self, expression: ast.Binary, wanted: Type) -> Expression:
+        return BinaryOperation(
+            type=wanted,
+            span=expression.span,
+            operator=expression.operator,
+            left=self.lower(expression.left),
+            right=self.lower(expression.right),
+        )
 
     def call(self, expression: ast.Call, wanted: Type) -> Expression:
         found = self.context.lower_call(expression)

@@ -18,15 +18,6 @@ SECONDS = RealType(unit=SECOND)
 
 
 @node
-class ConstantWanted:
-    """An expression that an operator needs the value of at compile time."""
-
-    expression: Expression
-    operator: str
-    span: Span
-
-
-@node
 class LinearOperator:
     """A transfer function or a state space whose coefficients are to be computed for the sample period.
 
@@ -62,7 +53,6 @@ class Draft:
     derivatives: dict[str, Expression] = field(default_factory=dict)
     held: set[str] = field(default_factory=set)
     """Outputs of discrete operators, which keep their value over the sub-steps of an integration."""
-    constants_wanted: list[ConstantWanted] = field(default_factory=list)
     linear_operators: list[LinearOperator] = field(default_factory=list)
     methods: list[str] = field(default_factory=list)
     steps: list[int] = field(default_factory=list)

@@ -15,7 +15,6 @@ from cspdiag.model.program import BuiltinSymbol, PortSymbol, Program, Scope
 from cspdiag.model.types import ArrayType, RealType, TimeType, Type
 from cspdiag.network.definitions import arguments_of
 from cspdiag.network.diagnostics_submodels import (
-    OperatorWithoutPlace,
     RecursiveSubmodel,
     StepNotPositive,
     TimeOutsideEnvironment,
@@ -34,7 +33,7 @@ from cspdiag.network.expressions import (
 )
 from cspdiag.network.ir import ExternalBody, ExternalCall, SubmodelEquation, SubmodelState
 from cspdiag.network.lower_expression import LoweringContext, in_seconds, lower_expression
-from cspdiag.network.submodel_draft import SECONDS, ConstantWanted, Draft
+from cspdiag.network.submodel_draft import SECONDS, Draft
 from cspdiag.network.submodel_operators import PARAMETERS, Application, realize
 from cspdiag.syntax import ast
 
@@ -78,7 +77,6 @@ class Inlining:
         self.method: Method = "tustin"
         self.operator_target: str | None = None
         """The signal that the expression being lowered defines, if it is an operator as a whole."""
-        self.in_constant = False
         self.continuous = {item.name.text for item in definition.items if isinstance(item, ast.Derivative)}
         self.counts: dict[str, int] = {}
         self.inner: dict[str, Inlining] = {}
@@ -152,12 +150,8 @@ class Inlining:
         return known
 
     def constant(self, expression: ast.Expression) -> Expression:
-        """An expression that is computed once; operators with a memory are refused in it."""
-        before, self.in_constant = self.in_constant, True
-        try:
-            return lower_expression(self.program, expression, self.context)
-        finally:
-            self.in_constant = before
+        """An expression over parameters and constants."""
+        return lower_expression(self.program, expression, self.context)
 
     def value(self, expression: ast.Expression, target: str) -> Expression:
         """The right-hand side of the equation for ``target``."""
@@ -216,8 +210,6 @@ class Inlining:
         self.draft.states[name] = SubmodelState(
             name=name, type=kind, initial=initial, continuous=continuous, span=item.span, doc=item.doc
         )
-        what = f"the initial value of the state `{item.name.text}`"
-        self.draft.constants_wanted.append(ConstantWanted(expression=initial, operator=what, span=item.initial.span))
 
     def _equation(self, item: ast.Equation) -> None:
         target = item.target
@@ -256,12 +248,10 @@ class Inlining:
         surroundings = Surroundings(path=path, environment=self.surroundings.environment)
         for name, values in self._elements_of(instance):
             context = LoweringContext(values=values, lower_name=self._name, lower_call=self._call)
-            before, self.in_constant = self.in_constant, True
             arguments = {
                 parameter: lower_expression(self.program, argument, context)
                 for parameter, argument in arguments_of(definition.parameters, instance.arguments)
             }
-            self.in_constant = before
             self.inner[name] = nested(
                 self.program, self.draft, definition, self.report, surroundings, self.prefix + name, arguments
             )
@@ -375,13 +365,14 @@ class Inlining:
         if not self._is_operator(expression):
             return None
         target, self.operator_target = self.operator_target, None
-        if self.in_constant:
-            self.report.add(OperatorWithoutPlace(expression.span, name))
-            return None
+        method = self.method
         arguments: dict[str, Expression] = {}
-        for position, argument in enumerate(expression.arguments):
-            key = argument.name.text if argument.name else PARAMETERS[name][position]
-            arguments[key] = lower_expression(self.program, argument.value, self.context)
+        for argument in expression.arguments:
+            if argument.name is None:
+                key = PARAMETERS[name][len(arguments)]
+                arguments[key] = lower_expression(self.program, argument.value, self.context)
+            elif isinstance(argument.value, ast.Name) and argument.value.name in get_args(Method):
+                method = argument.value.name  # type: ignore[assignment]
         if target:
             output, base = target, target
         else:
@@ -393,7 +384,7 @@ class Inlining:
             output=output,
             base=base,
             type=_operator_type(self.program.types.get(expression, SECONDS), arguments["x"].type, name),
-            method=self.method,
+            method=method,
             span=expression.span,
         )
         value = realize(self.draft, use, self.report)

@@ -26,7 +26,7 @@ from cspdiag.network.expressions import (
     SignalValue,
 )
 from cspdiag.network.ir import SubmodelState
-from cspdiag.network.submodel_draft import ConstantWanted, Draft, LinearOperator
+from cspdiag.network.submodel_draft import Draft, LinearOperator
 
 LONGEST_DELAY = 10_000
 
@@ -34,12 +34,12 @@ PARAMETERS = {
     "pre": ("x", "init"),
     "delay": ("x", "n", "init"),
     "integral": ("x", "init"),
-    "derivative": ("x", "init"),
-    "lag": ("x", "tau", "init"),
+    "derivative": ("x",),
+    "lag": ("x", "tau"),
     "transfer": ("num", "den", "x"),
     "statespace": ("A", "B", "C", "D", "x"),
 }
-"""The operators with a memory and the names of their arguments; ``init`` is zero where it is left out."""
+"""The operators with a memory and the names of their arguments; those without ``init`` start from zero."""
 
 
 @node
@@ -89,21 +89,12 @@ def _constant(draft: Draft, use: Application, name: str, value: Expression) -> E
     """A coefficient with a name."""
     chosen = draft.unique(f"{use.base}_{name}")
     draft.equation(chosen, of_width(value, use.type), use.span)
-    draft.constants_wanted.append(
-        ConstantWanted(expression=value, operator=f"the coefficient of `{use.operator}`", span=use.span)
-    )
     return SignalValue(type=use.scalar, name=chosen)
 
 
 def _initial(draft: Draft, use: Application) -> Expression:
-    """The argument ``init``, or zero."""
-    given = use.arguments.get("init")
-    if given is None:
-        return number(0.0, use.type)
-    draft.constants_wanted.append(
-        ConstantWanted(expression=given, operator=f"the initial value of `{use.operator}`", span=use.span)
-    )
-    return given
+    """The argument ``init``, zero where there is none."""
+    return use.arguments.get("init", number(0.0, use.type))
 
 
 def _pre(draft: Draft, use: Application, report: Report) -> Expression:
@@ -116,9 +107,6 @@ def _pre(draft: Draft, use: Application, report: Report) -> Expression:
 
 def _delay(draft: Draft, use: Application, report: Report) -> Expression | None:
     count = use.arguments["n"]
-    draft.constants_wanted.append(
-        ConstantWanted(expression=count, operator="the number of samples of `delay`", span=use.span)
-    )
     length = draft.value_of(count)
     if length is None and not draft.concrete:
         length = 1
@@ -157,8 +145,7 @@ def _derivative(draft: Draft, use: Application, report: Report) -> Expression:
     x = _simple(draft, use, "input", use.arguments["x"])
     sample = of_width(draft.sample_period(), use.type)
     name = f"{x.name}_previous" if isinstance(x, SignalValue) else f"{use.base}_previous"
-    initial = _initial(draft, use) if "init" in use.arguments else number(0.0, x.type)
-    previous = _state(draft, use, name, x.type, initial)
+    previous = _state(draft, use, name, x.type, number(0.0, x.type))
     draft.next_values[previous.name] = x
     return over(minus(x, previous), sample)
 
@@ -177,8 +164,7 @@ def _lag(draft: Draft, use: Application, report: Report) -> Expression:
     if use.method == "tustin":
         b0 = _constant(draft, use, "b0", over(sample, plus(twice, sample)))
         a1 = _constant(draft, use, "a1", over(minus(twice, sample), plus(twice, sample)))
-        settled = times(minus(number(1.0, use.scalar), b0), initial) if "init" in use.arguments else initial
-        state = _state(draft, use, f"{use.base}_state", use.type, settled)
+        state = _state(draft, use, f"{use.base}_state", use.type, initial)
         draft.next_values[state.name] = plus(times(b0, u), times(a1, use.y))
         return plus(times(b0, u), state)
     state = _state(draft, use, f"{use.base}_state", use.type, initial)
@@ -273,10 +259,6 @@ def _statespace(draft: Draft, use: Application, report: Report) -> Expression | 
 
 def _remember(draft: Draft, use: Application, matrices: tuple[Expression, ...], names: list[str], *kinds: Type) -> None:
     kinds = kinds if len(kinds) == len(names) else kinds * len(names)
-    for matrix in matrices:
-        draft.constants_wanted.append(
-            ConstantWanted(expression=matrix, operator=f"the coefficients of `{use.operator}`", span=use.span)
-        )
     draft.linear_operators.append(
         LinearOperator(
             matrices=matrices, method=use.method, coefficients=tuple(zip(names, kinds, strict=True)), span=use.span

@@ -8,7 +8,6 @@ from cspdiag.diagnostics import Report
 from cspdiag.diagnostics.record import replaced
 from cspdiag.network.diagnostics_submodels import (
     AlgebraicLoop,
-    ChangingCoefficient,
     UnstableDiscretization,
     WrongShape,
 )
@@ -40,8 +39,6 @@ def complete(system: SubmodelClass, draft: Draft, report: Report) -> SubmodelCla
     if order.loops or not draft.complete:
         return None
     constants, equations = _constants_apart(order.items, outputs)
-    if not _are_constant(draft, {item.name for item in constants}, report):
-        return None
     if draft.concrete:
         _discretize(draft, report)
         constants = tuple(
@@ -87,19 +84,6 @@ def _constants_apart(
 
 def _reads_time(expression: Expression) -> bool:
     return any(isinstance(part, PresentTime) for part in walk(expression))
-
-
-def _are_constant(draft: Draft, constants: set[str], report: Report) -> bool:
-    """Whether everything that must be known at compile time is; reports what is not."""
-    fine = True
-    for wanted in draft.constants_wanted:
-        changing = [name for name in signals_read(wanted.expression) if name not in constants]
-        if _reads_time(wanted.expression):
-            changing.append("time")
-        if changing:
-            report.add(ChangingCoefficient(wanted.expression.span or wanted.span, wanted.operator, changing[0]))
-            fine = False
-    return fine
 
 
 def _alive(
