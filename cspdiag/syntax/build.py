@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from cspdiag.diagnostics import Report, SourceFile
-from cspdiag.syntax.lexer import Trivia
+from cspdiag.syntax import ast
 
 
 class Construction:
     """Builds the nodes of one file; the methods are named as the rules of the grammar (or their aliases)."""
 
-    def __init__(self, source: SourceFile, report: Report, docs: dict[int, list[Trivia]]) -> None:
+    def __init__(self, source: SourceFile, report: Report, docs: dict[int, list[ast.Comment]]) -> None:
         self.source = source
         self.report = report
         self._docs = docs

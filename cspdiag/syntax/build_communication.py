@@ -7,7 +7,7 @@ from typing import Any, NamedTuple, cast
 from cspdiag.diagnostics.span import Span
 from cspdiag.syntax import ast
 from cspdiag.syntax.build_expressions import ExpressionBuilder
-from cspdiag.syntax.diagnostics import LabelNotAName, NotAnInstanceName, SourceDiscarded
+from cspdiag.syntax.diagnostics_tokens import LabelNotAName, NotAnInstanceName, SourceDiscarded
 from cspdiag.syntax.lexer import Token
 
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 from cspdiag.diagnostics.span import Span
 from cspdiag.syntax import ast
 from cspdiag.syntax.build_communication import CommunicationBuilder
 from cspdiag.syntax.build_composition import CompositionBuilder
-from cspdiag.syntax.diagnostics import OptionNotHere, OptionTwice
+from cspdiag.syntax.diagnostics_tokens import OptionNotHere, OptionTwice
 from cspdiag.syntax.lexer import Token
 
 
@@ -18,6 +18,15 @@ class Option(NamedTuple):
     span: Span
     name: str
     value: Any
+
+
+_CLAUSES = {
+    "external": "an external body",
+    "wcet": "`wcet`",
+    "step": "`step`",
+    "method": "`method`",
+    "on_miss": "`on miss`",
+}
 
 
 class DefinitionBuilder(CommunicationBuilder, CompositionBuilder):
@@ -105,9 +114,9 @@ class DefinitionBuilder(CommunicationBuilder, CompositionBuilder):
         clauses: dict[str, Any] = dict.fromkeys(allowed)
         for option in options:
             if option.name not in clauses:
-                self.report.add(OptionNotHere(option.span, option.name, definition))
+                self.report.add(OptionNotHere(option.span, _CLAUSES[option.name], definition))
             elif clauses[option.name] is not None:
-                self.report.add(OptionTwice(option.span, option.name, definition))
+                self.report.add(OptionTwice(option.span, _CLAUSES[option.name], definition))
             else:
                 clauses[option.name] = option.value
         return clauses
@@ -196,7 +205,7 @@ class DefinitionBuilder(CommunicationBuilder, CompositionBuilder):
     def assertion(self, span: Span, process: ast.Identifier, claim: tuple[Any, ...]) -> ast.Assertion:
         """``assert P deadlock free``."""
         claimed, *rest = claim
-        specification, model = rest or (None, "traces")
+        specification, model = cast(Any, rest or (None, "traces"))
         return ast.Assertion(
             span=span,
             doc=self.doc(span.start),

@@ -8,7 +8,7 @@ from cspdiag.diagnostics.record import replaced
 from cspdiag.diagnostics.span import Span
 from cspdiag.syntax import ast
 from cspdiag.syntax.build import Construction
-from cspdiag.syntax.diagnostics import NumberOutOfRange, ZeroFrequency
+from cspdiag.syntax.diagnostics_tokens import NumberOutOfRange, ZeroFrequency
 from cspdiag.syntax.lexer import Token
 from cspdiag.syntax.numbers import nanoseconds, number_value
 

@@ -1,123 +1,344 @@
-"""What the parser says about text that is no program."""
+"""What can be wrong with the structure of a text."""
 
 from __future__ import annotations
 
-from cspdiag.diagnostics import Diagnostic
+from cspdiag.diagnostics import Diagnostic, Label, Span
 from cspdiag.diagnostics.record import record
 
 
 @record
 class UnexpectedText(Diagnostic):
-    """Something stands where it cannot."""
+    """Something stands where the language has no place for it.
+
+    The message says what could have stood there. What follows is read again from the next declaration or definition on.
+
+    Refused::
+
+        process Main {
+          out y : int
+          composition { y ! }
+        }
+
+    Mended::
+
+        process Main {
+          out y : int
+          composition { y ! 1 }
+        }
+    """
 
     code = "E0101"
     title = "unexpected text"
 
     found: str
     expected: str
+    advice: str | None = None
 
     @property
     def message(self) -> str:
-        return f"expected {self.expected} here, not {self.found}"
+        return f"expected {self.expected}, found {self.found}"
+
+    @property
+    def help(self) -> str | None:
+        return self.advice
 
 
 @record
 class NestedTooDeeply(Diagnostic):
-    """Nested too deeply."""
+    """An expression or a composition is nested deeper than 200 levels.
+
+    A level is an operator, a pair of parentheses within parentheses, an index, a call or a block inside another one. An operator chain of
+    expressions such as ``a + b + c`` nests to the left, so it counts a level for each operator; chains of the composition
+    (``;``, ``||`` and their kin) count one level whatever their length.
+
+    Refused::
+
+        process Main {
+          out y : int
+          composition {
+            y !
+            (((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((
+            (((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((
+            (((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((
+            1
+            )))))))))))))))))))))))))))))))))))))))))))))))))))))))))))))))))))
+            )))))))))))))))))))))))))))))))))))))))))))))))))))))))))))))))))))
+            )))))))))))))))))))))))))))))))))))))))))))))))))))))))))))))))))))
+          }
+        }
+
+    Mended::
+
+        process Main {
+          out y : int
+          composition { y ! 1 }
+        }
+    """
 
     code = "E0103"
     title = "nested too deeply"
 
+    limit: int
+
     @property
     def message(self) -> str:
-        return "nested deeper than 200 levels"
+        return f"this is nested deeper than {self.limit} levels"
+
+    @property
+    def help(self) -> str | None:
+        return "give parts of it names: `let` or `const` for expressions, processes for compositions"
 
 
 @record
-class NumberOutOfRange(Diagnostic):
-    """A number too large."""
+class ParenthesesNeeded(Diagnostic):
+    """Two operators meet in a composition, and only parentheses say which one comes first.
 
-    code = "E0110"
-    title = "number out of range"
+    An operator chain uses one operator, as the composition diagram needs its parenthesis symbol where another one begins. In the
+    same way ``mu``, ``catch`` and ``interrupt`` take a single operand: a process, a communication, or something in
+    parentheses.
+
+    Refused::
+
+        process Main {
+          out y : int
+          out z : int
+          composition { y ! 1 ; y ! 2 || z ! 3 }
+        }
+
+    Mended::
+
+        process Main {
+          out y : int
+          out z : int
+          composition { (y ! 1 ; y ! 2) || z ! 3 }
+        }
+    """
+
+    code = "E0104"
+    title = "parentheses needed"
+
+    operator: str
+    other: str
+    other_span: Span
+    advice: str
 
     @property
     def message(self) -> str:
-        return "the number is out of range"
+        return f"`{self.operator}` and `{self.other}` need parentheses to say which comes first"
+
+    @property
+    def labels(self) -> tuple[Label, ...]:
+        return (Label(self.other_span, f"`{self.other}` is here"),)
+
+    @property
+    def help(self) -> str | None:
+        return self.advice
 
 
 @record
-class ZeroFrequency(Diagnostic):
-    """A frequency of zero has no period."""
+class KeywordAsName(Diagnostic):
+    """A keyword stands where a name is wanted.
 
-    code = "E0111"
-    title = "frequency of zero"
+    The words of the language are reserved, so that a text reads the same wherever it is cut.
+
+    Refused::
+
+        process Main {
+          out state : int
+          composition { skip }
+        }
+
+    Mended::
+
+        process Main {
+          out state_ : int
+          composition { skip }
+        }
+    """
+
+    code = "E0107"
+    title = "keyword used as a name"
+
+    word: str
 
     @property
     def message(self) -> str:
-        return "a frequency of zero has no period"
+        return f"`{self.word}` is a word of the language and cannot be a name"
+
+    @property
+    def help(self) -> str | None:
+        return f"choose another name, for example `{self.word}_`"
 
 
 @record
-class NotAnInstanceName(Diagnostic):
-    """The name of an instance is a name."""
+class WrongOperator(Diagnostic):
+    """An operator of another language, or of another place.
 
-    code = "E0112"
-    title = "name of an instance"
+    ``=`` defines (constants, defaults, equations), ``:=`` assigns in a composition, ``==`` compares; logic is written
+    ``and``, ``or`` and ``not``; an arrow is ``->``.
+
+    Refused::
+
+        process Main {
+          communication { var count : int = 0 }
+          composition { count = 1 }
+        }
+
+    Mended::
+
+        process Main {
+          communication { var count : int = 0 }
+          composition { count := 1 }
+        }
+    """
+
+    code = "E0108"
+    title = "wrong operator"
+
+    found: str
+    wanted: str
+    purpose: str
 
     @property
     def message(self) -> str:
-        return "an instance needs a plain name, or a name and one size for an array of instances"
+        return f"{self.purpose} is written `{self.wanted}`, not `{self.found}`"
+
+    @property
+    def help(self) -> str | None:
+        return f"write `{self.wanted}`"
 
 
 @record
-class SourceDiscarded(Diagnostic):
-    """``_`` is only a sink."""
+class Unclosed(Diagnostic):
+    """A parenthesis, bracket or brace is opened and not closed, or closed and not opened.
 
-    code = "E0113"
-    title = "discard as a source"
+    The label shows the opening one. The place of the error is where it could be missed for the first time.
+
+    Refused::
+
+        process Main {
+          out y : int
+          composition {
+            y ! (1 + 2
+          }
+        }
+
+    Mended::
+
+        process Main {
+          out y : int
+          composition {
+            y ! (1 + 2)
+          }
+        }
+    """
+
+    code = "E0109"
+    title = "unbalanced brackets"
+
+    bracket: str
+    opening: Span | None
 
     @property
     def message(self) -> str:
-        return "`_` takes values and gives none: it can only end an arrow"
+        if self.opening is None:
+            return f"this `{self.bracket}` closes nothing"
+        return f"`{self.bracket}` is missing here"
+
+    @property
+    def labels(self) -> tuple[Label, ...]:
+        return () if self.opening is None else (Label(self.opening, f"`{self.opening.text}` is opened here"),)
+
+    @property
+    def help(self) -> str | None:
+        return f"remove the `{self.bracket}`" if self.opening is None else f"close it with `{self.bracket}`"
 
 
 @record
-class LabelNotAName(Diagnostic):
-    """A label is a plain name."""
+class ArrowWithoutEnd(Diagnostic):
+    """An arrow of the communication diagram lacks its source or its sink.
 
-    code = "E0114"
-    title = "label of an arrow"
+    Every communication relationship leads from an output to an input. The sink ``_`` discards the values.
+
+    Refused::
+
+        submodel Source {
+          out y : int
+          y = 1
+        }
+
+        process Main {
+          communication {
+            source : Source
+            source.y ->
+          }
+          composition { source }
+        }
+
+    Mended::
+
+        submodel Source {
+          out y : int
+          y = 1
+        }
+
+        process Main {
+          communication {
+            source : Source
+            source.y -> _
+          }
+          composition { source }
+        }
+    """
+
+    code = "E0118"
+    title = "arrow without an end"
+
+    lacks: str
 
     @property
     def message(self) -> str:
-        return "the label of an arrow is a plain name"
+        return f"this arrow has no {self.lacks}"
+
+    @property
+    def help(self) -> str | None:
+        if self.lacks == "sink":
+            return "end it at a port, at a label with a type, or at `_`, which discards the values"
+        return "begin it at an `in` port of this process or at an `out` port of an instance"
 
 
 @record
-class OptionNotHere(Diagnostic):
-    """A clause that means nothing here."""
+class WrongPlace(Diagnostic):
+    """A part of the language at a place where it does not belong.
 
-    code = "E0115"
-    title = "clause not allowed here"
+    A process has its ports first, then its communication diagram, then its composition diagram; a submodel its ports,
+    then its equations. Declarations need nothing between them: ``;`` is the sequential operator and nothing else.
 
-    clause: str
-    definition: str
+    Refused::
+
+        process Main {
+          composition { y ! 1 }
+          out y : int
+        }
+
+    Mended::
+
+        process Main {
+          out y : int
+          composition { y ! 1 }
+        }
+    """
+
+    code = "E0119"
+    title = "not the place for this"
+
+    what: str
+    rule: str
 
     @property
     def message(self) -> str:
-        return f"a {self.definition} has no `{self.clause}`"
-
-
-@record
-class OptionTwice(Diagnostic):
-    """A clause said twice."""
-
-    code = "E0116"
-    title = "clause said twice"
-
-    clause: str
-    definition: str
+        return f"{self.what} cannot stand here"
 
     @property
-    def message(self) -> str:
-        return f"the {self.definition} has `{self.clause}` already"
+    def help(self) -> str | None:
+        return self.rule

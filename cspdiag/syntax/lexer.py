@@ -5,35 +5,37 @@ from __future__ import annotations
 import re
 from typing import NamedTuple
 
-from cspdiag.diagnostics import SourceFile
+from cspdiag.diagnostics import Diagnostic, Report, SourceFile
 from cspdiag.diagnostics.span import Span
+from cspdiag.syntax.ast import Comment
+from cspdiag.syntax.diagnostics_tokens import UnknownCharacter, UnterminatedComment, UnterminatedString
 from cspdiag.syntax.tables import END, Tables
 
 WORDS_OF_THEIR_PLACE = frozenset(
-    "step method wcet on miss free deadlock livelock terminates schedulable refines failures stop".split()
+    [
+        *("step", "method", "wcet", "on", "miss", "stop"),
+        *("free", "deadlock", "livelock", "terminates", "schedulable", "refines", "failures"),
+    ]
 )
 """Keywords where the grammar asks for them, names everywhere else."""
 
-UNKNOWN = "unknown"
-"""The terminal of a character that begins no token."""
-OPEN_STRING = "open string"
-"""The terminal of a string without its closing quotes."""
-OPEN_COMMENT = "open comment"
-"""The terminal of a comment without its end."""
+_LOOKALIKES = dict(
+    zip(
+        "→⟶≤≥≠∥‖□≔−–×·÷μ∧∨¬",  # noqa: RUF001
+        ["->", "->", "<=", ">=", "!=", "||", "||", "[]", ":=", "-", "-", "*", "*", "/", "mu", "and", "or", "not"],
+        strict=True,
+    )
+)
+"""Characters of papers and word processors, with what they stand for."""
+
+
+_NEXT_CHARACTER = re.compile(r"\s*(\S)")
 
 
 class Token(NamedTuple):
     """A token that the tree builder is given."""
 
     span: Span
-    text: str
-
-
-class Trivia(NamedTuple):
-    """A comment, with its markers."""
-
-    start: int
-    end: int
     text: str
 
 
@@ -54,35 +56,50 @@ class Scanner:
         alternatives += [f"(?P<{terminal}>{pattern})" for terminal, pattern in patterns.items()]
         alternatives += [r'(?P<OPEN_STRING>"[^"\n]*)', r"(?P<OPEN_COMMENT>/\*[\s\S]*)"]
         alternatives.append("(?P<PUNCTUATION>" + "|".join(map(re.escape, punctuation)) + ")")
+        alternatives.append(f"(?P<LOOKALIKE>[{''.join(_LOOKALIKES)}])")
         alternatives.append(r"(?P<UNKNOWN>[^ \t\r\n\f])")
         self.token = re.compile(r"[ \t\r\n\f]*(?:" + "|".join(alternatives) + ")")
+
+
+class Previous(NamedTuple):
+    """The token before the present one."""
+
+    kind: str
+    text: str
+    start: int
+    end: int
 
 
 class Lexer:
     """Walks through a file.
 
-    After ``advance`` the attributes ``kind`` (a terminal), ``text``, ``start`` and ``end`` describe the present token.
-    ``comments`` has all comments passed so far, ``docs`` those of them that are doc comments, by the offset of the
-    token that follows.
+    After ``advance`` the attributes ``kind`` (a terminal), ``text``, ``start`` and ``end`` describe the present token,
+    ``before`` the one before. ``comments`` has all comments passed so far, ``docs`` those of them that are doc comments, by the
+    offset of the token that follows. What is wrong with single characters, strings and comments is reported on the way.
     """
 
-    def __init__(self, source: SourceFile, scanner: Scanner) -> None:
+    def __init__(self, source: SourceFile, scanner: Scanner, report: Report) -> None:
+        self._source = source
         self._text = source.text
+        self._report = report
         self._match = scanner.token.match
         self._unit = scanner.unit
         self._words = scanner.words
+        self._reported_lines: set[int] = set()
         self.kind = END
         self.text = ""
         self.start = 0
         self.end = 0
-        self.comments: list[Trivia] = []
-        self.docs: dict[int, list[Trivia]] = {}
+        self.before = Previous(END, "", 0, 0)
+        self.comments: list[Comment] = []
+        self.docs: dict[int, list[Comment]] = {}
 
     def advance(self, accepted: dict[str, int]) -> None:
         """Go to the next token, where the parser can take the terminals ``accepted``."""
+        self.before = Previous(self.kind, self.text, self.start, self.end)
         match = self._match(self._text, self.end)
-        while match is not None and match.lastgroup == "COMMENT":
-            match = self._pass_comments(match)
+        while match is not None and (match.lastgroup == "COMMENT" or match.lastgroup == "UNKNOWN"):
+            match = self._pass_comments(match) if match.lastgroup == "COMMENT" else self._pass_unknown(match)
         if match is None:
             self.kind, self.text = END, ""
             self.start = self.end = len(self._text)
@@ -98,27 +115,76 @@ class Lexer:
             self.kind = self._words[text]
             if text[0] == "<" and "UNIT" in accepted:
                 self._take_unit()
+        elif kind == "LOOKALIKE":
+            self._take_lookalike()
+        elif kind == "OPEN_STRING":
+            self._tell(UnterminatedString(Span(self._source, self.start, self.end)))
+            self.kind, self.text = "STRING", text + '"'
+        elif kind == "OPEN_COMMENT":
+            self._tell(UnterminatedComment(Span(self._source, self.start, self.start + 2)))
+            self.kind, self.text, self.start, self.end = END, "", len(self._text), len(self._text)
         else:
             self.kind = kind
+
+    def replace(self, terminal: str, end: int) -> None:
+        """Take what stands up to ``end`` for another terminal."""
+        self.kind, self.text, self.end = terminal, self._text[self.start : end], end
+
+    def insert(self, terminal: str) -> None:
+        """Put a token without text before the present one."""
+        self.kind, self.text, self.end = terminal, "", self.start
+
+    def first_on_line(self) -> bool:
+        """Whether nothing but space stands before the present token on its line."""
+        at = self.start - 1
+        while at >= 0 and self._text[at] in " \t\r\f":
+            at -= 1
+        return at < 0 or self._text[at] == "\n"
+
+    def next_character(self) -> str:
+        """The character after the present token that is no space; empty at the end."""
+        match = _NEXT_CHARACTER.match(self._text, self.end)
+        return match[1] if match else ""
+
+    def reported_on_line(self, offset: int) -> bool:
+        """Whether something was reported here about a character, string or comment of this line."""
+        return bool(self._reported_lines) and self._source.position(offset)[0] in self._reported_lines
+
+    def _tell(self, diagnostic: Diagnostic) -> None:
+        self._reported_lines.add(diagnostic.span.line)
+        self._report.add(diagnostic)
 
     def _take_unit(self) -> None:
         match = self._unit.match(self._text, self.start)
         if match is not None:
             self.kind, self.text, self.end = "UNIT", match.group(), match.end()
 
+    def _take_lookalike(self) -> None:
+        meant = _LOOKALIKES[self.text]
+        self._tell(UnknownCharacter(Span(self._source, self.start, self.end), self.text, meant))
+        self.kind, self.text = self._words[meant], meant
+
+    def _pass_unknown(self, match: re.Match[str]) -> re.Match[str] | None:
+        start, end = match.span("UNKNOWN")
+        self._tell(UnknownCharacter(Span(self._source, start, end), self._text[start], None))
+        return self._match(self._text, end)
+
     def _pass_comments(self, match: re.Match[str]) -> re.Match[str] | None:
         """Collects comments up to the next token, whose match it returns."""
-        docs: list[Trivia] = []
+        docs: list[Comment] = []
         following: re.Match[str] | None = match
         while following is not None and following.lastgroup == "COMMENT":
             start, end = following.span("COMMENT")
-            comment = Trivia(start, end, following.group("COMMENT").rstrip())
+            text = following.group("COMMENT").rstrip()
+            comment = Comment(span=Span(self._source, start, start + len(text)), text=text)
             self.comments.append(comment)
-            if is_doc(comment.text):
+            if is_doc(text):
                 docs.append(comment)
             following = self._match(self._text, end)
-        if docs and following is not None and following.lastgroup is not None:
-            self.docs[following.start(following.lastgroup)] = docs
+        if docs:
+            group = following.lastgroup if following is not None else None
+            end_of_text = len(self._text)
+            self.docs[following.start(group) if following is not None and group else end_of_text] = docs
         return following
 
 

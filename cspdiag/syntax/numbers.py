@@ -29,8 +29,8 @@ def nanoseconds(digits: str, unit: str) -> int | None:
     if len(digits) > _LONGEST_NUMBER or abs(int(exponent_text or "0")) > _LARGEST_EXPONENT:
         return None
     exponent = int(exponent_text or "0") - len(fraction)
-    numerator = int(whole + fraction) * 10 ** max(exponent, 0)
-    denominator: int = 10 ** max(-exponent, 0)
+    numerator = int(f"{whole}{fraction}{'0' * max(exponent, 0)}")
+    denominator = int(f"1{'0' * max(-exponent, 0)}")
     if unit in _HERTZ:
         numerator, denominator = 1_000_000_000 * denominator, numerator * _HERTZ[unit]
     else:

@@ -1,130 +1,188 @@
-"""Text to syntax tree: an LALR(1) automaton over the tables that Lark made of the grammar."""
+"""Text to syntax tree.
+
+An LALR(1) automaton over the tables that Lark made of the grammar. It is a loop over explicit stacks, so the depth of a text
+is no concern of Python's; the tree it makes is at most ``DEEPEST`` levels deep, so that later passes may recurse.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import Any
 
-from cspdiag.diagnostics import Report, SourceFile
+from cspdiag.diagnostics import Diagnostic, Report, SourceFile
 from cspdiag.diagnostics.span import Span
-from cspdiag.syntax import ast, tables
+from cspdiag.syntax import ast, recovery
+from cspdiag.syntax.automaton import automaton
 from cspdiag.syntax.build_definitions import DefinitionBuilder
-from cspdiag.syntax.diagnostics import UnexpectedText
-from cspdiag.syntax.lexer import Lexer, Scanner, Token
-from cspdiag.syntax.tables import Tables
+from cspdiag.syntax.diagnostics import NestedTooDeeply
+from cspdiag.syntax.lexer import Lexer, Token, is_doc
+from cspdiag.syntax.situation import Repair, Situation
+from cspdiag.syntax.tables import END
+from cspdiag.syntax.unexpected import explain
+
+DEEPEST = 200
+"""Levels of nesting that a tree may have."""
+
+_MOST_STATES = 25 * DEEPEST
+"""More than the levels of a legal text can put on the stack."""
 
 
-class Automaton(NamedTuple):
-    """The tables and what is made of them once per run."""
+def parse(source: SourceFile, report: Report) -> ast.SourceTree:
+    """The tree of a file.
 
-    tables: Tables
-    scanner: Scanner
-    valued: frozenset[str]
-    """The terminals whose tokens the tree builder is given."""
-
-
-@lru_cache(maxsize=1)
-def automaton() -> Automaton:
-    """The automaton of the language."""
-    loaded = tables.load()
-    return Automaton(loaded, Scanner(loaded), frozenset(loaded.valued))
-
-
-def parse(source: SourceFile, report: Report) -> ast.SourceTree | None:
-    """The tree of a file without the items that are broken.
-
-    None if nothing of the file could be read.
+    Where the text is broken, this is reported and reading goes on at the next declaration or definition; the tree
+    then lacks the broken ones and is no program.
     """
-    return _Parser(source, report).run()
+    return Parser(source, report).run()
 
 
-class _Parser:
+class Parser:
+    """One run over one file.
+
+    The stacks grow together, ``states`` being one longer: ``values`` has what was built, ``starts`` the offset at which it
+    begins, ``depths`` its levels.
+    """
+
     def __init__(self, source: SourceFile, report: Report) -> None:
-        self._source = source
-        self._report = report
-        self._automaton = automaton()
-        self._lexer = Lexer(source, self._automaton.scanner)
-        self._builder = DefinitionBuilder(source, report, self._lexer.docs)
+        self.source = source
+        self.report = report
+        self.automaton = automaton()
+        self.lexer = Lexer(source, self.automaton.scanner, report)
+        self.states = [self.automaton.tables.start]
+        self.values: list[Any] = []
+        self.starts: list[int] = []
+        self.depths: list[int] = []
+        self._taken_to = 0
+        """Where the last token ended."""
+        builder = DefinitionBuilder(source, report, self.lexer.docs)
+        self._builders: list[Callable[..., Any] | None] = [
+            getattr(builder, rule.build) if rule.build else None for rule in self.automaton.tables.rules
+        ]
 
-    def run(self) -> ast.SourceTree | None:
-        table, _, valued = self._automaton
-        actions, gotos, rules = table.actions, table.gotos, table.rules
-        source, lexer = self._source, self._lexer
-        builders = self._builders()
-        states = [table.start]
-        values: list[Any] = []
-        starts: list[int] = []
-        accepted = actions[table.start]
-        previous_end = 0
-        lexer.advance(accepted)
+    def run(self) -> ast.SourceTree:
+        """Read the whole file."""
+        actions = self.automaton.tables.actions
+        lexer, states = self.lexer, self.states
+        lexer.advance(actions[states[-1]])
         while True:
-            action = accepted.get(lexer.kind)
+            action = actions[states[-1]].get(lexer.kind)
             if action is None:
-                if lexer.kind == tables.END and table.symbols[states[-1]] == "start":
-                    return self._tree(values[0])
-                expected = ", ".join(sorted(accepted))
-                self._report.add(UnexpectedText(Span(source, lexer.start, lexer.end), lexer.text, expected))
-                return None
-            if action >= 0:
-                kind = lexer.kind
-                if kind == "NAME":
-                    values.append(ast.Identifier(span=Span(source, lexer.start, lexer.end), text=lexer.text))
-                elif kind in valued:
-                    values.append(Token(Span(source, lexer.start, lexer.end), lexer.text))
-                else:
-                    values.append(None)
-                starts.append(lexer.start)
-                states.append(action)
-                accepted = actions[action]
-                previous_end = lexer.end
-                lexer.advance(accepted)
-                continue
-            rule = ~action
-            origin, length, build, kept = rules[rule]
-            if build is None:
-                # hands on its only child: only the state changes
-                states[-1] = state = gotos[states[-2]][origin]
-                accepted = actions[state]
-                continue
-            if length:
-                children = values[-length:]
-                start = starts[-length]
-                del values[-length:], starts[-length:], states[-length:]
+                if lexer.kind == END and self.automaton.tables.symbols[states[-1]] == "start":
+                    return self._tree(self.values[0])
+                self._mend()
+            elif action >= 0:
+                self._shift(action)
             else:
-                children = []
-                start = lexer.start
-            if build == "":
-                if kept and kept[0] is not None and kept[0] < 0:
-                    value = children[0]
-                    value += [children[i] for i in kept[1:]]
-                else:
-                    value = [None if i is None else children[i] for i in kept]
-            else:
-                arguments = []
-                for i in kept:
-                    if i is None:
-                        arguments.append(None)
-                    elif i < 0:
-                        arguments += children[~i]
-                    else:
-                        arguments.append(children[i])
-                value = builders[rule](Span(source, start, max(start, previous_end)), *arguments)
-            values.append(value)
-            starts.append(start)
-            state = gotos[states[-1]][origin]
-            states.append(state)
-            accepted = actions[state]
+                self._reduce(~action)
 
-    def _builders(self) -> list[Callable[..., Any]]:
-        builder = self._builder
-        return [getattr(builder, rule.build) if rule.build else None for rule in self._automaton.tables.rules]
+    def _shift(self, state: int) -> None:
+        lexer = self.lexer
+        kind = lexer.kind
+        value: Any = None
+        if kind == "NAME":
+            value = ast.Identifier(span=Span(self.source, lexer.start, lexer.end), text=lexer.text)
+        elif kind in self.automaton.valued:
+            value = Token(Span(self.source, lexer.start, lexer.end), lexer.text)
+        self.values.append(value)
+        self.starts.append(lexer.start)
+        self.depths.append(0)
+        self.states.append(state)
+        self._taken_to = lexer.end
+        lexer.advance(self.automaton.tables.actions[state])
+        if len(self.states) > _MOST_STATES:
+            self._refuse_depth()
+
+    def _reduce(self, number: int) -> None:
+        table = self.automaton.tables
+        origin, length, build, kept = table.rules[number]
+        states = self.states
+        if build is None:
+            # The rule hands on its only child: nothing but the state changes.
+            states[-1] = table.gotos[states[-2]][origin]
+            return
+        children: list[Any] = []
+        start, depth = self.lexer.start, 0
+        if length:
+            children = self.values[-length:]
+            start = self.starts[-length]
+            depth = max(self.depths[-length:]) + self.automaton.levels[number]
+            del self.values[-length:], self.starts[-length:], self.depths[-length:], states[-length:]
+        builder = self._builders[number]
+        if builder is None:
+            value: Any = _grown(children, kept)
+        else:
+            span = Span(self.source, start, max(start, self._taken_to))
+            if build in {"parenthesized", "group"} and children[1].parenthesized:
+                depth += 1
+            value = builder(span, *_arguments(children, kept))
+        self.values.append(value)
+        self.starts.append(start)
+        self.depths.append(depth)
+        states.append(table.gotos[states[-1]][origin])
+        if depth > DEEPEST:
+            self._refuse_depth()
+
+    def _refuse_depth(self) -> None:
+        lexer = self.lexer
+        end = max(lexer.end, lexer.start + 1)
+        self._skip_after(NestedTooDeeply(Span(self.source, lexer.start, end), DEEPEST))
+
+    def _mend(self) -> None:
+        """The present token cannot be taken: say why, and make the best of it."""
+        situation = Situation(self.source, self.automaton, self.states, self.starts, self.lexer)
+        diagnostic, repair = explain(situation)
+        if repair is None:
+            self._skip_after(diagnostic)
+            return
+        self._tell(diagnostic)
+        self._apply(repair)
+
+    def _apply(self, repair: Repair) -> None:
+        """Go on as if the present token were another one, or were not there, or had another one before it."""
+        lexer = self.lexer
+        match repair.action:
+            case "replace":
+                lexer.replace(repair.terminal, repair.end or lexer.end)
+            case "remove":
+                lexer.replace(lexer.kind, repair.end or lexer.end)
+                lexer.advance(self.automaton.tables.actions[self.states[-1]])
+            case "insert":
+                lexer.insert(repair.terminal)
+
+    def _tell(self, diagnostic: Diagnostic) -> None:
+        if not self.lexer.reported_on_line(diagnostic.span.start):
+            self.report.add(diagnostic)
+
+    def _skip_after(self, diagnostic: Diagnostic) -> None:
+        """Report, then forget the declaration or definition being read and go to the next one."""
+        self._tell(diagnostic)
+        height = recovery.skip(self.automaton, self.states, self.lexer)
+        del self.states[height:], self.values[height - 1 :], self.starts[height - 1 :], self.depths[height - 1 :]
 
     def _tree(self, items: tuple[ast.Item, ...]) -> ast.SourceTree:
-        source = self._source
-        comments = tuple(
-            ast.Comment(span=Span(source, c.start, c.end), text=c.text)
-            for c in self._lexer.comments
-            if not c.text.startswith("///")
-        )
+        source = self.source
+        unused = {comment for comments in self.lexer.docs.values() for comment in comments}
+        comments = tuple(comment for comment in self.lexer.comments if not is_doc(comment.text) or comment in unused)
         return ast.SourceTree(span=Span(source, 0, len(source.text)), source=source, items=items, comments=comments)
+
+
+def _arguments(children: list[Any], kept: tuple[int | None, ...]) -> list[Any]:
+    """What a builder is given of the children of a rule: lists spliced in, None for what is absent."""
+    arguments: list[Any] = []
+    for position in kept:
+        if position is None:
+            arguments.append(None)
+        elif position < 0:
+            arguments += children[~position]
+        else:
+            arguments.append(children[position])
+    return arguments
+
+
+def _grown(children: list[Any], kept: tuple[int | None, ...]) -> list[Any]:
+    """The list of a repetition: the list so far is the first child and grows in place, so that long ones stay cheap."""
+    if kept[0] is None or kept[0] >= 0:
+        return _arguments(children, kept)
+    grown: list[Any] = children[~kept[0]]
+    grown += _arguments(children, kept[1:])
+    return grown

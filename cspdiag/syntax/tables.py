@@ -90,7 +90,8 @@ def _read(path: Path, grammar: str) -> Tables | None:
 
 def _write(path: Path, grammar: str, tables: Tables) -> None:
     """Writes to another file first: a reader never sees half of it. A cache that cannot be written is none."""
-    content = marshal.dumps((grammar, tuple(tables._replace(rules=[tuple(rule) for rule in tables.rules]))))
+    rules: Any = [tuple(rule) for rule in tables.rules]
+    content = marshal.dumps((grammar, tuple(tables._replace(rules=rules))))
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         handle, name = tempfile.mkstemp(dir=path.parent, prefix=path.stem)
@@ -109,7 +110,7 @@ def build(grammar: str) -> Tables:
     from lark import Lark
 
     parser = Lark(grammar, parser="lalr", maybe_placeholders=True)
-    table: Any = parser.parser.parser._parse_table  # type: ignore[attr-defined]
+    table: Any = parser.parser.parser._parse_table
     rules: dict[Any, int] = {}
     actions: list[dict[str, int]] = []
     gotos: list[dict[str, int]] = []

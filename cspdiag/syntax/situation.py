@@ -1,0 +1,105 @@
+"""A token that the parser cannot take, and what is around it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Literal, NamedTuple
+
+from cspdiag.diagnostics import Diagnostic, SourceFile
+from cspdiag.diagnostics.span import Span
+from cspdiag.syntax.automaton import Automaton
+from cspdiag.syntax.lexer import Lexer
+
+CLOSING = {"LPAR": ")", "LSQB": "]", "LBRACE": "}"}
+"""Opening brackets and the text of their closing ones."""
+
+_BLOCKS = frozenset(
+    [
+        *("COMMUNICATION", "COMPOSITION", "FOR", "PROCESS", "SUBMODEL", "DRIVER", "ENVIRONMENT", "ENUM", "STRUCT"),
+    ]
+)
+
+
+class Repair(NamedTuple):
+    """How to go on: take the token (up to ``end``) for another one, leave it out, or put another one before it."""
+
+    action: Literal["replace", "remove", "insert"]
+    terminal: str = ""
+    end: int | None = None
+
+
+Finding = tuple[Diagnostic, Repair | None]
+"""An explanation; without a repair reading goes on at the next declaration or definition."""
+
+
+class Situation(NamedTuple):
+    """Where the parser is stuck; ``starts[i]`` is the offset of what led to ``states[i + 1]``."""
+
+    source: SourceFile
+    automaton: Automaton
+    states: list[int]
+    starts: list[int]
+    lexer: Lexer
+
+    @property
+    def span(self) -> Span:
+        """The present token; at the end of the text its last character."""
+        start, end = self.lexer.start, self.lexer.end
+        return Span(self.source, start, end) if end > start else self.previous
+
+    @property
+    def previous(self) -> Span:
+        """The token before the present one."""
+        return Span(self.source, self.lexer.before.start, self.lexer.before.end)
+
+    @property
+    def kind(self) -> str:
+        """The terminal of the present token."""
+        return self.lexer.kind
+
+    @property
+    def text(self) -> str:
+        """The text of the present token."""
+        return self.lexer.text
+
+    def can(self, text_or_terminal: str) -> bool:
+        """Whether a terminal, or the keyword or punctuation of a text, could stand here."""
+        return self.automaton.accepts(self.states, self.terminal(text_or_terminal))
+
+    def terminal(self, text: str) -> str:
+        """The terminal of a keyword or punctuation; anything else is a terminal already."""
+        return self.automaton.tables.words.get(text, text)
+
+    def acceptable(self) -> set[str]:
+        """All terminals that could stand here."""
+        row = self.automaton.tables.actions[self.states[-1]]
+        return {terminal for terminal in row if self.automaton.accepts(self.states, terminal)}
+
+    def open_symbols(self) -> Iterator[tuple[str, int]]:
+        """What is begun and not finished, innermost first: symbols and their offsets."""
+        symbols = self.automaton.tables.symbols
+        for height in range(len(self.starts) - 1, -1, -1):
+            yield symbols[self.states[height + 1]], self.starts[height]
+
+    def open_bracket(self) -> tuple[str, Span] | None:
+        """The innermost open bracket: its terminal and place."""
+        for symbol, start in self.open_symbols():
+            if symbol in CLOSING:
+                return symbol, Span(self.source, start, start + 1)
+        return None
+
+    def since_bracket(self) -> Iterator[tuple[str, int]]:
+        """``open_symbols`` up to the innermost open bracket."""
+        for symbol, start in self.open_symbols():
+            if symbol in CLOSING:
+                return
+            yield symbol, start
+
+    def block(self) -> str:
+        """The keyword of the innermost open block, such as ``COMMUNICATION``; empty outside of all definitions."""
+        inside = False
+        for symbol, _ in self.open_symbols():
+            inside = inside or symbol == "LBRACE"
+            if inside and symbol in _BLOCKS:
+                return symbol
+        return ""

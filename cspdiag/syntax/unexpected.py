@@ -1,0 +1,125 @@
+"""Why a token cannot stand where it stands, in words of the language, and how to go on reading.
+
+Each function recognizes one kind of mistake, here those of single tokens, in ``unexpected_structure.py`` those of blocks, brackets and
+operator chains. The first one that recognizes a situation explains it.
+"""
+
+from __future__ import annotations
+
+import re
+
+from cspdiag.diagnostics.span import Span
+from cspdiag.syntax import unexpected_structure as structure
+from cspdiag.syntax.diagnostics import KeywordAsName, UnexpectedText, WrongOperator
+from cspdiag.syntax.diagnostics_tokens import MissingUnitBrackets
+from cspdiag.syntax.expected import expected_words, found_words
+from cspdiag.syntax.situation import Finding, Repair, Situation
+
+_NEVER_MEANT_AS_NAMES = frozenset(
+    [
+        *("UNTIL", "DO", "THEN", "ELSE", "AND", "OR", "NOT", "IF", "MU", "WHILE", "WHEN", "IN", "OUT"),
+        *("TRUE", "FALSE", "COMPOSITION", "COMMUNICATION", "FOR", "UNDERSCORE"),
+    ]
+)
+
+_SPACED_UNIT = re.compile(
+    r"(?P<number>[0-9][0-9.]*(?:[eE][+-]?[0-9]+)?)(?P<unit><[A-Za-z0-9/*^. -]* [A-Za-z0-9/*^. -]*>)"
+)
+_BARE_UNIT = re.compile(r"[A-Za-z][A-Za-z0-9/*^]*")
+
+_DIRECTIONS = {"input": "in", "inport": "in", "output": "out", "outport": "out"}
+
+
+def explain(situation: Situation) -> Finding:
+    """What is wrong, and how to go on."""
+    for recognize in _MISTAKES:
+        finding = recognize(situation)
+        if finding is not None:
+            return finding
+    return UnexpectedText(situation.span, found_words(situation), expected_words(situation)), None
+
+
+def _keyword_as_name(situation: Situation) -> Finding | None:
+    text, kind = situation.text, situation.kind
+    is_keyword = text.isidentifier() and kind != "NAME" and situation.terminal(text) == kind
+    if not is_keyword or not situation.can("NAME") or structure.begins_part(situation):
+        return None
+    other_words_could_stand_here = situation.can("NUMBER") or situation.can("SKIP")
+    if other_words_could_stand_here and kind in _NEVER_MEANT_AS_NAMES:
+        return None
+    return KeywordAsName(situation.span, text), Repair("replace", "NAME")
+
+
+def _wrong_operator(situation: Situation) -> Finding | None:
+    following = situation.source.text[situation.lexer.end : situation.lexer.end + 1]
+    for found, wanted, purpose in (
+        ("=>", "->", "an arrow"),
+        ("=", ":=", "an assignment in a composition"),
+        ("=", "==", "a comparison"),
+        (":=", "=", "a definition"),
+        ("==", "=", "a definition"),
+        (":=", "==", "a comparison"),
+        ("&&", "and", "the logical operator"),
+        ("||", "or", "the logical operator"),
+        ("!", "not", "the logical operator"),
+        ("?", ":", "the type of a port or variable"),
+    ):
+        whole = situation.text == found or (len(found) == 2 and situation.text + following == found)
+        if whole and situation.can(wanted) and found != "?":
+            end = situation.lexer.start + len(found)
+            span = Span(situation.source, situation.lexer.start, end)
+            return WrongOperator(span, found, wanted, purpose), Repair("replace", situation.terminal(wanted), end)
+    return None
+
+
+def _unit(situation: Situation) -> Finding | None:
+    before = situation.lexer.before
+    source = situation.source
+    if before.kind == "NUMBER" and situation.kind == "NAME" and not situation.lexer.first_on_line():
+        match = _BARE_UNIT.match(source.text, situation.lexer.start)
+        assert match is not None
+        span = Span(source, before.start, match.end())
+        return MissingUnitBrackets(span, before.text, match.group()), Repair("remove", end=match.end())
+    line_start = source.text.rfind("\n", max(0, situation.lexer.start - 200), situation.lexer.start) + 1
+    for match in _SPACED_UNIT.finditer(source.text, line_start, situation.lexer.end + 80):
+        if match.start() <= situation.lexer.start < match.end() + 1:
+            span = Span(source, match.start(), match.end())
+            return MissingUnitBrackets(span, match["number"], match["unit"][1:-1]), None
+    return None
+
+
+def _direction(situation: Situation) -> Finding | None:
+    wanted = _DIRECTIONS.get(situation.text)
+    if wanted is not None and situation.can(wanted):
+        finding = WrongOperator(situation.span, situation.text, wanted, "the direction of a port")
+        return finding, Repair("replace", situation.terminal(wanted))
+    before = situation.lexer.before
+    wanted = _DIRECTIONS.get(before.text)
+    if wanted is not None and situation.kind == "NAME" and situation.block() in {"SUBMODEL", "PROCESS", "DRIVER"}:
+        return WrongOperator(situation.previous, before.text, wanted, "the direction of a port"), None
+    return None
+
+
+def _chained_comparison(situation: Situation) -> Finding | None:
+    if situation.text not in {"==", "!=", "<", "<=", ">", ">="}:
+        return None
+    if any(symbol == "comparison_operator" for symbol, _ in situation.since_bracket()):
+        advice = "comparisons do not chain: write `a < b and b < c`"
+        return UnexpectedText(situation.span, found_words(situation), "`and` or `or`", advice), None
+    return None
+
+
+_MISTAKES = (
+    structure.separator,
+    structure.missing_process,
+    structure.missing_arrow_end,
+    _direction,
+    structure.part_out_of_place,
+    structure.unclosed,
+    structure.closes_nothing,
+    structure.operators_without_parentheses,
+    _keyword_as_name,
+    _wrong_operator,
+    _unit,
+    _chained_comparison,
+)
