@@ -206,7 +206,9 @@ class _Lowering:
         if name in get_args(Function):
             function: Function = name  # type: ignore[assignment]
             return FunctionCall(type=wanted, span=expression.span, function=function, arguments=arguments)
-        if len(arguments) == 1 and isinstance(wanted, IntType | RealType | TimeType):
+        if len(arguments) == 1 and isinstance(arguments[0].type, TimeType):
+            return in_seconds(arguments[0], wanted)
+        if len(arguments) == 1 and isinstance(wanted, IntType | RealType):
             return Conversion(type=wanted, span=expression.span, operand=arguments[0])
         return _unknown(expression.span)
 

@@ -15,9 +15,9 @@ from typing import get_args
 from cspdiag.diagnostics import Report, Span
 from cspdiag.diagnostics.record import node
 from cspdiag.model.types import ArrayType, RealType, Type
-from cspdiag.network.arithmetic import call, entry, minus, number, of_width, over, plus, times
 from cspdiag.network.diagnostics_submodels import ImproperTransfer, ValueOutOfRange, WrongShape
 from cspdiag.network.discretize import Method
+from cspdiag.network.expression_parts import call, entry, minus, number, of_width, over, plus, times
 from cspdiag.network.expressions import (
     ArrayElements,
     Expression,
