@@ -1,0 +1,319 @@
+"""Compositions as Python control flow."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import assert_never
+
+from cspdiag.codegen.python_code import Argument, Atom, Call, Code, Entry, Items, Prefix, call, tuple_of
+from cspdiag.codegen.python_expressions import Printer
+from cspdiag.codegen.python_imports import Imports
+from cspdiag.codegen.python_members import Members
+from cspdiag.codegen.python_statements import Block, Line, Statement, assign, run
+from cspdiag.codegen.python_types import quoted
+from cspdiag.codegen.walk import instances_run, mentions_variable
+from cspdiag.network.actions import (
+    Action,
+    AfterEvent,
+    AssignValue,
+    Branch,
+    CatchException,
+    Choice,
+    Event,
+    Group,
+    IfElse,
+    InputEvent,
+    InterruptOn,
+    OutputEvent,
+    ParallelSteps,
+    RaiseException,
+    ReadValue,
+    ReadyEvent,
+    Repeat,
+    ResetInstance,
+    RunInstance,
+    SequentialSteps,
+    SkipEvent,
+    SkipStep,
+    StopStep,
+    Target,
+    WaitStep,
+    WhileLoop,
+    WriteValue,
+)
+from cspdiag.network.expressions import Expression
+
+
+@dataclass(frozen=True)
+class Method:
+    """A part of a composition that runs beside others and so needs a coroutine of its own."""
+
+    name: str
+    body: tuple[Statement, ...]
+
+
+@dataclass
+class Composition:
+    """Writes the ``run`` of one process class.
+
+    ``members`` knows the attributes. ``alternatives`` and ``methods`` collect what the constructor has to make, and the coroutines of
+    branches.
+    """
+
+    members: Members
+    printer: Printer
+    """For expressions in ``run``."""
+    initial: Printer
+    """For expressions in the constructor."""
+    imports: Imports
+    alternatives: list[Line] = field(default_factory=list)
+    methods: list[Method] = field(default_factory=list)
+
+    def statements(self, action: Action) -> tuple[Statement, ...]:
+        """An action as statements of a coroutine."""
+        match action:
+            case SkipStep():
+                return ()
+            case SequentialSteps(steps=steps):
+                return tuple(item for step in steps for item in self.statements(step))
+            case AssignValue(target=target, value=value):
+                return (self._set(target, self.printer.print(value), self._place(action)),)
+            case ReadValue(source=source, target=target):
+                return (self._set(target, Prefix("await ", self._call(self.members.source(source), "read"))),)
+            case RaiseException(exception=exception):
+                return (Line("raise ", Atom(self.imports.exception(exception))),)
+            case ResetInstance(instance=instance):
+                return (run(self._call(self.members.instance(instance), "reset")),)
+            case Repeat(body=body, until=until):
+                return (self._repeat(body, until),)
+            case WhileLoop(condition=condition, body=body):
+                head = Line("while ", self.printer.print(condition), ":")
+                return (Block(head, self.statements(body)),)
+            case IfElse():
+                return self._if(action)
+            case CatchException():
+                return self._catch(action)
+            case Choice(branches=(Branch(condition=None) as branch,)) if not isinstance(branch.event, ReadyEvent):
+                return (*self._alone(branch.event), *self.statements(branch.body))
+            case Choice():
+                return self._choice(action, "choice")
+            case Group(label=label, body=Choice() as choice) if not self._alone_suffices(choice):
+                return (run(Prefix("await ", self._group(label, action.body))),)
+            case RunInstance() | WriteValue() | WaitStep() | StopStep() | ParallelSteps() | InterruptOn() | Group():
+                return (run(Prefix("await ", self.awaitable(action)), self._checked_place(action)),)
+        assert_never(action)
+
+    def awaitable(self, action: Action, hint: str | None = None) -> Code:
+        """An action as something that can be awaited, for use beside others; ``hint`` names a coroutine made for it."""
+        match action:
+            case RunInstance(instance=instance):
+                return Atom(self.members.instance(instance))
+            case WriteValue(sink=sink, value=value):
+                return self._call(self.members.sink(sink), "write", self.printer.print(value))
+            case WaitStep(duration=duration):
+                return call(self.imports.runtime("wait"), self.printer.print(duration))
+            case StopStep():
+                return call(self.imports.runtime("stop"))
+            case ParallelSteps(steps=steps, prioritized=prioritized):
+                name = self.imports.runtime("prioritized_parallel" if prioritized else "parallel")
+                return Call(name, tuple(self._branches(steps)))
+            case InterruptOn(body=body, branch=branch):
+                return self._interrupt(body, branch)
+            case Group(label=label, body=body):
+                return self._group(label, body)
+            case _:
+                return self._coroutine(action, hint or coroutine_name(action))
+
+    def _branches(self, steps: Sequence[Action]) -> Iterable[Argument]:
+        position = 0
+        while position < len(steps):
+            whole = self._whole_array(steps, position)
+            if whole is None:
+                yield Argument(self.awaitable(steps[position]))
+                position += 1
+            else:
+                name, count = whole
+                yield Argument(Atom(name), starred=True)
+                position += count
+
+    def _whole_array(self, steps: Sequence[Action], start: int) -> tuple[str, int] | None:
+        first = steps[start]
+        if not isinstance(first, RunInstance):
+            return None
+        array = self.members.array_of(first.instance)
+        if array is None:
+            return None
+        wanted = array.elements
+        given = [step.instance for step in steps[start : start + len(wanted)] if isinstance(step, RunInstance)]
+        return (f"self.{array.name}", len(wanted)) if given == list(wanted) else None
+
+    def _group(self, label: str, body: Action) -> Code:
+        return call(self.imports.runtime("group"), Atom(quoted(label)), self.awaitable(body, label))
+
+    def _coroutine(self, action: Action, hint: str) -> Code:
+        name = self.members.names.fresh(f"_{hint}")
+        position = len(self.methods)
+        self.methods.append(Method(name, ()))
+        self.methods[position] = Method(name, self.statements(action))
+        return call(f"self.{name}")
+
+    def _repeat(self, body: Action, until: Expression | None) -> Block:
+        statements = self.statements(body)
+        if until is not None:
+            statements += (Block(Line("if ", self.printer.print(until), ":"), (Line("break"),)),)
+        return Block(Line("while True:"), statements)
+
+    def _if(self, action: IfElse) -> tuple[Statement, ...]:
+        keyword = "if "
+        blocks: list[Statement] = []
+        rest: Action = action
+        while isinstance(rest, IfElse):
+            head = Line(keyword, self.printer.print(rest.condition), ":")
+            blocks.append(Block(head, self.statements(rest.then)))
+            keyword, rest = "elif ", rest.otherwise
+        otherwise = self.statements(rest)
+        if otherwise:
+            blocks.append(Block(Line("else:"), otherwise))
+        return tuple(blocks)
+
+    def _catch(self, action: CatchException) -> tuple[Statement, ...]:
+        exception = Atom(self.imports.exception(action.exception))
+        body, handler = self.statements(action.body), self.statements(action.handler)
+        if not handler:
+            suppress = self.imports.standard("contextlib", "suppress")
+            return (Block(Line("with ", call(suppress, exception), ":"), body),)
+        return (Block(Line("try:"), body), Block(Line("except ", exception, ":"), handler))
+
+    def _alone(self, event: Event) -> tuple[Statement, ...]:
+        """A guard that is waited for by itself is the communication that it stands for."""
+        match event:
+            case InputEvent(source=source, target=target):
+                return (self._set(target, Prefix("await ", self._call(self.members.source(source), "read"))),)
+            case OutputEvent(sink=sink, value=value):
+                written = self._call(self.members.sink(sink), "write", self.printer.print(value))
+                return (run(Prefix("await ", written)),)
+            case AfterEvent(duration=duration):
+                waited = call(self.imports.runtime("wait"), self.printer.print(duration))
+                return (run(Prefix("await ", waited)),)
+            case SkipEvent():
+                return ()
+        raise AssertionError("a ready guard needs an alternative")
+
+    def _alone_suffices(self, choice: Choice) -> bool:
+        return (
+            len(choice.branches) == 1
+            and choice.branches[0].condition is None
+            and not isinstance(choice.branches[0].event, ReadyEvent)
+        )
+
+    def _choice(self, choice: Choice, hint: str) -> tuple[Statement, ...]:
+        branches = choice.branches
+        attribute = f"self.{self.members.names.fresh(hint)}"
+        guards = [Argument(self._guard(branch.event)) for branch in branches]
+        if choice.prioritized and len(branches) > 1:
+            guards.append(Argument(Atom("True"), "prioritized"))
+        self.alternatives.append(assign(attribute, Call(self.imports.runtime("Alternative"), tuple(guards))))
+
+        selected = Prefix("await ", Call(f"{attribute}.select", tuple(self._select_arguments(branches))))
+        taken = [(*self._taken(branch.event, attribute), *self.statements(branch.body)) for branch in branches]
+        if len(branches) == 1:
+            return (run(selected), *taken[0])
+        cases = [
+            Block(Line(f"case {number}:", comment=_one_line(branch.event.span.text) or None), body)
+            for number, (branch, body) in enumerate(zip(branches, taken, strict=True))
+        ]
+        return (Block(Line("match ", selected, ":"), tuple(cases)),)
+
+    def _guard(self, event: Event) -> Code:
+        match event:
+            case ReadyEvent(source=source):
+                return call(self.imports.runtime("Ready"), Atom(self.members.source(source)))
+            case InputEvent(source=source):
+                return call(self.imports.runtime("Input"), Atom(self.members.source(source)))
+            case OutputEvent(sink=sink):
+                return call(self.imports.runtime("Output"), Atom(self.members.sink(sink)))
+            case AfterEvent(duration=duration):
+                fixed = Atom("0") if mentions_variable(duration) else self.initial.print(duration)
+                return call(self.imports.runtime("After"), fixed)
+            case SkipEvent():
+                return call(self.imports.runtime("Skip"))
+        assert_never(event)
+
+    def _select_arguments(self, branches: Sequence[Branch]) -> Iterable[Argument]:
+        if any(branch.condition is not None for branch in branches):
+            yield Argument(tuple_of(self._condition(branch) for branch in branches), "enabled")
+        values = tuple(
+            Entry(str(number), self.printer.print(branch.event.value))
+            for number, branch in enumerate(branches)
+            if isinstance(branch.event, OutputEvent)
+        )
+        if values:
+            yield Argument(Items("{}", values), "values")
+        delays = tuple(
+            Entry(str(number), self.printer.print(branch.event.duration))
+            for number, branch in enumerate(branches)
+            if isinstance(branch.event, AfterEvent) and mentions_variable(branch.event.duration)
+        )
+        if delays:
+            yield Argument(Items("{}", delays), "delays")
+
+    def _condition(self, branch: Branch) -> Code:
+        return Atom("True") if branch.condition is None else self.printer.print(branch.condition)
+
+    def _taken(self, event: Event, attribute: str) -> tuple[Statement, ...]:
+        if isinstance(event, InputEvent):
+            return (self._set(event.target, Atom(f"{attribute}.value")),)
+        return ()
+
+    def _interrupt(self, body: Action, branch: Branch) -> Code:
+        guard = self._guard(branch.event)
+        interrupted = self.awaitable(body)
+        taken: tuple[Statement, ...] = ()
+        if isinstance(branch.event, InputEvent):
+            attribute = f"self.{self.members.names.fresh('interruption')}"
+            self.alternatives.append(assign(attribute, guard))
+            guard = Atom(attribute)
+            taken = self._taken(branch.event, attribute)
+        name = self.members.names.fresh("_interrupted")
+        self.methods.append(Method(name, (*taken, *self.statements(branch.body))))
+        arguments = [Argument(interrupted), Argument(guard), Argument(Atom(f"self.{name}"))]
+        if branch.condition is not None:
+            arguments.append(Argument(self.printer.print(branch.condition), "enabled"))
+        return Call(self.imports.runtime("interrupt"), tuple(arguments))
+
+    def _set(self, target: Target, value: Code, comment: str | None = None) -> Line:
+        variable = f"{self.members.channel(target.channel)}.value"
+        if not target.indexes:
+            return assign(variable, value, comment)
+        indexes = [self.printer.print(index) for index in target.indexes]
+        return assign(variable, call(self.imports.runtime("replaced"), Atom(variable), value, *indexes), comment)
+
+    def _call(self, owner: str, method: str, *arguments: Code) -> Call:
+        return call(f"{owner}.{method}", *arguments)
+
+    def _place(self, action: Action) -> str:
+        return self.imports.names.place(action.span.file, action.span.line)
+
+    def _checked_place(self, action: Action) -> str | None:
+        return self._place(action) if isinstance(action, WriteValue) else None
+
+
+def coroutine_name(action: Action) -> str:
+    """What to call the coroutine of an action without a label."""
+    runs = list(dict.fromkeys(instances_run(action)))
+    if len(runs) == 1:
+        return f"repeat_{runs[0]}" if isinstance(action, Repeat) else f"run_{runs[0]}"
+    joined = "_then_".join(runs)
+    if runs and isinstance(action, SequentialSteps) and len(joined) <= 40:
+        return joined
+    match action:
+        case SequentialSteps(steps=(ReadValue(source=source), *_)) | ReadValue(source=source):
+            return f"read_{getattr(source, 'port', None) or getattr(source, 'channel', '')}"
+        case SequentialSteps(steps=(WriteValue(sink=sink), *_)):
+            return f"write_{getattr(sink, 'port', None) or getattr(sink, 'channel', '')}"
+    return "branch"
+
+
+def _one_line(text: str) -> str:
+    return " ".join(text.split())

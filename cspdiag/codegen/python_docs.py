@@ -1,0 +1,36 @@
+"""Docstrings of generated classes."""
+
+from __future__ import annotations
+
+import textwrap
+
+from cspdiag.codegen.python_layout import LINE_LENGTH
+from cspdiag.network.expressions import Expression
+from cspdiag.network.ir import Port, ProcessClass, SubmodelClass
+
+
+def class_doc(class_: ProcessClass | SubmodelClass, place: str, kind: str) -> str:
+    """The doc comment, the place in the text, and the ports."""
+    rows = [sentence(class_.doc) if class_.doc else f"The {kind} {class_.definition}.", "", f"Source: {place}"]
+    if class_.ports:
+        rows += ["", "Ports:", *(f"    {_port(port)}" for port in class_.ports)]
+    return "\n".join(rows)
+
+
+def sentence(doc: str) -> str:
+    """A doc comment in paragraphs that fit the line, the first on lines of its own and ending in a full stop."""
+    paragraphs = [" ".join(part.split()) for part in doc.strip().split("\n\n")]
+    if paragraphs[0][-1:] not in ".!?:":
+        paragraphs[0] += "."
+    return "\n\n".join(textwrap.fill(part, LINE_LENGTH - 8, break_long_words=False) for part in paragraphs)
+
+
+def _port(port: Port) -> str:
+    size = f"[{port.size}]" if port.size is not None else ""
+    period = f" @ {_period(port.period)}" if port.period is not None else ""
+    text = f"{port.name}{size}: {port.direction}, {port.type}{period}"
+    return f"{text}. {' '.join(port.doc.split())}" if port.doc else f"{text}."
+
+
+def _period(period: Expression) -> str:
+    return " ".join(period.span.text.split()) if period.span is not None else str(getattr(period, "name", "?"))

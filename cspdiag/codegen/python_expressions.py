@@ -1,0 +1,178 @@
+"""Expressions of the network as Python expressions: least parentheses, checked integers, IEEE reals."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import assert_never
+
+from cspdiag.codegen.python_code import (
+    AND,
+    COMPARISON,
+    NOT,
+    OR,
+    PRIMARY,
+    PRODUCT,
+    SIGN,
+    SUM,
+    Atom,
+    Code,
+    Conditional,
+    Postfix,
+    Prefix,
+    at_least,
+    call,
+    infix,
+    tuple_of,
+)
+from cspdiag.codegen.python_imports import Imports
+from cspdiag.codegen.python_names import identifier
+from cspdiag.codegen.python_types import literal
+from cspdiag.codegen.ranges import needs_check
+from cspdiag.model.types import BoolType, IntType, RealType, StructType, TimeType, Type
+from cspdiag.network.expressions import (
+    ArrayElements,
+    BinaryOperation,
+    ConditionalValue,
+    Conversion,
+    ElementValue,
+    Expression,
+    FieldValue,
+    FunctionCall,
+    LiteralValue,
+    ParameterValue,
+    PresentTime,
+    SignalValue,
+    StructValue,
+    UnaryOperation,
+    VariableValue,
+)
+
+_PRECEDENCE = {
+    "+": SUM, "-": SUM, "*": PRODUCT, "/": PRODUCT, "and": AND, "or": OR,
+    "==": COMPARISON, "!=": COMPARISON, "<": COMPARISON, "<=": COMPARISON, ">": COMPARISON, ">=": COMPARISON,
+}  # fmt: skip
+
+_BUILTIN_FUNCTIONS = frozenset({"abs", "min", "max"})
+
+
+def _unexpected(name: str) -> Code:
+    raise LookupError(f"{name} cannot be used here")
+
+
+@dataclass(frozen=True)
+class Printer:
+    """Prints the expressions of one class; the functions say how its names are spelled where the expression stands."""
+
+    imports: Imports
+    parameter: Callable[[str], Code] = _unexpected
+    signal: Callable[[str], Code] = _unexpected
+    variable: Callable[[str], Code] = _unexpected
+    seconds: Callable[[str], Code] | None = None
+    """A parameter of type ``time`` in seconds."""
+    time: Code | None = None
+
+    def print(self, expression: Expression) -> Code:
+        """The Python expression."""
+        match expression:
+            case LiteralValue(value=value, name=name):
+                constant = self.imports.constant(name) if name is not None else None
+                if constant is not None:
+                    return Atom(constant)
+                return literal(value, expression.type, self.imports, expression.span)
+            case ParameterValue(name=name):
+                return self.parameter(name)
+            case VariableValue(channel=channel):
+                return self.variable(channel)
+            case SignalValue(name=name):
+                return self.signal(name)
+            case PresentTime():
+                assert self.time is not None, "time is known in environments only"
+                return self.time
+            case UnaryOperation(operator="not", operand=operand):
+                return Prefix("not ", at_least(self.print(operand), NOT))
+            case UnaryOperation(operand=operand):
+                return self._checked(expression, Prefix("-", at_least(self.print(operand), SIGN)))
+            case BinaryOperation():
+                return self._operation(expression)
+            case ConditionalValue(condition=condition, then=then, otherwise=otherwise):
+                chosen = at_least(self.print(then), OR)
+                return Conditional(chosen, at_least(self.print(condition), OR), self.print(otherwise))
+            case FunctionCall():
+                return self._function(expression)
+            case Conversion(operand=operand):
+                return self._conversion(expression.type, operand)
+            case FieldValue(operand=operand, field=field):
+                return Postfix(at_least(self.print(operand), PRIMARY), f".{identifier(field)}")
+            case ElementValue(operand=operand, index=index):
+                if isinstance(index, LiteralValue):
+                    return Postfix(at_least(self.print(operand), PRIMARY), f"[{index.value}]")
+                return call(self.imports.runtime("element"), self.print(operand), self.print(index))
+            case StructValue(values=values):
+                assert isinstance(expression.type, StructType)
+                fields = zip(expression.type.fields, values, strict=True)
+                named = {identifier(name): self.print(value) for (name, _), value in fields}
+                return call(self.imports.type_(expression.type.name), **named)
+            case ArrayElements(values=values):
+                return tuple_of(self.print(value) for value in values)
+        assert_never(expression)
+
+    def _operation(self, expression: BinaryOperation) -> Code:
+        left, right = self.print(expression.left), self.print(expression.right)
+        operator = expression.operator
+        whole = isinstance(expression.left.type, IntType | TimeType)
+        match operator:
+            case "^":
+                return self._checked(expression, call(self.imports.runtime("power"), left, right))
+            case "%":
+                return call(self.imports.runtime("remainder"), left, right)
+            case "/" if whole:
+                return self._checked(expression, call(self.imports.runtime("quotient"), left, right))
+            case "==" | "!=" if isinstance(expression.right, LiteralValue) and isinstance(
+                expression.right.type, BoolType
+            ):
+                holds = bool(expression.right.value) == (operator == "==")
+                return left if holds else Prefix("not ", at_least(left, NOT))
+        return self._checked(expression, infix(operator, _PRECEDENCE[operator], left, right))
+
+    def _checked(self, expression: Expression, code: Code) -> Code:
+        """``code``, with a check that the result is in the range of its type where it may not be."""
+        match expression.type:
+            case RealType(bits=32):
+                return call(self.imports.runtime("float32"), code)
+            case IntType() if needs_check(expression):
+                return call(self.imports.runtime(integer_function(expression.type)), code)
+            case TimeType() if needs_check(expression):
+                return call(self.imports.runtime("int64"), code)
+        return code
+
+    def _function(self, expression: FunctionCall) -> Code:
+        function = expression.function
+        if function == "seconds" and self.seconds is not None and isinstance(expression.arguments[0], ParameterValue):
+            return self.seconds(expression.arguments[0].name)
+        arguments = [self.print(argument) for argument in expression.arguments]
+        if function == "seconds":
+            return infix("/", PRODUCT, arguments[0], Atom(self.imports.runtime("s")))
+        if function in _BUILTIN_FUNCTIONS:
+            return self._checked(expression, call(function, *arguments))
+        name = "nearest" if function == "round" else function
+        return call(self.imports.runtime(name), *arguments)
+
+    def _conversion(self, type_: Type, operand: Expression) -> Code:
+        code = self.print(operand)
+        match type_:
+            case IntType():
+                return call(self.imports.runtime(integer_function(type_)), code)
+            case TimeType():
+                return call(self.imports.runtime("int64"), code)
+            case RealType(bits=32):
+                return call(self.imports.runtime("float32"), code)
+            case RealType():
+                widened = isinstance(operand.type, RealType)
+                return code if widened else call("float", code)
+        return code
+
+
+def integer_function(type_: IntType) -> str:
+    """The function of the runtime that converts to an integer type: ``int64``, ``uint8``."""
+    return f"{'' if type_.signed else 'u'}int{type_.bits}"

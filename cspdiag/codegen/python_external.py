@@ -1,0 +1,137 @@
+"""Bodies written in Python: the modules that are copied into the package, and the calls of their classes."""
+
+from __future__ import annotations
+
+import ast
+import posixpath
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from cspdiag.codegen.python_code import Argument, Call, Code
+from cspdiag.codegen.python_expressions import Printer
+from cspdiag.codegen.python_imports import Imports
+from cspdiag.codegen.python_names import Names, identifier
+from cspdiag.codegen.python_statements import Statement, Unpack, assign
+from cspdiag.codegen.walk import parts
+from cspdiag.network.ir import ExternalBody, ExternalCall, Network
+
+
+@dataclass(frozen=True)
+class Body:
+    """What is known of an external class: where it is imported from, and which optional parts it has."""
+
+    module: str
+    name: str
+    copied: bool
+    has_reset: bool
+    takes_time: bool
+
+
+class ExternalModules:
+    """The texts of the modules that a program names, by the path they were read from."""
+
+    def __init__(self, texts: Mapping[str, str]) -> None:
+        self._texts = texts
+
+    def describe(self, body: ExternalBody) -> Body:
+        """What the text of its module says about a class; an installed module is taken to have the required parts only."""
+        file, _, name = body.target.rpartition(":")
+        text = self._texts.get(source_path(body) or "")
+        if text is None:
+            module = file.removesuffix(".py").replace("/", ".")
+            return Body(module, name, copied=False, has_reset=False, takes_time=False)
+        methods = _methods(text, name)
+        return Body(
+            module_name(file),
+            name,
+            copied=True,
+            has_reset="reset" in methods,
+            takes_time="time" in methods.get("calculate", ()),
+        )
+
+    def construct(self, body: ExternalBody, given: Mapping[str, Code], imports: Imports) -> Code:
+        """An object of the class, with its parameters by keyword."""
+        arguments = tuple(Argument(value, identifier(name)) for name, value in given.items())
+        return Call(self.imported(body, imports), arguments)
+
+    def imported(self, body: ExternalBody, imports: Imports) -> str:
+        """The name of the class in a module that imports it."""
+        facts = self.describe(body)
+        if facts.copied:
+            return imports.external(facts.module, facts.name)
+        return imports.absolute(facts.module, facts.name)
+
+    def copies(self, network: Network) -> dict[str, str]:
+        """Files of the folder ``external``, adapted to import the runtime of the package."""
+        files: dict[str, str] = {}
+        for body in bodies(network):
+            path = source_path(body)
+            if path is not None and path in self._texts:
+                files[f"{module_name(body.target.rpartition(':')[0])}.py"] = _relative_imports(self._texts[path])
+        return files
+
+
+def external_call(
+    call: ExternalCall, names: Names, printer: Printer, modules: ExternalModules, *, time: Code | None
+) -> Statement:
+    """``encoder = self.pan.calculate(voltage=...)``."""
+    arguments = [Argument(printer.print(value), identifier(port)) for port, value in call.inputs]
+    if time is not None and modules.describe(call.external).takes_time:
+        arguments.append(Argument(time, "time"))
+    evaluated = Call(f"self.{names[call.name]}.calculate", tuple(arguments))
+    targets = [names[local] for _, local, _ in call.outputs]
+    return assign(targets[0], evaluated) if len(targets) == 1 else Unpack(tuple(targets), evaluated)
+
+
+def bodies(network: Network) -> list[ExternalBody]:
+    """Every body in Python that a network names, each once."""
+    found: dict[ExternalBody, None] = {}
+    for part in parts((network.classes, network.environments)):
+        if isinstance(part, ExternalBody) and part.language == "python":
+            found[part] = None
+    return list(found)
+
+
+def source_path(body: ExternalBody) -> str | None:
+    """The path of the module's file, as the file that names it is called; None for an installed module."""
+    file = body.target.rpartition(":")[0]
+    if not file.endswith(".py"):
+        return None
+    return posixpath.normpath(posixpath.join(posixpath.dirname(body.span.file), file))
+
+
+def external_paths(network: Network) -> tuple[str, ...]:
+    """The files to read for a network."""
+    paths = (source_path(body) for body in bodies(network))
+    return tuple(dict.fromkeys(path for path in paths if path is not None))
+
+
+def module_name(file: str) -> str:
+    """The module that a file becomes in the folder ``external``."""
+    return identifier(posixpath.basename(file).removesuffix(".py"))
+
+
+def _methods(text: str, name: str) -> dict[str, list[str]]:
+    try:
+        tree = ast.parse(text)
+    except (SyntaxError, ValueError):
+        return {}
+    for node in tree.body:
+        if isinstance(node, ast.ClassDef) and node.name == name:
+            functions = [item for item in node.body if isinstance(item, ast.FunctionDef)]
+            return {item.name: _keywords(item.args) for item in functions}
+    return {}
+
+
+def _keywords(arguments: ast.arguments) -> list[str]:
+    named: Iterable[ast.arg] = (*arguments.args, *arguments.kwonlyargs)
+    return [argument.arg for argument in named]
+
+
+def _relative_imports(text: str) -> str:
+    text = re.sub(r"^(\s*from )cspdiag(\.runtime[\w.]* import )", r"\1.\2", text, flags=re.MULTILINE)
+    text = re.sub(
+        r"^(\s*)import cspdiag\.runtime as (\w+)", r"\1from .. import runtime as \2", text, flags=re.MULTILINE
+    )
+    return re.sub(r"^(\s*)from cspdiag import runtime", r"\1from .. import runtime", text, flags=re.MULTILINE)

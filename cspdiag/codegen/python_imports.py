@@ -1,0 +1,100 @@
+"""What a generated module imports, collected while its text is made."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable, Mapping
+
+from cspdiag.codegen.python_layout import bracketed
+from cspdiag.codegen.python_names import PackageNames
+
+
+class Imports:
+    """The imports of one module; asking for a name imports it and says how to spell it here."""
+
+    def __init__(self, names: PackageNames, *, taken: Iterable[str] = (), dots: str = ".") -> None:
+        """``taken`` are the names that mean something else in the module; ``dots`` lead to the package."""
+        self.names = names
+        self._taken = frozenset(taken) | names.globals
+        self._dots = dots
+        self._relative: dict[str, set[str]] = defaultdict(set)
+        self._standard: dict[str, set[str]] = defaultdict(set)
+
+    def runtime(self, name: str) -> str:
+        """A name of the runtime, qualified where the module has the plain name for something of its own."""
+        if name in self._taken:
+            self._relative[""].add("runtime")
+            return f"runtime.{name}"
+        self._relative["runtime"].add(name)
+        return name
+
+    def standard(self, module: str, name: str | None = None) -> str:
+        """A name of the standard library, or a module of it."""
+        if name is None:
+            self._standard[module].update()
+            return module
+        self._standard[module].add(name)
+        return name
+
+    def class_(self, name: str) -> str:
+        """A class of the network."""
+        return self._from(self.names.modules[name], self.names.classes[name])
+
+    def type_(self, name: str) -> str:
+        """An enum or a struct of the text."""
+        return self._from("types", self.names.types[name])
+
+    def exception(self, name: str) -> str:
+        """An exception of the text or of the runtime."""
+        if name in self.names.exceptions:
+            return self._from("exceptions", self.names.exceptions[name])
+        return self.runtime(name)
+
+    def constant(self, name: str) -> str | None:
+        """A ``const`` of the text, or None where a name of the module hides it."""
+        python = self.names.constants.get(name)
+        if python is None or python in self._taken - self.names.globals:
+            return None
+        return self._from("constants", python)
+
+    def external(self, module: str, name: str) -> str:
+        """A class of a module that was copied into the package, under the name ``<name>Body``."""
+        self._relative[f"external.{module}"].add(f"{name} as {name}Body")
+        return f"{name}Body"
+
+    def absolute(self, module: str, name: str) -> str:
+        """A class of an installed module."""
+        self._standard[module].add(name)
+        return name
+
+    def _from(self, module: str, name: str) -> str:
+        self._relative[module].add(name)
+        return name
+
+    def lines(self) -> list[str]:
+        """The import statements, sorted as isort does, with a blank line between the groups."""
+        standard = [f"import {module}" for module, names in sorted(self._standard.items()) if not names]
+        standard += import_lines(self._standard, "")
+        relative = import_lines(self._relative, self._dots)
+        return [*standard, "", *relative] if standard and relative else [*standard, *relative]
+
+
+def import_lines(wanted: Mapping[str, set[str]], dots: str) -> list[str]:
+    """`from` statements for the names wanted of each module."""
+    lines: list[str] = []
+    for module in sorted(wanted):
+        if wanted[module]:
+            members = sorted(wanted[module], key=_member_order)
+            lines += _import_lines(f"from {dots}{module} import ", members)
+    return lines
+
+
+def _import_lines(start: str, members: list[str]) -> list[str]:
+    line = start + ", ".join(members)
+    return [line] if len(line) <= 100 else bracketed("", f"{start}(", members, ")", together=False)
+
+
+def _member_order(name: str) -> tuple[int, str, str]:
+    plain = name.split(" ")[0]
+    kind = 0 if plain.isupper() and len(plain) > 1 else 1 if plain[:1].isupper() else 2
+    return kind, plain.lower(), name

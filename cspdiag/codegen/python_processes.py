@@ -1,0 +1,221 @@
+"""Process classes as Python modules."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+
+from cspdiag.codegen.python_actions import Composition
+from cspdiag.codegen.python_code import Argument, Atom, Call, Code, Comprehension, Items, call
+from cspdiag.codegen.python_docs import class_doc
+from cspdiag.codegen.python_expressions import Printer
+from cspdiag.codegen.python_external import ExternalModules
+from cspdiag.codegen.python_imports import Imports
+from cspdiag.codegen.python_members import Members
+from cspdiag.codegen.python_modules import ClassModule, port_annotation
+from cspdiag.codegen.python_names import MEMBERS, Names, PackageNames
+from cspdiag.codegen.python_statements import Line, Statement, assign, docstring, lines, signature
+from cspdiag.codegen.python_submodels import signal_names
+from cspdiag.codegen.python_types import annotation, quoted
+from cspdiag.codegen.walk import parts
+from cspdiag.network.actions import ChannelEnd, PortEnd
+from cspdiag.network.expressions import ParameterValue
+from cspdiag.network.ir import (
+    Connection,
+    ConstantEnd,
+    DiscardEnd,
+    InstanceOf,
+    LocalChannel,
+    Network,
+    Port,
+    ProcessClass,
+    SubmodelClass,
+)
+
+_CHANNEL_CLASSES = {
+    "var": "Variable",
+    "sync": "Channel",
+    "broadcast": "Broadcast",
+    "any": "AnyChannel",
+    "buffer": "Buffer",
+    "overwrite": "Overwriting",
+}
+
+
+def process_module(
+    process: ProcessClass, network: Network, names: PackageNames, modules: ExternalModules
+) -> ClassModule:
+    """The module of a process class."""
+    return _ProcessWriter(process, network, names, modules).module()
+
+
+class _ProcessWriter:
+    def __init__(self, process: ProcessClass, network: Network, names: PackageNames, modules: ExternalModules) -> None:
+        self.modules = modules
+        self.process = process
+        self.network = network
+        self.names = names
+        self.members = Members(process, network)
+        local = set(self.members.arguments.values())
+        self.imports = Imports(names, taken=local)
+        self.place = names.place(process.span.file, process.span.line)
+        initial = Printer(self.imports, parameter=self._argument)
+        running = Printer(self.imports, parameter=self._parameter, variable=self._variable)
+        self.initial = initial
+        self.composition = Composition(self.members, running, initial, self.imports)
+
+    def module(self) -> ClassModule:
+        process = self.process
+        body = self.composition.statements(process.body) if process.body is not None else ()
+        functions = [self._constructor(), _function("run", body)]
+        functions += [_function(method.name, method.body) for method in self.composition.methods]
+        name, base = self.names.classes[process.name], self.imports.runtime("Process")
+        return ClassModule(
+            f"The process {process.definition}.",
+            self.imports.lines(),
+            f"class {name}({base}):",
+            docstring(class_doc(process, self.place, "process"), "    "),
+            functions,
+        )
+
+    def _argument(self, name: str) -> Code:
+        return Atom(self.members.arguments[name])
+
+    def _parameter(self, name: str) -> Code:
+        return Atom(f"self.{self.members.arguments[name]}")
+
+    def _variable(self, name: str) -> Code:
+        return Atom(f"{self.members.channel(name)}.value")
+
+    def _constructor(self) -> list[str]:
+        source = Argument(Atom(quoted(self.place)), "source")
+        statements: list[Statement] = [
+            Line("", Call("super().__init__", (Argument(Atom("name")), source))),
+            *self._stored_arguments(),
+            *self._reading_ends(),
+            *self._channels(),
+            *self._instances(),
+            *self.composition.alternatives,
+        ]
+        head = signature("def __init__", self._parameters(), " -> None:", "    ")
+        return [*head, *lines(statements, "        ")]
+
+    def _parameters(self) -> list[str]:
+        arguments = self.members.arguments
+        typed = [f"{arguments[p.name]}: {annotation(p.type, self.imports)}" for p in self.process.parameters]
+        typed += [f"{arguments[p.name]}: {port_annotation(p, self.imports)}" for p in self.process.ports]
+        return ["self", "name: str", *(["*", *typed] if typed else [])]
+
+    def _stored_arguments(self) -> Iterable[Statement]:
+        """Parameters and output ports that ``run`` uses."""
+        used: dict[str, None] = {}
+        for part in parts(self.process.body) if self.process.body is not None else ():
+            if isinstance(part, ParameterValue):
+                used[part.name] = None
+            elif isinstance(part, PortEnd) and not self.members.is_input(part):
+                used[part.port] = None
+        for name in (item.name for item in (*self.process.parameters, *self.process.ports)):
+            if name in used:
+                python = self.members.arguments[name]
+                yield assign(f"self.{python}", Atom(python))
+
+    def _reading_ends(self) -> Iterable[Statement]:
+        sizes = {port.name: port.size for port in self.process.ports}
+        done: set[str] = set()
+        for end in self.members.reading_ends:
+            name = self.members.end_name(end)
+            if name in done:
+                continue
+            done.add(name)
+            if isinstance(end, PortEnd) and sizes[end.port] is not None:
+                port = self.members.arguments[end.port]
+                every = Comprehension(Atom("end.reader(self)"), f"for end in {port}")
+                yield assign(f"self.{name}", every)
+            elif isinstance(end, PortEnd):
+                yield assign(f"self.{name}", Atom(f"{self.members.arguments[end.port]}.reader(self)"))
+
+    def _channels(self) -> Iterable[Statement]:
+        yield from self._attributes(self.process.channels, {c.name: self._channel(c) for c in self.process.channels})
+        for end in self.members.reading_ends:
+            if isinstance(end, ChannelEnd):
+                reader = Atom(f"{self.members.channel(end.channel)}.reader(self)")
+                yield assign(f"self.{self.members.end_name(end)}", reader)
+
+    def _instances(self) -> Iterable[Statement]:
+        yield from self._attributes(
+            self.process.instances, {item.name: self._instance(item) for item in self.process.instances}
+        )
+
+    def _attributes(
+        self, items: Sequence[LocalChannel] | Sequence[InstanceOf], made: dict[str, Code]
+    ) -> Iterable[Statement]:
+        done: set[str] = set()
+        for item in items:
+            array = self.members.array_of(item.name)
+            if array is None:
+                yield assign(self.members.attribute(item.name), made[item.name])
+            elif array.name not in done:
+                done.add(array.name)
+                elements = [made[element] for element in array.elements]
+                yield assign(f"self.{array.name}", list_of(elements))
+
+    def _channel(self, channel: LocalChannel) -> Code:
+        class_ = self.imports.runtime(_CHANNEL_CLASSES[channel.kind])
+        arguments = [Argument(path(channel.name))]
+        if channel.initial is not None:
+            arguments.append(Argument(self.initial.print(channel.initial)))
+        if channel.capacity is not None:
+            arguments.append(Argument(Atom(str(channel.capacity)), "capacity"))
+        return Call(f"{class_}[{annotation(channel.type, self.imports)}]", tuple(arguments))
+
+    def _instance(self, instance: InstanceOf) -> Code:
+        class_ = self.network.class_named(instance.class_name)
+        given = {name: self.initial.print(value) for name, value in instance.arguments}
+        keywords = keywords_of(class_)
+        arguments = [Argument(path(instance.name))]
+        for name, value in given.items():
+            arguments.append(Argument(value, keywords[name]))
+        for port in class_.ports:
+            attached = [c for c in instance.connections if c.port == port.name]
+            value = self._attached(port, attached, isinstance(class_, SubmodelClass))
+            arguments.append(Argument(value, keywords[port.name]))
+        if isinstance(class_, ProcessClass) and class_.external is not None:
+            return Call(self.modules.imported(class_.external, self.imports), tuple(arguments))
+        return Call(self.imports.class_(class_.name), tuple(arguments))
+
+    def _attached(self, port: Port, connections: Sequence[Connection], by_submodel: bool) -> Code:
+        ordered = sorted(connections, key=lambda connection: connection.index or 0)
+        values = [self._attachment(port, connection, by_submodel) for connection in ordered]
+        return list_of(values) if port.size is not None else values[0]
+
+    def _attachment(self, port: Port, connection: Connection, by_submodel: bool) -> Code:
+        attachment = connection.attachment
+        match attachment:
+            case ConstantEnd(value=value):
+                return call(self.imports.runtime("Constant"), self.initial.print(value))
+            case DiscardEnd():
+                return call(self.imports.runtime("Discard"))
+            case _:
+                if by_submodel and port.direction == "in":
+                    return Atom(self.members.source(attachment))
+                return Atom(self.members.handed_on(attachment))
+
+
+def keywords_of(class_: ProcessClass | SubmodelClass) -> Mapping[str, str]:
+    """The keywords of a class's constructor by parameter and port."""
+    names = Names(MEMBERS) if isinstance(class_, ProcessClass) else signal_names(class_)
+    return {item.name: names[item.name] for item in (*class_.parameters, *class_.ports)}
+
+
+def list_of(elements: Sequence[Code]) -> Code:
+    """A list, element by element."""
+    return Items("[]", tuple(elements))
+
+
+def path(name: str) -> Code:
+    """The hierarchical name of something inside, from the ``name`` of the process."""
+    return Atom(f'f"{{name}}.{name}"')
+
+
+def _function(name: str, body: Sequence[Statement]) -> list[str]:
+    statements = tuple(body) or (Line("pass"),)
+    return [f"    async def {name}(self) -> None:", *lines(statements, "        ")]

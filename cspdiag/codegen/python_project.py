@@ -1,0 +1,70 @@
+"""The frame of a package: project file, README, entry points."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from cspdiag.codegen.python_docs import sentence
+from cspdiag.codegen.python_environments import port_key
+from cspdiag.codegen.python_names import PackageNames
+from cspdiag.codegen.python_types import quoted
+from cspdiag.network.ir import ExternalPort, Network
+
+
+@dataclass(frozen=True)
+class PortRow:
+    """A row of the table of ports."""
+
+    name: str
+    direction: str
+    type: str
+    timing: str
+    doc: str
+
+
+@dataclass(frozen=True)
+class Project:
+    """What the templates of the frame lay out."""
+
+    package: str
+    distribution: str
+    top: str
+    source: str
+    doc: str
+    summary: str
+    quoted_summary: str
+    ports: list[PortRow]
+    environments: list[str]
+
+
+def project_view(network: Network, names: PackageNames) -> Project:
+    """The frame of the package of a network."""
+    top = network.class_named(network.top)
+    doc = sentence(top.doc or network.doc or f"The process {network.top}, generated from its CSP diagram.")
+    summary = doc.split("\n\n")[0].replace("\n", " ")
+    source = network.source.rpartition("/")[2]
+    return Project(
+        package=names.package,
+        distribution=names.package.strip("_").replace("_", "-"),
+        top=network.top,
+        source=source,
+        doc=doc,
+        summary=summary,
+        quoted_summary=quoted(summary),
+        ports=[_row(port) for port in network.external_ports],
+        environments=[entry.name for entry in network.environments],
+    )
+
+
+def _row(port: ExternalPort) -> PortRow:
+    timing = "event" if port.period is None else f"every {_duration(port.period)}"
+    if port.immediate:
+        timing += ", immediate"
+    return PortRow(port_key(port), port.direction, str(port.type), timing, " ".join((port.doc or "").split()))
+
+
+def _duration(nanoseconds: int) -> str:
+    for unit, size in (("s", 1_000_000_000), ("ms", 1_000_000), ("us", 1_000)):
+        if nanoseconds % size == 0:
+            return f"{nanoseconds // size} {unit}"
+    return f"{nanoseconds} ns"

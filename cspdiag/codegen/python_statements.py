@@ -1,0 +1,96 @@
+"""Python statements as trees, and their lines."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from cspdiag.codegen.python_code import Atom, Code
+from cspdiag.codegen.python_layout import INDENT, LINE_LENGTH, statement
+
+NOTHING = Atom("")
+
+
+@dataclass(frozen=True)
+class Line:
+    """A simple statement: ``before code after``."""
+
+    before: str
+    code: Code = NOTHING
+    after: str = ""
+    comment: str | None = None
+
+
+@dataclass(frozen=True)
+class Block:
+    """A head that ends in a colon, and what it governs; an empty body is ``pass``."""
+
+    head: Line
+    body: tuple[Statement, ...]
+
+
+@dataclass(frozen=True)
+class Unpack:
+    """``a, b = code``."""
+
+    targets: tuple[str, ...]
+    code: Code
+    comment: str | None = None
+
+
+Statement: TypeAlias = Line | Block | Unpack
+
+
+def assign(target: str, value: Code, comment: str | None = None) -> Line:
+    """``target = value``."""
+    return Line(f"{target} = ", value, comment=comment)
+
+
+def run(code: Code, comment: str | None = None) -> Line:
+    """An expression as a statement."""
+    return Line("", code, comment=comment)
+
+
+def lines(statements: Iterable[Statement], indent: str) -> list[str]:
+    """The lines of statements at an indentation."""
+    result: list[str] = []
+    for item in statements:
+        match item:
+            case Line():
+                result += statement(item.before, item.code, item.after, indent, item.comment)
+            case Block(head=head, body=body):
+                result += statement(head.before, head.code, head.after, indent, head.comment)
+                result += lines(body or (Line("pass"),), indent + INDENT)
+            case Unpack():
+                result += _unpacking(item, indent)
+    return result
+
+
+def _unpacking(item: Unpack, indent: str) -> list[str]:
+    before = f"{', '.join(item.targets)} = "
+    opening = item.code.flat.partition("(")[0] + "("
+    if len(indent) + len(before) + len(opening) <= LINE_LENGTH:
+        return statement(before, item.code, "", indent, item.comment)
+    rows = [f"{indent}(", *(f"{indent}{INDENT}{target}," for target in item.targets)]
+    comment = [f"{indent}# {item.comment}"] if item.comment else []
+    return [*comment, *rows, *statement(") = ", item.code, "", indent)]
+
+
+def signature(before: str, parameters: Sequence[str], after: str, indent: str) -> list[str]:
+    """The head of a function: on one line, or one parameter a line."""
+    line = f"{indent}{before}({', '.join(parameters)}){after}"
+    if len(line) <= LINE_LENGTH:
+        return [line]
+    return [f"{indent}{before}(", *(f"{indent}{INDENT}{item}," for item in parameters), f"{indent}){after}"]
+
+
+def docstring(text: str, indent: str) -> list[str]:
+    """A docstring; its quotes stand alone at the end when there is more than one line."""
+    plain = text.replace("\\", "\\\\").replace('"""', '\\"\\"\\"').strip()
+    if plain.endswith('"'):
+        plain = f'{plain[:-1]}\\"'
+    rows = [row.rstrip() for row in plain.split("\n")]
+    if len(rows) == 1:
+        return [f'{indent}"""{rows[0]}"""']
+    return [f'{indent}"""{rows[0]}', *(f"{indent}{row}" if row else "" for row in rows[1:]), f'{indent}"""']

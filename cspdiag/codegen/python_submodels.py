@@ -1,0 +1,268 @@
+"""Submodel classes as Python modules."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Sequence
+
+from cspdiag.codegen.equations import (
+    Equation,
+    constants_needed,
+    defined,
+    inputs,
+    needed,
+    outputs,
+    parameters,
+    signal_types,
+    signals,
+    values,
+)
+from cspdiag.codegen.python_code import PRODUCT, Argument, Atom, Call, Code, call, infix, tuple_of
+from cspdiag.codegen.python_docs import class_doc
+from cspdiag.codegen.python_expressions import Printer
+from cspdiag.codegen.python_external import ExternalModules, external_call
+from cspdiag.codegen.python_imports import Imports
+from cspdiag.codegen.python_integration import Integration
+from cspdiag.codegen.python_modules import ClassModule, port_annotation
+from cspdiag.codegen.python_names import MEMBERS, Names, PackageNames
+from cspdiag.codegen.python_statements import Line, Statement, assign, docstring, lines, signature
+from cspdiag.codegen.python_types import annotation, duration, quoted
+from cspdiag.model.types import TimeType
+from cspdiag.network.ir import ExternalCall, SubmodelClass, SubmodelEquation
+
+
+def signal_names(class_: SubmodelClass) -> Names:
+    """Python names of everything in a submodel: keywords of its constructor, attributes and local variables alike."""
+    names = Names({*MEMBERS, "h", "time", "now"})
+    for item in (*class_.parameters, *class_.ports, *class_.states):
+        names[item.name]
+    return names
+
+
+def submodel_module(class_: SubmodelClass, names: PackageNames, modules: ExternalModules) -> ClassModule:
+    """The module of a submodel class."""
+    return _SubmodelWriter(class_, names, modules).module()
+
+
+class _SubmodelWriter:
+    def __init__(self, class_: SubmodelClass, names: PackageNames, modules: ExternalModules) -> None:
+        self.class_ = class_
+        self.package = names
+        self.modules = modules
+        self.names = signal_names(class_)
+        self.types = signal_types(class_)
+        taken = {self.names[name] for name in self.types}
+        self.imports = Imports(names, taken=taken | {"h", "time"})
+        self.constants = constants_needed(class_)
+        self.integration = Integration(class_, self.names, self._place)
+        self.attributes = self._attributes()
+
+    def module(self) -> ClassModule:
+        place = self.package.place(self.class_.span.file, self.class_.span.line)
+        functions = [self._constructor(place)]
+        if self.class_.states or self._calls():
+            functions.append(self._reset())
+        functions.append(self._calculate())
+        if self.class_.derivatives:
+            printer = self._printer(local=[*self.integration.held, *self._moving()])
+            functions.append(self.integration.derivatives(printer, self._annotations()))
+        name, base = self.package.classes[self.class_.name], self.imports.runtime("Submodel")
+        return ClassModule(
+            f"The submodel {self.class_.definition}.",
+            self.imports.lines(),
+            f"class {name}({base}):",
+            docstring(class_doc(self.class_, place, "submodel"), "    "),
+            functions,
+        )
+
+    def _place(self, equation: SubmodelEquation | ExternalCall) -> str:
+        return self.package.place(equation.span.file, equation.span.line)
+
+    def _annotations(self) -> dict[str, str]:
+        return {name: annotation(type_, self.imports) for name, type_ in self.types.items()}
+
+    def _moving(self) -> list[str]:
+        continuous = [state.name for state in self.class_.states if state.continuous]
+        return [*continuous, *(equation.name for equation in self.class_.derivative_equations)]
+
+    def _calls(self) -> list[ExternalCall]:
+        return [equation for equation in self.class_.equations if isinstance(equation, ExternalCall)]
+
+    def _attributes(self) -> set[str]:
+        """Parameters and constants that are wanted after construction."""
+        class_ = self.class_
+        late = (
+            tuple(state.initial for state in class_.states),
+            class_.next_values,
+            class_.derivatives,
+            tuple(equation.value for equation in class_.derivative_equations),
+            tuple(part for equation in class_.equations for part in values(equation)),
+        )
+        return {*signals(late), *parameters(late)}
+
+    def _printer(self, *, local: Iterable[str] = (), constructing: bool = False) -> Printer:
+        """Names in ``local`` are local variables, the others attributes."""
+        known = set(local)
+
+        def parameter(name: str) -> Code:
+            python = self.names[name]
+            return Atom(python if constructing or name in known else f"self.{python}")
+
+        def signal(name: str) -> Code:
+            return Atom(self.names[name] if name in known else f"self.{self.names[name]}")
+
+        def seconds(name: str) -> Code:
+            if constructing:
+                return infix("/", PRODUCT, Atom(self.names[name]), Atom(self.imports.runtime("s")))
+            return parameter(name)
+
+        return Printer(self.imports, parameter=parameter, signal=signal, seconds=seconds)
+
+    def _constructor(self, place: str) -> list[str]:
+        class_ = self.class_
+        keywords = [f"{self.names[p.name]}: {annotation(p.type, self.imports)}" for p in class_.parameters]
+        keywords += [f"{self.names[p.name]}: {port_annotation(p, self.imports)}" for p in class_.ports]
+        head = signature(
+            "def __init__", ["self", "name: str", *(["*", *keywords] if keywords else [])], " -> None:", "    "
+        )
+        ends = {"inputs": inputs(class_), "outputs": outputs(class_)}
+        arguments = [Argument(Atom("name"))]
+        arguments += [
+            Argument(tuple_of(Atom(self.names[name]) for name in ports), keyword) for keyword, ports in ends.items()
+        ]
+        arguments.append(Argument(Atom(quoted(place)), "source"))
+        statements: list[Statement] = [Line("", Call("super().__init__", tuple(arguments)))]
+        statements += self._kept_parameters()
+        statements += self._constants()
+        statements += self._sub_steps()
+        statements += [self._external_body(item) for item in self._calls()]
+        if class_.states:
+            statements.append(Line("self.reset()"))
+        return [*head, *lines(statements, "        ")]
+
+    def _kept_parameters(self) -> Iterable[Statement]:
+        for item in self.class_.parameters:
+            if item.name in self.attributes:
+                python = self.names[item.name]
+                value: Code = Atom(python)
+                if isinstance(item.type, TimeType):
+                    value = infix("/", PRODUCT, value, Atom(self.imports.runtime("s")))
+                yield assign(f"self.{python}", value)
+
+    def _constants(self) -> Iterable[Statement]:
+        local = [item.name for item in self.constants if item.name not in self.attributes]
+        printer = self._printer(local=local, constructing=True)
+        for item in self.constants:
+            python = self.names[item.name]
+            target = python if item.name in local else f"self.{python}"
+            yield assign(target, printer.print(item.value), self._place(item))
+
+    def _sub_steps(self) -> Iterable[Statement]:
+        if not self.class_.derivatives or self.class_.step is None:
+            return
+        sample = infix("*", PRODUCT, Atom(self.names["sample"]), Atom(self.imports.runtime("s")))
+        step = duration(self.class_.step, self.imports)
+        ratio = infix("/", PRODUCT, call("round", sample), step)
+        yield assign("self._steps", call(self.imports.standard("math", "ceil"), ratio))
+        yield assign("self._h", infix("/", PRODUCT, Atom(self.names["sample"]), Atom("self._steps")))
+
+    def _external_body(self, item: ExternalCall) -> Statement:
+        printer = self._printer(constructing=True, local=[])
+        given = {name: printer.print(value) for name, value in item.arguments}
+        return assign(f"self.{self.names[item.name]}", self.modules.construct(item.external, given, self.imports))
+
+    def _reset(self) -> list[str]:
+        printer = self._printer()
+        statements: list[Statement] = [
+            Line(f"self.{self.names[state.name]} = ", printer.print(state.initial)) for state in self.class_.states
+        ]
+        statements += [
+            Line("", call(f"self.{self.names[item.name]}.reset"))
+            for item in self._calls()
+            if self.modules.describe(item.external).has_reset
+        ]
+        return ["    def reset(self) -> None:", *lines(statements or [Line("pass")], "        ")]
+
+    def _calculate(self) -> list[str]:
+        class_ = self.class_
+        given, results = inputs(class_), outputs(class_)
+        roots = [*results, *signals((class_.next_values,)), *(self.integration.held if class_.derivatives else [])]
+        equations = needed(class_.equations, roots)
+        expressions = (tuple(part for equation in equations for part in values(equation)), class_.next_values)
+        hoisted = self._hoisted(expressions)
+        local = [*given, *hoisted, *(name for equation in equations for name in defined(equation))]
+        printer = self._printer(local=local)
+
+        statements: list[Statement] = [assign(self.names[name], Atom(f"self.{self.names[name]}")) for name in hoisted]
+        statements += [self._equation(equation, printer) for equation in equations]
+        statements += [
+            Line(f"self.{self.names[name]} = ", printer.print(value), comment=self._next_place(name))
+            for name, value in class_.next_values
+        ]
+        if class_.derivatives:
+            statements += self._integrate()
+        statements += self._returned(statements, results, printer)
+
+        types = self._annotations()
+        parameters_ = [f"{self.names[name]}: {types[name]}" for name in given]
+        returned = _return_annotation([types[name] for name in results])
+        head = signature("def calculate", ["self", *parameters_], f" -> {returned}:", "    ")
+        return [*head, *lines(statements or [Line("pass")], "        ")]
+
+    def _next_place(self, name: str) -> str | None:
+        return next((self.package.place(s.span.file, s.span.line) for s in self.class_.states if s.name == name), None)
+
+    def _equation(self, equation: Equation, printer: Printer) -> Statement:
+        if isinstance(equation, ExternalCall):
+            return external_call(equation, self.names, printer, self.modules, time=None)
+        return assign(self.names[equation.name], printer.print(equation.value), self._place(equation))
+
+    def _hoisted(self, expressions: Sequence[object]) -> list[str]:
+        """Attributes that are read more than once, or after they have changed, and so become local variables first."""
+        class_ = self.class_
+        read = signals(expressions) + parameters(expressions)
+        discrete = [state.name for state in class_.states if not state.continuous]
+        continuous = [state.name for state in class_.states if state.continuous]
+        changed: set[str] = set()
+        late: Counter[str] = Counter()
+        for name, value in class_.next_values:
+            late.update(signal for signal in signals((value,)) if signal in changed)
+            changed.add(name)
+        candidates = [
+            *discrete,
+            *(item.name for item in class_.parameters),
+            *(item.name for item in self.constants),
+        ]
+        hoisted = [name for name in candidates if read[name] > 1 or late[name]]
+        if class_.derivatives:
+            hoisted += [name for name in discrete if name in self.integration.held and name not in hoisted]
+            hoisted += continuous
+        return hoisted
+
+    def _integrate(self) -> Iterable[Statement]:
+        if self.class_.step is None:
+            yield assign("h", Atom(f"self.{self.names['sample']}"))
+            yield from self.integration.loop(None)
+        else:
+            yield assign("h", Atom("self._h"))
+            yield from self.integration.loop(Atom("self._steps"))
+        for state in self.integration.states:
+            yield assign(f"self.{state}", Atom(state))
+
+    def _returned(self, before: list[Statement], results: list[str], printer: Printer) -> Iterable[Statement]:
+        if len(results) == 1:
+            last = before[-1] if before else None
+            target = f"{self.names[results[0]]} = "
+            if isinstance(last, Line) and last.before == target:
+                before.pop()
+                return [Line("return ", last.code, comment=last.comment)]
+            return [Line("return ", printer.signal(results[0]))]
+        if not results:
+            return []
+        return [Line("return ", Atom(", ".join(self.names[name] for name in results)))]
+
+
+def _return_annotation(types: Sequence[str]) -> str:
+    if not types:
+        return "None"
+    return types[0] if len(types) == 1 else f"tuple[{', '.join(types)}]"
