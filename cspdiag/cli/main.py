@@ -47,6 +47,17 @@ class _Parser(ArgumentParser):
         raise UsageError(f"{message} (try {self.prog} --help)")
 
 
+class _HelpFormatter(RawDescriptionHelpFormatter):
+    """Finds the width of the terminal without importing ``shutil``, as it is made for every option."""
+
+    def __init__(self, prog: str) -> None:
+        try:
+            columns = int(os.environ.get("COLUMNS", "")) or os.get_terminal_size(1).columns
+        except (ValueError, OSError):
+            columns = 80
+        super().__init__(prog, width=max(columns - 2, 40))
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Carry out a command line (default: that of this process) and return its exit code."""
     given = list(sys.argv[1:] if arguments is None else arguments)
@@ -83,7 +94,7 @@ def verb_parser(verb: str) -> ArgumentParser:
         prog=f"cspdiag {verb}",
         description=f"{summary[0].upper()}{summary[1:]}.",
         epilog=f"example:\n{examples}",
-        formatter_class=RawDescriptionHelpFormatter,
+        formatter_class=_HelpFormatter,
         allow_abbrev=False,
     )
     module.add_arguments(parser)

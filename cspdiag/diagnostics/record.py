@@ -8,7 +8,6 @@ to a type checker, but share their methods.
 from __future__ import annotations
 
 from collections.abc import Callable
-from inspect import get_annotations
 from typing import Any, TypeVar, dataclass_transform, overload
 
 T = TypeVar("T")
@@ -49,7 +48,7 @@ def _hash(self: Any) -> int:
 def _prepare(cls: type[T]) -> None:
     inherited: tuple[str, ...] = getattr(cls, "__record_fields__", ())
     own = tuple(
-        name for name, kind in get_annotations(cls).items() if name not in inherited and not kind.startswith("ClassVar")
+        name for name, kind in cls.__annotations__.items() if name not in inherited and not kind.startswith("ClassVar")
     )
     names = inherited + own
     cls.__record_fields__ = names  # type: ignore[attr-defined]
