@@ -1,0 +1,152 @@
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.cli.conftest import Command
+
+ROOT = Path(__file__).parents[2]
+JIWY = ROOT / "models/jiwy/jiwy.csp"
+
+
+def test_a_package_is_made(cspdiag: Command, good: Path, tmp_path: Path) -> None:
+    result = cspdiag("compile", good, "-o", tmp_path / "out")
+    assert (result.code, result.out) == (0, "")
+    (folder,) = (tmp_path / "out").iterdir()
+    assert result.err == f"wrote {folder}\n"
+    assert (folder / "pyproject.toml").is_file()
+    assert (folder / folder.name / "runtime").is_dir()
+
+
+def test_a_package_runs_with_nothing_but_python(cspdiag: Command, tmp_path: Path) -> None:
+    assert cspdiag("compile", JIWY, "-o", tmp_path).code == 0
+    result = subprocess.run(
+        [sys.executable, "-I", "-S", "-c", "import sys; sys.path.insert(0, '.'); import jiwy.network"],
+        cwd=tmp_path / "jiwy",
+        env={},
+        capture_output=True,
+        text=True,
+    )
+    assert result.returncode == 0, result.stderr
+
+
+def test_a_program_with_errors_makes_nothing(cspdiag: Command, bad: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    for arguments in ([], ["--emit", "network"], ["--emit", "model"]):
+        result = cspdiag("compile", bad, "-o", out, *arguments)
+        assert (result.code, result.out) == (1, "")
+        assert "1 error" in result.err
+    assert not out.exists()
+
+
+def test_changes_made_by_hand_are_kept(cspdiag: Command, good: Path, tmp_path: Path) -> None:
+    assert cspdiag("compile", good, "-o", tmp_path / "out").code == 0
+    (network,) = (tmp_path / "out").glob("*/*/network.py")
+    network.write_text("mine")
+    refused = cspdiag("compile", good, "-o", tmp_path / "out")
+    assert refused.code == 2
+    assert "network.py" in refused.err
+    assert "--force" in refused.err
+    assert network.read_text() == "mine"
+    assert cspdiag("compile", good, "-o", tmp_path / "out", "--force").code == 0
+    assert network.read_text() != "mine"
+
+
+def test_the_same_program_gives_the_same_package(cspdiag: Command, tmp_path: Path) -> None:
+    for name, seed in (("first", "1"), ("second", "2")):
+        subprocess.run(
+            [sys.executable, "-m", "cspdiag", "compile", JIWY, "-o", tmp_path / name],
+            env={**os.environ, "PYTHONHASHSEED": seed},
+            cwd=ROOT,
+            check=True,
+            capture_output=True,
+        )
+    first, second = (
+        {
+            path.relative_to(tmp_path / name): path.read_bytes()
+            for path in (tmp_path / name).rglob("*")
+            if path.is_file()
+        }
+        for name in ("first", "second")
+    )
+    assert first == second
+
+
+def test_the_tree_is_printed(cspdiag: Command, good: Path) -> None:
+    result = cspdiag("compile", "--emit", "ast", good)
+    assert (result.code, result.err) == (0, "")
+    assert result.out.startswith("SourceTree")
+    assert "ProcessDefinition doc='Hands on what it is given.' @2:1" in result.out
+    assert "Read @11:7" in result.out
+
+
+def test_the_model_is_printed(cspdiag: Command, good: Path) -> None:
+    result = cspdiag("compile", "--emit", "model", good)
+    assert (result.code, result.err) == (0, "")
+    assert "process Relay\n    in given : int\n    out taken : int\n    variable held : int\n" in result.out
+
+
+def test_the_network_is_printed(cspdiag: Command, good: Path) -> None:
+    result = cspdiag("compile", "--emit", "network", good)
+    assert (result.code, result.err) == (0, "")
+    assert "Relay" in result.out
+    assert cspdiag("compile", "--emit", "network", good) == result
+
+
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        (["-O1"], "-O1"),
+        (["--target", "cobol"], "there are: python"),
+        (["--set", "T"], "NAME=VALUE"),
+        (["--set", "Tsh=fast"], "Tsh"),
+        (["--set", "Ths=1ms"], "did you mean 'Tsh'?"),
+        (["--set", "pan.nothing=1"], "pan.nothing"),
+    ],
+    ids=repr,
+)
+def test_what_cannot_be_done_is_told_in_one_line(
+    cspdiag: Command, tmp_path: Path, options: list[str], told: str
+) -> None:
+    result = cspdiag("compile", JIWY, "-o", tmp_path / "out", *options)
+    assert result.code == 2
+    assert told in result.err
+    assert result.err.count("\n") == 1
+    assert not (tmp_path / "out").exists()
+
+
+def test_constants_and_parameters_are_set(cspdiag: Command) -> None:
+    def network(*options: str) -> str:
+        result = cspdiag("compile", "--emit", "network", JIWY, *options)
+        assert result.code == 0, result.err
+        return result.out
+
+    plain = network()
+    assert "10 ms" not in plain
+    assert network("--set", "Tsh=10ms") != plain
+    assert network("--set", "pan.inertia=2e-3") != plain
+    assert network("--set", "pan.inertia=1e-3") == plain
+
+
+def test_a_hand_written_module_goes_into_the_package(cspdiag: Command, tmp_path: Path) -> None:
+    (tmp_path / "twice.py").write_text(
+        "class Twice:\n    def calculate(self, given: int) -> int:\n        return 2 * given\n"
+    )
+    program = tmp_path / "double.csp"
+    program.write_text(
+        'submodel Twice python "twice.py:Twice" { in given : int out doubled : int }\n'
+        "process Doubler {\n  in given : int\n  out doubled : int\n"
+        "  communication { twice : Twice given -> twice.given twice.doubled -> doubled }\n"
+        "  composition { mu twice }\n}\n"
+    )
+    result = cspdiag("compile", program, "-o", tmp_path / "out")
+    assert result.code == 0, result.err
+    assert [path.name for path in (tmp_path / "out").rglob("twice.py")] == ["twice.py"]
+    (tmp_path / "twice.py").unlink()
+    missing = cspdiag("compile", program, "-o", tmp_path / "out")
+    assert missing.code == 2
+    assert "twice.py" in missing.err

@@ -1,0 +1,32 @@
+from __future__ import annotations
+
+from cspdiag.catalogue import manual_pages, reference
+from tests.cli.conftest import Command
+
+
+def test_a_page_shows_both_programs(cspdiag: Command) -> None:
+    result = cspdiag("explain", "E0101")
+    assert (result.code, result.err) == (0, "")
+    page = manual_pages()["E0101"]
+    assert result.out == page.text
+    assert "Refused:\n\n    " in result.out
+    assert "Mended:\n\n    " in result.out
+
+
+def test_small_letters_will_do(cspdiag: Command) -> None:
+    assert cspdiag("explain", "e0101") == cspdiag("explain", "E0101")
+
+
+def test_without_a_code_all_are_listed(cspdiag: Command) -> None:
+    lines = cspdiag("explain").out.splitlines()
+    assert [line.split()[0] for line in lines] == sorted(manual_pages())
+
+
+def test_the_reference_is_printed(cspdiag: Command) -> None:
+    assert cspdiag("explain", "--markdown").out == reference()
+
+
+def test_a_near_code_is_suggested(cspdiag: Command) -> None:
+    result = cspdiag("explain", "E01O1")
+    assert result.code == 2
+    assert "did you mean E0101?" in result.err

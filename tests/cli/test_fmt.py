@@ -1,0 +1,60 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from tests.cli.conftest import GOOD, Command
+
+UGLY = GOOD.replace("  in  given : int\n  out taken : int", "in given:int out   taken:int")
+
+
+@pytest.fixture
+def ugly(good: Path) -> Path:
+    good.write_text(UGLY)
+    return good
+
+
+@pytest.fixture
+def pretty(cspdiag: Command) -> str:
+    result = cspdiag("fmt", "-", stdin=UGLY)
+    assert (result.code, result.err) == (0, "")
+    return result.out
+
+
+def test_a_file_is_formatted_in_place(cspdiag: Command, ugly: Path, pretty: str) -> None:
+    assert cspdiag("fmt", ugly) == (0, "", f"formatted {ugly}\n")
+    assert ugly.read_text() == pretty != UGLY
+    assert cspdiag("fmt", ugly) == (0, "", "")
+    assert cspdiag("fmt", "--check", ugly) == (0, "", "")
+    assert cspdiag("fmt", "--diff", ugly) == (0, "", "")
+
+
+def test_check_and_diff_change_nothing(cspdiag: Command, ugly: Path) -> None:
+    assert cspdiag("fmt", "--check", ugly) == (1, "", f"would format {ugly}\n")
+    result = cspdiag("fmt", "--diff", ugly)
+    assert result.code == 1
+    assert "-in given:int" in result.out
+    assert ugly.read_text() == UGLY
+
+
+def test_a_file_with_syntax_errors_stays_and_the_others_are_formatted(
+    cspdiag: Command, ugly: Path, pretty: str
+) -> None:
+    broken = ugly.with_name("broken.csp")
+    broken.write_text("process {")
+    result = cspdiag("fmt", broken, ugly)
+    assert result.code == 1
+    assert "error[E01" in result.err
+    assert broken.read_text() == "process {"
+    assert ugly.read_text() == pretty
+
+
+def test_a_program_that_does_not_make_sense_is_formatted_all_the_same(cspdiag: Command) -> None:
+    result = cspdiag("fmt", "-", stdin="process A {composition{nobody}}")
+    assert result.code == 0
+    assert "nobody" in result.out
+
+
+def test_standard_input_with_check_prints_nothing(cspdiag: Command) -> None:
+    assert cspdiag("fmt", "--check", "-", stdin=UGLY) == (1, "", "would format -\n")
