@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
+from cspdiag.diagnostics import Span
 from cspdiag.diagnostics.record import node
 from cspdiag.model.types import Type
 from cspdiag.syntax import ast
@@ -96,5 +97,7 @@ class Program:
     types: dict[ast.Node, Type] = field(default_factory=dict)
     """Of expressions, parameters, variables, channels, states, lets, constants, fields and type names."""
     constants: dict[ast.Constant, Value] = field(default_factory=dict)
+    time_uses: dict[ast.Node, Span] = field(default_factory=dict)
+    """Submodels whose own equations use ``time``, and where."""
     poisoned: set[ast.Node] = field(default_factory=set)
     overrides: dict[str, Value] = field(default_factory=dict)

@@ -1,0 +1,183 @@
+"""Arithmetic on constants, with the checks that the running program makes too.
+
+Integers truncate toward zero and never wrap; doubles follow IEEE 754, but a result that is infinite or no number is refused.
+"""
+
+from __future__ import annotations
+
+import math
+import struct
+from collections.abc import Callable, Sequence
+
+from cspdiag.model.types import INT, IntType, RealType, TimeType, Type
+
+
+class UndefinedError(Exception):
+    """An operation has no result; the text says why."""
+
+
+class OutOfRangeError(Exception):
+    """A result does not fit its type; ``shown`` is the result."""
+
+    def __init__(self, shown: str) -> None:
+        super().__init__(shown)
+        self.shown = shown
+
+
+def checked(value: float, type_: Type) -> int | float:
+    """The value as one of its type; raises OutOfRangeError or UndefinedError where it is none."""
+    match type_:
+        case IntType() | TimeType():
+            limits = type_ if isinstance(type_, IntType) else INT
+            if not limits.minimum <= value <= limits.maximum:
+                raise OutOfRangeError(str(value) if abs(value) < 10**40 else f"about {float(str(value)[:20]):.3g}e…")
+            return int(value)
+        case RealType():
+            value = float(value)
+            if math.isnan(value):
+                raise UndefinedError("this is not a number")
+            if type_.bits == 32:
+                value = single(value)
+            if math.isinf(value):
+                raise OutOfRangeError("infinite")
+            return value
+        case _:
+            return value
+
+
+def single(value: float) -> float:
+    """The nearest binary32 number."""
+    try:
+        return float(struct.unpack("f", struct.pack("f", value))[0])
+    except OverflowError:
+        return math.copysign(math.inf, value)
+
+
+def quotient(left: int, right: int) -> int:
+    """Integer division that truncates toward zero."""
+    result = abs(left) // abs(right)
+    return result if (left < 0) == (right < 0) else -result
+
+
+def remainder(left: int, right: int) -> int:
+    """What truncating division leaves; it has the sign of the dividend."""
+    result = abs(left) % abs(right)
+    return -result if left < 0 else result
+
+
+def operate(operator: str, left: int | float, right: int | float, type_: Type) -> int | float:
+    """``+ - * / % ^`` on two numbers of one type; raises UndefinedError or OutOfRangeError."""
+    integers = isinstance(left, int) and isinstance(right, int)
+    try:
+        match operator:
+            case "+":
+                result: float = left + right
+            case "-":
+                result = left - right
+            case "*":
+                result = left * right
+            case "/":
+                if right == 0:
+                    raise UndefinedError("this divides by zero")
+                result = quotient(int(left), int(right)) if integers else left / right
+            case "%":
+                if right == 0:
+                    raise UndefinedError("this divides by zero")
+                result = remainder(int(left), int(right)) if integers else math.fmod(left, right)
+            case _:
+                result = _power(left, right)
+    except OverflowError:
+        raise OutOfRangeError("too large") from None
+    return checked(result, type_)
+
+
+def _power(base: int | float, exponent: int | float) -> int | float:
+    if isinstance(base, int) and isinstance(exponent, int):
+        if exponent < 0:
+            raise UndefinedError("an integer has no negative power")
+        if abs(base) > 1 and exponent * (abs(base).bit_length() - 1) > 64:
+            raise OutOfRangeError("too large")
+        return int(base**exponent)
+    if base == 0 and exponent < 0:
+        raise UndefinedError("this divides by zero")
+    result = float(base) ** exponent
+    if isinstance(result, complex):
+        raise UndefinedError("a negative number has no broken power")
+    return float(result)
+
+
+def _logarithm(value: float) -> float:
+    if value <= 0:
+        raise UndefinedError("only positive numbers have a logarithm")
+    return math.log(value)
+
+
+def _square_root(value: float) -> float:
+    if value < 0:
+        raise UndefinedError("a negative number has no square root")
+    return math.sqrt(value)
+
+
+def _sign(value: float) -> float:
+    return type(value)((value > 0) - (value < 0))
+
+
+def _half_away(value: float) -> float:
+    """To the nearest whole number, halves away from zero."""
+    if abs(value) >= 2**52:
+        return value
+    whole = math.floor(abs(value))
+    return math.copysign(whole + (abs(value) - whole >= 0.5), value)
+
+
+def _quantize(value: float, step: float) -> float:
+    if step <= 0:
+        raise UndefinedError("the step of `quantize` must be positive")
+    return type(value)(step * _half_away(value / step))
+
+
+def _deadzone(value: float, width: float) -> float:
+    return type(value)(max(value - width, 0) + min(value + width, 0))
+
+
+def _whole(function: Callable[[float], int]) -> Callable[[float], float]:
+    return lambda value: float(function(value))
+
+
+_FUNCTIONS: dict[str, Callable[..., float]] = {
+    "abs": abs,
+    "min": min,
+    "max": max,
+    "limit": lambda value, lowest, highest: min(max(value, lowest), highest),
+    "sign": _sign,
+    "sqrt": _square_root,
+    "exp": math.exp,
+    "log": _logarithm,
+    "sin": math.sin,
+    "cos": math.cos,
+    "tan": math.tan,
+    "atan2": math.atan2,
+    "floor": _whole(math.floor),
+    "ceil": _whole(math.ceil),
+    "round": _half_away,
+    "quantize": _quantize,
+    "deadzone": _deadzone,
+}
+
+
+def function(name: str, values: Sequence[int | float], type_: Type) -> int | float | None:
+    """The value of a function of the language; None where it has none before the program runs."""
+    implementation = _FUNCTIONS.get(name)
+    if implementation is None:
+        return None
+    try:
+        return checked(implementation(*values), type_)
+    except OverflowError:
+        raise OutOfRangeError("too large") from None
+
+
+def convert(value: bool | int | float, type_: IntType | RealType) -> int | float:
+    """``int16(x)`` and its kin: toward zero, and never out of range."""
+    if isinstance(type_, RealType):
+        return checked(float(value), type_)
+    return checked(math.trunc(value), type_)

@@ -1,0 +1,194 @@
+"""Values where a type is wanted: numbers in the text adapt, everything else must agree."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from cspdiag.diagnostics import Diagnostic, Span
+from cspdiag.diagnostics.record import node
+from cspdiag.model.diagnostics_types import WrongScale, WrongType, WrongUnit, conversion_help, noun
+from cspdiag.model.types import (
+    DOUBLE,
+    TIME,
+    UNKNOWN,
+    ArrayType,
+    IntType,
+    RealType,
+    TimeType,
+    Type,
+    UnknownType,
+)
+from cspdiag.model.units import DIMENSIONLESS, SECOND, agree, same_dimension
+from cspdiag.syntax import ast
+
+if TYPE_CHECKING:
+    from cspdiag.model.context import Context
+
+
+@node
+class Purpose:
+    """What a value is for: ``the parameter `speed```, and where that was declared."""
+
+    what: str
+    declared: Span | None = None
+    declared_text: str = "declared here"
+
+
+def is_bare_zero(expression: ast.Expression) -> bool:
+    """Whether this is a ``0`` without a unit, which takes any."""
+    return isinstance(expression, ast.Number) and expression.unit is None and expression.value == 0
+
+
+def require(context: Context, expression: ast.Expression, found: Type, wanted: Type, purpose: Purpose) -> Type:
+    """The type of a value for a purpose: ``wanted`` if it agrees or adapts, else reported and unknown."""
+    if adapt(context, expression, found, wanted):
+        return wanted
+    culprit = _culprit(context, expression, wanted)
+    if culprit is not None:
+        return require(context, culprit, context.program.types[culprit], _element(wanted, expression), purpose)
+    context.refuse(_mismatch(expression, found, wanted, purpose), expression)
+    return UNKNOWN
+
+
+def _mismatch(expression: ast.Expression, found: Type, wanted: Type, purpose: Purpose) -> Diagnostic:
+    span, what, declared, text = expression.span, purpose.what, purpose.declared, purpose.declared_text
+    if not isinstance(found, RealType) or not isinstance(wanted, RealType) or agree(found.unit, wanted.unit):
+        advice = conversion_help(found, wanted, span.text)
+        return WrongType(span, what, found, noun(wanted), advice, declared, text)
+    if same_dimension(found.unit, wanted.unit):
+        return WrongScale(span, what, found, wanted, declared, text)
+    is_number = isinstance(expression, ast.Number) and expression.unit is None
+    return WrongUnit(span, what, found, wanted, is_number, declared, text)
+
+
+def _culprit(context: Context, expression: ast.Expression, wanted: Type) -> ast.Expression | None:
+    """The part of an array or a choice that does not fit."""
+    parts: tuple[ast.Expression, ...] = ()
+    if isinstance(expression, ast.ArrayValue) and isinstance(wanted, ArrayType):
+        if wanted.size is not None and wanted.size != len(expression.elements):
+            return None
+        parts = expression.elements
+    elif isinstance(expression, ast.Conditional):
+        parts = (expression.then, expression.otherwise)
+    for part in parts:
+        if not adapt(context, part, context.program.types[part], _element(wanted, expression)):
+            return part
+    return None
+
+
+def _element(wanted: Type, expression: ast.Expression) -> Type:
+    if isinstance(wanted, ArrayType) and isinstance(expression, ast.ArrayValue):
+        return wanted.element
+    return wanted
+
+
+def adapt(context: Context, expression: ast.Expression, found: Type, wanted: Type) -> bool:
+    """Whether a value agrees with a type; numbers in the text take it on, and that is recorded."""
+    if isinstance(found, UnknownType) or isinstance(wanted, UnknownType):
+        return True
+    if agrees(found, wanted):
+        return True
+    match expression:
+        case ast.Number() if is_bare_zero(expression) and isinstance(wanted, RealType | TimeType):
+            if isinstance(wanted, RealType) and isinstance(found, IntType):
+                context.program.types[expression] = wanted
+                return True
+            if isinstance(found, RealType) and isinstance(wanted, RealType):
+                context.program.types[expression] = wanted
+                return True
+            if isinstance(found, IntType):
+                context.program.types[expression] = TIME
+                return True
+            return False
+        case ast.Duration() if expression.is_frequency and isinstance(wanted, TimeType):
+            context.program.types[expression] = TIME
+            return True
+        case ast.Duration() if isinstance(wanted, RealType) and agree(wanted.unit, SECOND):
+            if isinstance(found, TimeType) or (isinstance(found, RealType) and agree(found.unit, SECOND)):
+                context.program.types[expression] = RealType(wanted.bits, SECOND)
+                return True
+            return False
+        case ast.ArrayValue() if isinstance(wanted, ArrayType):
+            if wanted.size is not None and wanted.size != len(expression.elements):
+                return False
+            types = context.program.types
+            if not all(adapt(context, part, types[part], wanted.element) for part in expression.elements):
+                return False
+            types[expression] = ArrayType(wanted.element, len(expression.elements))
+            return True
+        case ast.Conditional():
+            types = context.program.types
+            if not all(adapt(context, part, types[part], wanted) for part in (expression.then, expression.otherwise)):
+                return False
+            types[expression] = wanted
+            return True
+        case _:
+            pass
+    if expression in context.literals and can_retype(found, wanted):
+        retype(context, expression, wanted)
+        return agrees(context.program.types[expression], wanted)
+    return False
+
+
+def agrees(found: Type, wanted: Type) -> bool:
+    """Whether a value of one type is one of the other; ``rad`` counts as 1, unknown sizes agree with any."""
+    match found, wanted:
+        case (UnknownType(), _) | (_, UnknownType()):
+            return True
+        case RealType(), RealType():
+            return found.bits == wanted.bits and agree(found.unit, wanted.unit)
+        case ArrayType(), ArrayType():
+            return (found.size is None or wanted.size is None or found.size == wanted.size) and agrees(
+                found.element, wanted.element
+            )
+        case _:
+            return found == wanted
+
+
+def same(found: Type, wanted: Type) -> bool:
+    """Whether two ends of a communication have the same type and unit; unknown sizes agree with any."""
+    match found, wanted:
+        case (UnknownType(), _) | (_, UnknownType()):
+            return True
+        case ArrayType(), ArrayType():
+            sizes_agree = found.size is None or wanted.size is None or found.size == wanted.size
+            return sizes_agree and same(found.element, wanted.element)
+        case _:
+            return found == wanted
+
+
+def can_retype(found: Type, wanted: Type) -> bool:
+    """Whether an expression of numbers in the text may become another number type."""
+    if isinstance(found, IntType):
+        return isinstance(wanted, IntType | RealType)
+    return isinstance(found, RealType) and isinstance(wanted, RealType)
+
+
+def retype(context: Context, expression: ast.Expression, wanted: Type) -> None:
+    """Give an expression of numbers in the text the number type of ``wanted``, all parts of it; units stay as written."""
+    types = context.program.types
+    pending: list[ast.Expression] = [expression]
+    while pending:
+        part = pending.pop()
+        found = types[part]
+        if isinstance(wanted, RealType):
+            types[part] = RealType(wanted.bits, found.unit if isinstance(found, RealType) else DIMENSIONLESS)
+        else:
+            types[part] = wanted
+        match part:
+            case ast.Unary():
+                pending.append(part.operand)
+            case ast.Binary():
+                pending += (part.left, part.right)
+            case ast.Conditional():
+                pending += (part.then, part.otherwise)
+            case _:
+                pass
+
+
+def default_number(context: Context, expression: ast.Expression, found: Type) -> Type:
+    """The type of an operand of a real function: numbers without a point become doubles."""
+    if isinstance(found, IntType) and expression in context.literals:
+        retype(context, expression, DOUBLE)
+        return DOUBLE
+    return found

@@ -1,0 +1,106 @@
+"""What the passes of resolving share."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Literal, TypeAlias
+
+from cspdiag.diagnostics import Diagnostic, Report
+from cspdiag.diagnostics.record import node
+from cspdiag.model.program import Program, Scope
+from cspdiag.syntax import ast
+
+Place: TypeAlias = Literal["constant", "process", "submodel", "environment"]
+
+
+class Context:
+    """The program under construction and the report.
+
+    ``incomplete``: definitions may be missing because an import failed; unknown names are then silent.
+    """
+
+    def __init__(self, program: Program, report: Report, *, incomplete: bool) -> None:
+        self.program = program
+        self.report = report
+        self.incomplete = incomplete
+        self.literals: set[ast.Node] = set()
+        """Expressions of numbers only, which take the number type that their surroundings want."""
+        self.sizes: dict[ast.Node, int | None] = {}
+        """Sizes of dimensions and counts of replicators; None where they depend on parameters."""
+        self.repeated: set[ast.Node] = set()
+        """Instances declared in a repetition, which has one for each value of its replicator."""
+        self.guessing = False
+        """Whether types are found by trying, where local values and operators with memory need each other's."""
+
+    def refuse(self, diagnostic: Diagnostic, *poisoned: ast.Node) -> None:
+        """Report, and have later passes be silent about the nodes."""
+        self.report.add(diagnostic)
+        self.program.poisoned.update(poisoned)
+
+    @property
+    def excuses_unknown_names(self) -> bool:
+        """Whether a name may be unknown because of what was already reported."""
+        return self.incomplete
+
+
+@node
+class Surroundings:
+    """Where an expression stands: what names mean there and which of them have a value.
+
+    ``constant`` is what must be known before the program runs (sizes, periods, arguments, initial values).
+    """
+
+    place: Place
+    owner: ast.Node
+    scope: Scope
+    replicators: dict[str, ast.Replicator]
+    constant: bool = False
+
+    def within(self, replicator: ast.Replicator) -> Surroundings:
+        """The surroundings inside something that is repeated."""
+        return Surroundings(
+            place=self.place,
+            owner=self.owner,
+            scope=self.scope,
+            replicators={**self.replicators, replicator.name.text: replicator},
+            constant=self.constant,
+        )
+
+    def before_running(self) -> Surroundings:
+        """The same place, for what must be known before the program runs."""
+        return Surroundings(
+            place=self.place, owner=self.owner, scope=self.scope, replicators=self.replicators, constant=True
+        )
+
+
+def nearest(name: str, candidates: Iterable[str]) -> str | None:
+    """The candidate that ``name`` is most likely a slip of: at most one edit in four letters away, or None."""
+    if len(name) > 60:
+        return None
+    best: tuple[int, str] | None = None
+    for candidate in candidates:
+        allowed = min(max(len(name), len(candidate)) // 4 + 1, 3)
+        if best is not None:
+            allowed = min(allowed, best[0] - 1)
+        if candidate == name or abs(len(candidate) - len(name)) > allowed or len(candidate) < 2:
+            continue
+        distance = 0 if candidate.lower() == name.lower() else _edits(name.lower(), candidate.lower())
+        if distance <= allowed and distance < max(len(name), len(candidate)) - 1:
+            best = (distance, candidate)
+            if distance == 0:
+                break
+    return best[1] if best else None
+
+
+def _edits(left: str, right: str) -> int:
+    """Insertions, deletions, replacements and swaps of neighbours (optimal string alignment)."""
+    before: list[int] = []
+    row = list(range(len(right) + 1))
+    for i, a in enumerate(left, 1):
+        earlier, before, row = before, row, [i]
+        for j, b in enumerate(right, 1):
+            cost = min(before[j] + 1, row[j - 1] + 1, before[j - 1] + (a != b))
+            if i > 1 and j > 1 and a == right[j - 2] and left[i - 2] == b:
+                cost = min(cost, earlier[j - 2] + 1)
+            row.append(cost)
+    return row[-1]

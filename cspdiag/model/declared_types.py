@@ -1,0 +1,48 @@
+"""Types as they are declared, with their sizes."""
+
+from __future__ import annotations
+
+from cspdiag.model.coercion import Purpose
+from cspdiag.model.diagnostics_constants import BadSize
+from cspdiag.model.diagnostics_types import UselessValue
+from cspdiag.model.evaluate import evaluate
+from cspdiag.model.expressions import Typer
+from cspdiag.model.type_names import element_type, in_dimensions
+from cspdiag.model.types import INT, TEXT, UNKNOWN, Type
+from cspdiag.syntax import ast
+
+LARGEST_SIZE = 100_000
+"""Arrays and repetitions are drawn out element by element."""
+
+
+def declared_type(typer: Typer, name: ast.TypeName, *, allows_text: bool = False) -> Type:
+    """The type that a declaration says, recorded for the type name."""
+    context = typer.context
+    found = element_type(context, name)
+    if found is TEXT and not allows_text:
+        advice = "texts are parameters of drivers and of bodies in other languages only"
+        context.refuse(UselessValue(name.span, what="a text", advice=advice), name)
+        found = UNKNOWN
+    sizes = [size_of(typer, dimension, "the size of an array") for dimension in name.dimensions]
+    found = in_dimensions(found, sizes)
+    context.program.types[name] = found
+    return found
+
+
+def size_of(typer: Typer, expression: ast.Expression, what: str) -> int | None:
+    """A size or a count; None where it depends on parameters, or was reported."""
+    context = typer.context
+    typer.constant(expression, INT, Purpose(what=what))
+    value = evaluate(context.program, expression, {}, context.report)
+    size = value if isinstance(value, int) else None
+    if size is not None and not 0 <= size <= LARGEST_SIZE:
+        context.refuse(BadSize(expression.span, size=size, most=LARGEST_SIZE), expression)
+        size = None
+    context.sizes[expression] = size
+    return size
+
+
+def array_sizes(typer: Typer, dimensions: tuple[ast.Expression, ...]) -> None:
+    """Resolve the sizes of an array of ports."""
+    for dimension in dimensions:
+        size_of(typer, dimension, "the size of an array of ports")

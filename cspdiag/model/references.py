@@ -1,0 +1,182 @@
+"""References to ports, instances, variables and channels: ``feedback``, ``cell[i]``, ``servo.control``."""
+
+from __future__ import annotations
+
+from cspdiag.model.coercion import Purpose
+from cspdiag.model.context import nearest
+from cspdiag.model.diagnostics_names import UnknownMember, UnknownName, WrongKind
+from cspdiag.model.diagnostics_types import NotIndexed
+from cspdiag.model.expressions import Typer, array_of_ports
+from cspdiag.model.program import EndLabelSymbol, PortSymbol, Scope, Symbol
+from cspdiag.model.symbols import declared_at, described
+from cspdiag.model.types import INT, UNKNOWN, ArrayType, Type
+from cspdiag.syntax import ast
+
+
+def find(typer: Typer, reference: ast.Reference, wanted: str, kinds: tuple[type, ...]) -> Symbol | None:
+    """Bind the first name of a reference; None, and reported, where there is none.
+
+    ``wanted`` and ``kinds`` are what would fit, for the name that was probably meant.
+    """
+    context, name = typer.context, reference.name.text
+    symbol = typer.surroundings.scope.names.get(name) or typer.surroundings.replicators.get(name)
+    if symbol is None:
+        context.program.poisoned.add(reference)
+        definition = context.program.definitions.get(name)
+        if definition is not None:
+            refuse_kind(typer, reference, definition, wanted)
+        elif not context.excuses_unknown_names:
+            names = typer.surroundings.scope.names
+            suggestion = nearest(name, [other for other, found in names.items() if isinstance(found, kinds)])
+            declared = declared_at(names[suggestion]) if suggestion else None
+            context.refuse(
+                UnknownName(reference.name.span, name=name, wanted=wanted, suggestion=suggestion, declared=declared),
+                reference,
+            )
+        return None
+    context.program.bindings[reference] = symbol
+    return symbol
+
+
+def refuse_kind(typer: Typer, reference: ast.Reference, symbol: Symbol, wanted: str, advice: str | None = None) -> None:
+    """Report that a reference names another kind of thing than is wanted."""
+    name = reference.name.text
+    article = "an" if wanted[0] in "aeiou" else "a"
+    if advice is None and isinstance(symbol, ast.ProcessDefinition | ast.SubmodelDefinition):
+        advice = f"declare an instance in the communication block, such as `{_lowered(name)} : {name}`, and name that"
+    refused = WrongKind(
+        reference.span if reference.member is None else reference.name.span,
+        name=name,
+        kind=described(symbol),
+        wanted=f"{article} {wanted}",
+        advice=advice,
+        declared=declared_at(symbol),
+    )
+    typer.context.refuse(refused, reference)
+
+
+def _lowered(name: str) -> str:
+    return name[:1].lower() + name[1:]
+
+
+def end_of_channel(typer: Typer, reference: ast.Reference, wanted: str) -> Type:
+    """The type of what passes a port, a port of an instance, a channel, a variable or a label.
+
+    Recorded in ``types``; ``members`` has the port of an instance. UNKNOWN, and reported, for anything else.
+    """
+    kinds = (PortSymbol, ast.Instance, ast.Variable, ast.Channel, EndLabelSymbol)
+    symbol = find(typer, reference, wanted, kinds if reference.member is None else (ast.Instance,))
+    found: Type = UNKNOWN
+    _type_indexes(typer, reference)
+    if reference.member is not None:
+        if isinstance(symbol, ast.Instance):
+            found = _port_of(typer, reference, symbol)
+        elif symbol is not None:
+            refuse_kind(typer, reference, symbol, "instance")
+    else:
+        match symbol:
+            case PortSymbol():
+                found = _indexed(typer, reference, reference.indexes, array_of_ports(typer.context, symbol))
+            case ast.Variable() | ast.Channel():
+                found = typer.context.program.types.get(symbol, UNKNOWN)
+                found = _indexed(typer, reference, reference.indexes, found)
+            case EndLabelSymbol():
+                found = _indexed(typer, reference, reference.indexes, symbol.type)
+            case None:
+                pass
+            case ast.Instance():
+                ports = typer.context.program.bindings.get(symbol.definition)
+                advice = _port_advice(typer, reference, ports)
+                refuse_kind(typer, reference, symbol, wanted, advice)
+            case _:
+                refuse_kind(typer, reference, symbol, wanted)
+    typer.context.program.types[reference] = found
+    return found
+
+
+def _port_advice(typer: Typer, reference: ast.Reference, definition: Symbol | None) -> str | None:
+    scope = typer.context.program.scopes.get(definition) if isinstance(definition, ast.Node) else None
+    if not scope or not scope.ports:
+        return None
+    return "name one of its ports: " + ", ".join(f"`{reference.span.text}.{name}`" for name in list(scope.ports)[:4])
+
+
+def _type_indexes(typer: Typer, reference: ast.Reference) -> None:
+    for index in (*reference.indexes, *reference.member_indexes):
+        # Which port or instance is meant is fixed when the diagram is drawn out; an element of a variable is not.
+        symbol = typer.context.program.bindings.get(reference)
+        if isinstance(symbol, ast.Variable | EndLabelSymbol) and reference.member is None:
+            typer.require(index, INT, Purpose(what="an index"))
+        else:
+            typer.constant(index, INT, Purpose(what="an index"))
+
+
+def _port_of(typer: Typer, reference: ast.Reference, instance: ast.Instance) -> Type:
+    program = typer.context.program
+    member = reference.member
+    assert member is not None
+    check_instance_index(typer, reference, instance)
+    scope = ports_of(typer, instance)
+    if scope is None:
+        program.poisoned.add(reference)
+        return UNKNOWN
+    port = scope.ports.get(member.text)
+    if port is None:
+        definition = program.bindings[instance.definition]
+        refused = UnknownMember(
+            member.span,
+            name=member.text,
+            owner=f"`{instance.name.text}`, an instance of `{instance.definition.text}`,",
+            wanted="port",
+            options=tuple(scope.ports),
+            suggestion=nearest(member.text, scope.ports),
+            declared=declared_at(definition),
+        )
+        typer.context.refuse(refused, reference)
+        return UNKNOWN
+    program.members[reference] = port
+    program.bindings[member] = port
+    return _indexed(typer, reference, reference.member_indexes, array_of_ports(typer.context, port))
+
+
+def ports_of(typer: Typer, instance: ast.Instance) -> Scope | None:
+    """The ports of what an instance is made of; None where that is unknown or poisoned."""
+    program = typer.context.program
+    definition = program.bindings.get(instance.definition)
+    return program.scopes.get(definition) if isinstance(definition, ast.Node) else None
+
+
+def check_instance_index(typer: Typer, reference: ast.Reference, instance: ast.Instance) -> None:
+    """An array of instances is named with one index, a single instance without."""
+    given, wanted = len(reference.indexes), 0 if instance.size is None else 1
+    if instance in typer.context.repeated or given == wanted:
+        return
+    name = instance.name.text
+    if wanted:
+        problem, advice = "is an array of instances and needs one index", f"write `{name}[0]`, `{name}[1]`, …"
+    else:
+        problem, advice = "is a single instance and takes no index", f"declare an array by `{name}[n] : …`"
+    refused = NotIndexed(
+        reference.name.span, what=f"`{name}`", problem=problem, advice=advice, declared=instance.name.span
+    )
+    typer.context.refuse(refused, reference)
+
+
+def _indexed(typer: Typer, reference: ast.Reference, indexes: tuple[ast.Expression, ...], found: Type) -> Type:
+    for index in indexes:
+        if found is UNKNOWN:
+            return UNKNOWN
+        if not isinstance(found, ArrayType):
+            name = reference.span.text.removesuffix(f"[{index.span.text}]")
+            symbol = typer.context.program.bindings.get(reference)
+            refused = NotIndexed(
+                index.span,
+                what=f"`{name}`",
+                problem=f"is {found} and has no elements",
+                advice=None,
+                declared=declared_at(symbol) if symbol is not None else None,
+            )
+            typer.context.refuse(refused, reference)
+            return UNKNOWN
+        found = found.element
+    return found
