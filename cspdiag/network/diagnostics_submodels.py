@@ -68,56 +68,6 @@ class AlgebraicLoop(Diagnostic):
 
 
 @record
-class RecursiveSubmodel(Diagnostic):
-    """A submodel contains itself, directly or through others.
-
-    The equations of nested submodels become equations of the outer one; one that contains itself would never end.
-
-    Refused::
-
-        submodel Filter {
-          in  x : double
-          out y : double
-
-          inner : Filter
-          inner.x = x
-          y = inner.y
-        }
-
-    Mended::
-
-        submodel Stage {
-          in  x : double
-          out y : double
-
-          y = x / 2
-        }
-
-        submodel Filter {
-          in  x : double
-          out y : double
-
-          inner : Stage
-          inner.x = x
-          y = inner.y
-        }
-    """
-
-    code = "E0451"
-    title = "submodel contains itself"
-
-    path: tuple[str, ...]
-
-    @property
-    def message(self) -> str:
-        return f"the submodel `{self.path[-1]}` contains itself: {' contains '.join(self.path)}"
-
-    @property
-    def help(self) -> str:
-        return "write a delay chain or a filter of higher order with `delay` or `transfer`"
-
-
-@record
 class ImproperTransfer(Diagnostic):
     """The numerator of a transfer function has a higher degree than the denominator.
 

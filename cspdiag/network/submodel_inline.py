@@ -15,7 +15,6 @@ from cspdiag.model.program import BuiltinSymbol, PortSymbol, Program, Scope
 from cspdiag.model.types import ArrayType, RealType, TimeType, Type
 from cspdiag.network.definitions import arguments_of
 from cspdiag.network.diagnostics_submodels import (
-    RecursiveSubmodel,
     StepNotPositive,
     TimeOutsideEnvironment,
     TooManyEquations,
@@ -241,8 +240,6 @@ class Inlining:
             return
         path = (*self.surroundings.path, self.definition)
         if definition in path:
-            names = [d.name.text for d in path[path.index(definition) :]]
-            self.report.add(RecursiveSubmodel(instance.definition.span, (*names, definition.name.text)))
             self.draft.complete = False
             return
         surroundings = Surroundings(path=path, environment=self.surroundings.environment)

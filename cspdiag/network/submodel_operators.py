@@ -88,7 +88,7 @@ def _state(draft: Draft, use: Application, name: str, kind: Type, initial: Expre
 def _constant(draft: Draft, use: Application, name: str, value: Expression) -> Expression:
     """A coefficient with a name."""
     chosen = draft.unique(f"{use.base}_{name}")
-    draft.equation(chosen, of_width(value, use.type), use.span)
+    draft.equation(chosen, of_width(value, use.type), use.span, kind=use.scalar)
     return SignalValue(type=use.scalar, name=chosen)
 
 

@@ -34,14 +34,16 @@ def flatten(
     report: Report,
     *,
     discretize: bool = True,
+    environment: bool = False,
 ) -> Flattened | None:
     """The class of an instance with these arguments that runs every ``sample`` nanoseconds.
 
     The arguments decide only sizes and the values in ``derived``: two instances whose classes are equal share one. None
-    where something is wrong that was reported. Without ``discretize`` no numbers are needed, as in a check.
+    where something is wrong that was reported. Without ``discretize`` no numbers are needed, as in a check. ``environment`` tells
+    that there is a ``time``.
     """
     draft = Draft(owner=definition.name.span, sample=sample, arguments=arguments, concrete=discretize)
-    inlining = Inlining(program, draft, definition, report, Surroundings(path=(), environment=False))
+    inlining = Inlining(program, draft, definition, report, Surroundings(path=(), environment=environment))
     for parameter in definition.parameters:
         name = parameter.name.text
         kind = inlining.declared(parameter.type, program.types.get(parameter, SECONDS))
@@ -122,36 +124,33 @@ def check(program: Program, report: Report) -> None:
 
     What is inside others is checked with them.
     """
-    for definition in _outermost(program):
+    in_processes, elsewhere = _uses(program)
+    for definition in in_processes:
         flatten(program, definition, {}, None, report, discretize=False)
+    libraries = {item for tree in program.trees if tree.source.name.startswith("std/") for item in tree.items}
+    for candidate in program.definitions.values():
+        is_used = candidate in in_processes or candidate in elsewhere or candidate in libraries
+        if isinstance(candidate, ast.SubmodelDefinition) and not is_used:
+            flatten(program, candidate, {}, None, report, discretize=False, environment=True)
 
 
-def _outermost(program: Program) -> list[ast.SubmodelDefinition]:
-    in_processes: dict[ast.Definition, None] = {}
+def _uses(program: Program) -> tuple[dict[ast.SubmodelDefinition, None], set[object]]:
+    """The submodels that run in processes, and those inside submodels and environments."""
+    in_processes: dict[ast.SubmodelDefinition, None] = {}
     elsewhere: set[object] = set()
     for definition in program.definitions.values():
         match definition:
             case ast.ProcessDefinition():
                 for item in declared_in(definition):
-                    if isinstance(item, ast.Instance):
-                        found = program.bindings.get(item.definition)
-                        if isinstance(found, ast.SubmodelDefinition):
-                            in_processes[found] = None
+                    found = program.bindings.get(item.definition) if isinstance(item, ast.Instance) else None
+                    if isinstance(found, ast.SubmodelDefinition):
+                        in_processes[found] = None
             case ast.EnvironmentDefinition():
-                found_items = declarations(definition.declarations)
-                elsewhere.update(program.bindings.get(i.definition) for i in found_items if isinstance(i, ast.Instance))
+                inner = declarations(definition.declarations)
+                elsewhere.update(program.bindings.get(i.definition) for i in inner if isinstance(i, ast.Instance))
             case ast.SubmodelDefinition():
-                inner = (item for item in definition.items if isinstance(item, ast.Instance))
-                elsewhere.update(program.bindings.get(item.definition) for item in inner)
+                items = (item for item in definition.items if isinstance(item, ast.Instance))
+                elsewhere.update(program.bindings.get(item.definition) for item in items)
             case _:
                 pass
-    libraries = {item for tree in program.trees for item in tree.items if tree.source.name.startswith("std/")}
-    unused = [
-        definition
-        for definition in program.definitions.values()
-        if isinstance(definition, ast.SubmodelDefinition)
-        and definition not in in_processes
-        and definition not in elsewhere
-        and definition not in libraries
-    ]
-    return [d for d in in_processes if isinstance(d, ast.SubmodelDefinition)] + unused
+    return in_processes, elsewhere
