@@ -1,0 +1,139 @@
+"""What is wrong with sample periods."""
+
+from __future__ import annotations
+
+from cspdiag.diagnostics import Diagnostic, Label, Span
+from cspdiag.diagnostics.record import record
+
+
+def duration(nanoseconds: int) -> str:
+    """A duration as one writes it: ``2 ms``."""
+    for unit, size in (("s", 1_000_000_000), ("ms", 1_000_000), ("us", 1_000)):
+        if nanoseconds % size == 0:
+            return f"{nanoseconds // size} {unit}"
+    return f"{nanoseconds} ns"
+
+
+@record
+class PeriodNotPositive(Diagnostic):
+    """E0701."""
+
+    code = "E0701"
+    title = "sample period that is not positive"
+
+    period: int
+
+    @property
+    def message(self) -> str:
+        return f"a sample period of {duration(self.period)} is not possible: it must be longer than zero"
+
+
+@record
+class PeriodsDisagree(Diagnostic):
+    """E0702."""
+
+    code = "E0702"
+    title = "two sample periods on one net"
+
+    net: str
+    one: int
+    one_span: Span
+    other: int
+    other_span: Span
+
+    @property
+    def message(self) -> str:
+        return f"`{self.net}` is sampled every {duration(self.one)} and connects a port sampled every {duration(self.other)}"
+
+    @property
+    def help(self) -> str | None:
+        return "give both ends the same period; between two rates, a process must read at one and write at the other"
+
+    @property
+    def labels(self) -> tuple[Label, ...]:
+        return (
+            Label(self.one_span, f"{duration(self.one)} here"),
+            Label(self.other_span, f"{duration(self.other)} here"),
+        )
+
+
+@record
+class SampledInsideOnly(Diagnostic):
+    """E0703."""
+
+    code = "E0703"
+    title = "event port used as a sampled one"
+
+    port: str
+    period: int
+    inner: Span
+
+    @property
+    def message(self) -> str:
+        return (
+            f"`{self.port}` of the outermost process has no period, so it is an event port, "
+            f"but inside it is sampled every {duration(self.period)}"
+        )
+
+    @property
+    def help(self) -> str | None:
+        return "say `@` and the period at this port too"
+
+    @property
+    def labels(self) -> tuple[Label, ...]:
+        return (Label(self.inner, "sampled here"),)
+
+
+@record
+class SampleUnknown(Diagnostic):
+    """E0704."""
+
+    code = "E0704"
+    title = "sample period that cannot be inferred"
+
+    instance: str
+    definition: str
+
+    @property
+    def message(self) -> str:
+        return f"`{self.instance}` needs its sample period, but no port with a period (`@ T`) is connected to it"
+
+    @property
+    def label(self) -> str:
+        return f"`{self.definition}` has states or operators that depend on the period"
+
+    @property
+    def help(self) -> str | None:
+        return "say `@` and the period at the port of the process that it reads or writes"
+
+
+@record
+class SamplesDisagree(Diagnostic):
+    """E0705."""
+
+    code = "E0705"
+    title = "control law between two sample periods"
+
+    instance: str
+    one: int
+    one_span: Span
+    other: int
+    other_span: Span
+
+    @property
+    def message(self) -> str:
+        return (
+            f"`{self.instance}` is connected to a net sampled every {duration(self.one)} "
+            f"and to one sampled every {duration(self.other)}, but one run takes one sample of each"
+        )
+
+    @property
+    def help(self) -> str | None:
+        return "keep the slower value in a variable (`port ? x`), and connect the variable"
+
+    @property
+    def labels(self) -> tuple[Label, ...]:
+        return (
+            Label(self.one_span, f"{duration(self.one)} here"),
+            Label(self.other_span, f"{duration(self.other)} here"),
+        )

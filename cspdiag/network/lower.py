@@ -1,0 +1,213 @@
+"""From the typed model to the network: the whole way for ``compile``, and everything that can be found wrong for ``check``."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from cspdiag.diagnostics import Report
+from cspdiag.model.program import Program, Value
+from cspdiag.network import submodels
+from cspdiag.network.analyse import Analysis
+from cspdiag.network.definitions import arguments_of
+from cspdiag.network.diagnostics_composition import NoOutermostProcess, ParameterWithoutValue
+from cspdiag.network.elaborate import parameter_value
+from cspdiag.network.external_ports import external_ports
+from cspdiag.network.instances import walk_instances
+from cspdiag.network.ir import Environment, ExternalPort, Network
+from cspdiag.network.lower_classes import Classes, by_name
+from cspdiag.network.occurrences import Occurrences
+from cspdiag.network.release import check_release
+from cspdiag.network.vocabulary import Vocabulary
+from cspdiag.syntax import ast
+
+
+def check(program: Program, report: Report) -> None:
+    """Report everything that is wrong with the processes, submodels and environments of a program.
+
+    Every environment's process is looked at with its arguments, every process that nobody instantiates by itself.
+    """
+    analysis = Analysis(program, report)
+    main = set(program.main.items)
+    environment_of: set[ast.ProcessDefinition] = set()
+    for environment in _environments(program):
+        process = _process_of(program, environment)
+        if process is not None and process not in analysis.definitions.recursive:
+            environment_of.add(process)
+            values = _arguments(analysis, process, environment.arguments, {})
+            analysis.add_root(process, _by_name(values), {}, is_open=False)
+    for definition in analysis.definitions.roots():
+        if definition not in environment_of:
+            values = _arguments(analysis, definition, (), {})
+            analysis.add_root(definition, _by_name(values), {}, is_open=definition not in main)
+    analysis.run()
+    check_release(program, report)
+    submodels.check(program, report)
+    try:
+        from cspdiag.network import environments, external_bodies
+    except ImportError:
+        return
+    external_bodies.check(program, report)
+    for environment in _environments(program):
+        environments.check(program, environment, report)
+
+
+def lower(
+    program: Program, top: str | None, environment: str | None, overrides: Mapping[str, Value], report: Report
+) -> Network | None:
+    """The network of an outermost process; None where something is wrong that was reported.
+
+    ``top``: its name, by default that of the process of the environment, which is by default the first of the text; without any
+    environment the last process that nobody instantiates. ``overrides``: values of parameters by the path of the instance.
+    """
+    analysis = Analysis(program, report)
+    chosen = _chosen_environment(program, top, environment)
+    process = _top(program, analysis, top, chosen, report)
+    if process is None:
+        return None
+    values = _arguments(analysis, process, chosen.arguments if chosen else (), overrides)
+    for parameter in process.parameters:
+        if parameter not in values:
+            missing = ParameterWithoutValue(
+                span=parameter.name.span, process=process.name.text, parameter=parameter.name.text
+            )
+            report.add(missing)
+    if report.has_errors:
+        return None
+    shape = analysis.add_root(process, _by_name(values), overrides, is_open=False)
+    (placed,) = analysis.run()
+    if report.has_errors:
+        return None
+    occurrences = Occurrences(program, analysis.elaboration, report)
+    outermost = occurrences.outermost(placed, values)
+    if report.has_errors:
+        return None
+    classes = Classes(program, analysis.definitions, analysis.relations, report)
+    classes.make(occurrences.found)
+    ports = external_ports(program, shape, analysis.asked[shape], report)
+    instances, nets = walk_instances(outermost, classes, ports)
+    lowered = _lower_environments(program, process, chosen, environment is not None, ports, overrides, report)
+    if report.has_errors:
+        return None
+    vocabulary = Vocabulary(program, (*classes.made.values(), *ports, *lowered))
+    return Network(
+        name=_package_name(program, process),
+        source=program.main.source.name,
+        top=classes.class_of[outermost],
+        doc=process.doc,
+        arguments=by_name(values),
+        constants=vocabulary.constants(),
+        enums=vocabulary.enums(),
+        structs=vocabulary.structs(),
+        exceptions=vocabulary.exceptions(),
+        classes=tuple(classes.made.values()),
+        external_ports=ports,
+        environments=lowered,
+        instances=instances,
+        nets=nets,
+    )
+
+
+def _environments(program: Program) -> list[ast.EnvironmentDefinition]:
+    return [d for d in program.definitions.values() if isinstance(d, ast.EnvironmentDefinition)]
+
+
+def _process_of(program: Program, environment: ast.EnvironmentDefinition) -> ast.ProcessDefinition | None:
+    found = program.bindings.get(environment.process)
+    return found if isinstance(found, ast.ProcessDefinition) else None
+
+
+def _chosen_environment(program: Program, top: str | None, environment: str | None) -> ast.EnvironmentDefinition | None:
+    for candidate in _environments(program):
+        fits_top = top is None or candidate.process.text == top
+        if fits_top and environment in (None, candidate.name.text):
+            return candidate
+    return None
+
+
+def _top(
+    program: Program,
+    analysis: Analysis,
+    top: str | None,
+    environment: ast.EnvironmentDefinition | None,
+    report: Report,
+) -> ast.ProcessDefinition | None:
+    if top is not None:
+        found = program.definitions.get(top)
+    elif environment is not None:
+        found = _process_of(program, environment)
+    else:
+        roots = analysis.definitions.roots()
+        main = set(program.main.items)
+        found = next((d for d in reversed(roots) if d in main), roots[-1] if roots else None)
+    if isinstance(found, ast.ProcessDefinition) and found not in analysis.definitions.recursive:
+        return found
+    if not report.has_errors:
+        report.add(NoOutermostProcess(span=program.main.span, top=top))
+    return None
+
+
+def _arguments(
+    analysis: Analysis,
+    process: ast.ProcessDefinition,
+    arguments: tuple[ast.Argument, ...],
+    overrides: Mapping[str, Value],
+) -> dict[ast.Node, Value]:
+    """Values of the parameters of an outermost process, as far as they have one."""
+    given = dict(arguments_of(process.parameters, arguments))
+    found: dict[ast.Node, Value] = {}
+    for parameter in process.parameters:
+        value = overrides.get(parameter.name.text)
+        expression = given.get(parameter, parameter.default)
+        if value is None and expression is not None:
+            value = parameter_value(analysis.elaboration, parameter, expression, found)
+        if value is not None:
+            found[parameter] = value
+    return found
+
+
+def _by_name(values: Mapping[ast.Node, Value]) -> dict[str, Value]:
+    return dict(by_name(values))
+
+
+def _lower_environments(
+    program: Program,
+    process: ast.ProcessDefinition,
+    chosen: ast.EnvironmentDefinition | None,
+    only: bool,
+    ports: tuple[ExternalPort, ...],
+    overrides: Mapping[str, Value],
+    report: Report,
+) -> tuple[Environment, ...]:
+    """The chosen environment and, where none was asked for by name, the others that give the process the same arguments."""
+    if chosen is None:
+        return ()
+    try:
+        from cspdiag.network.environments import lower_environment
+    except ImportError:
+        return ()
+    wanted = [chosen]
+    if not only:
+        wanted += [e for e in _environments(program) if e is not chosen and _alike(program, process, e, chosen)]
+    lowered = [lower_environment(program, environment, ports, overrides, report) for environment in wanted]
+    return tuple(environment for environment in lowered if environment is not None)
+
+
+def _alike(
+    program: Program,
+    process: ast.ProcessDefinition,
+    one: ast.EnvironmentDefinition,
+    other: ast.EnvironmentDefinition,
+) -> bool:
+    same = len(one.arguments) == len(other.arguments) and all(
+        ast.same_tree(a, b) for a, b in zip(one.arguments, other.arguments, strict=True)
+    )
+    return same and _process_of(program, one) is process
+
+
+def _package_name(program: Program, process: ast.ProcessDefinition) -> str:
+    """The name of the file without its folder and ending, made a name; that of the process where there is no file."""
+    stem = program.main.source.name.replace("\\", "/").rsplit("/", 1)[-1].removesuffix(".csp")
+    name = "".join(c if c.isalnum() and c.isascii() else "_" for c in stem).strip("_")
+    if not name or name[0].isdigit():
+        return process.name.text.lower()
+    return name.lower()

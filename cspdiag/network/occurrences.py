@@ -1,0 +1,116 @@
+"""Every instance of a program with the values of all its parameters; equal ones are one."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from cspdiag.diagnostics import Report
+from cspdiag.diagnostics.record import node
+from cspdiag.model.program import Program, Value
+from cspdiag.network.contexts import Placed
+from cspdiag.network.elaborate import Elaboration, argument_values
+from cspdiag.network.shapes import InstanceShape
+from cspdiag.network.submodels import Flattened, flatten
+from cspdiag.syntax import ast
+
+
+class Occurrence:
+    """A process in a context with the values of its parameters.
+
+    ``derived`` are values of parameters that its class turns out to need for what is inside it.
+    """
+
+    __slots__ = ("children", "derived", "placed", "values")
+
+    def __init__(self, placed: Placed, values: dict[ast.Node, Value]) -> None:
+        self.placed = placed
+        self.values = values
+        self.children: dict[str, Occurrence | LawOccurrence] = {}
+        self.derived: dict[str, Value] = {}
+
+    @property
+    def definition(self) -> ast.ProcessDefinition:
+        """The definition that this is an instance of."""
+        assert isinstance(self.placed.shape.definition, ast.ProcessDefinition)
+        return self.placed.shape.definition
+
+    def arguments(self) -> dict[str, Value]:
+        """Values by the name of the parameter, those of the text and derived ones."""
+        return {**_by_name(self.values), **self.derived}
+
+
+@node
+class LawOccurrence:
+    """A submodel instance: its class and the values of its parameters."""
+
+    flattened: Flattened
+    values: Mapping[ast.Node, Value]
+
+    @property
+    def derived(self) -> Mapping[str, Value]:
+        """Values of the derived parameters."""
+        return self.flattened.derived
+
+    def arguments(self) -> dict[str, Value]:
+        """Values by the name of the parameter."""
+        return {**_by_name(self.values), **self.derived}
+
+
+class Occurrences:
+    """All occurrences below an outermost process, callers first."""
+
+    def __init__(self, program: Program, elaboration: Elaboration, report: Report) -> None:
+        self.program = program
+        self.elaboration = elaboration
+        self.report = report
+        self.found: list[Occurrence] = []
+        self._known: dict[object, Occurrence] = {}
+        self._laws: dict[object, LawOccurrence | None] = {}
+        self._pending: list[Occurrence] = []
+
+    def outermost(self, placed: Placed, values: dict[ast.Node, Value]) -> Occurrence:
+        """The occurrence of the outermost process, with everything inside it."""
+        top = self._occurrence(placed, values)
+        while self._pending:
+            self._fill(self._pending.pop())
+        return top
+
+    def _occurrence(self, placed: Placed, values: dict[ast.Node, Value]) -> Occurrence:
+        key = (placed, tuple(values.items()))
+        known = self._known.get(key)
+        if known is None:
+            known = self._known[key] = Occurrence(placed, values)
+            self.found.append(known)
+            self._pending.append(known)
+        return known
+
+    def _fill(self, occurrence: Occurrence) -> None:
+        placed = occurrence.placed
+        for name, instance in placed.shape.instances.items():
+            values = self._values(occurrence, instance)
+            if instance.shape.is_submodel:
+                law = self._law(instance, values, placed.samples.get(name))
+                if law is not None:
+                    occurrence.children[name] = law
+            else:
+                occurrence.children[name] = self._occurrence(placed.inside[name], values)
+
+    def _values(self, occurrence: Occurrence, instance: InstanceShape) -> dict[ast.Node, Value]:
+        definition = instance.shape.definition
+        if not definition.parameters:
+            return {}
+        around = {**occurrence.values, **instance.replicators}
+        return argument_values(self.elaboration, instance.declaration, definition, around, instance.overrides)
+
+    def _law(self, instance: InstanceShape, values: dict[ast.Node, Value], sample: int | None) -> LawOccurrence | None:
+        definition = instance.shape.definition
+        assert isinstance(definition, ast.SubmodelDefinition)
+        key = (definition, tuple(values.items()), sample)
+        if key not in self._laws:
+            flattened = flatten(self.program, definition, _by_name(values), sample, self.report)
+            self._laws[key] = flattened and LawOccurrence(flattened=flattened, values=values)
+        return self._laws[key]
+
+
+def _by_name(values: Mapping[ast.Node, Value]) -> dict[str, Value]:
+    return {node.name.text: value for node, value in values.items() if isinstance(node, ast.Parameter)}

@@ -1,0 +1,333 @@
+"""Who uses a channel, and whether in sequence or in parallel.
+
+One walk up the composition gives, for every port and channel of a shape, one witness pair of each relation that occurs.
+Branches of a parallel are in parallel with each other; everything else (``;``, loops, branches of an alternative) is in sequence.
+An instance brings the pairs inside it along, so that the relations of a net are those of its leaves.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import TypeAlias, assert_never
+
+from cspdiag.diagnostics import Span
+from cspdiag.diagnostics.record import record
+from cspdiag.network.actions import (
+    Action,
+    AfterEvent,
+    AssignValue,
+    Branch,
+    CatchException,
+    Choice,
+    End,
+    Event,
+    Group,
+    IfElse,
+    InputEvent,
+    InterruptOn,
+    OutputEvent,
+    ParallelSteps,
+    PortEnd,
+    RaiseException,
+    ReadValue,
+    ReadyEvent,
+    Repeat,
+    ResetInstance,
+    RunInstance,
+    SequentialSteps,
+    SkipEvent,
+    SkipStep,
+    StopStep,
+    Target,
+    WaitStep,
+    WhileLoop,
+    WriteValue,
+)
+from cspdiag.network.expression_walk import walk
+from cspdiag.network.expressions import Expression, VariableValue
+from cspdiag.network.shapes import InstanceShape, Key, Shape, attached_key, element_name
+
+
+@record
+class Access:
+    """One use of a channel as the diagram shows it: by an instance, or by the process itself (``instance`` is empty).
+
+    ``span`` is the end of the relationship or the communication; ``run`` is where in the composition that happens.
+    """
+
+    span: Span
+    run: Span
+    instance: str
+    own_end: bool = False
+    """Whether it reads through an end of its own, as an instance of a process does."""
+
+    @property
+    def who(self) -> str:
+        """Words for the user of the channel."""
+        return f"`{self.instance}`" if self.instance else "the process itself"
+
+
+Pair: TypeAlias = "tuple[Access, Access]"
+
+
+class Uses:
+    """How one port or channel is used: a writer, a reader, and a pair of each relation between two of them."""
+
+    __slots__ = (
+        "parallel",
+        "parallel_reads",
+        "parallel_writes",
+        "reader",
+        "sequential",
+        "sequential_reads",
+        "writer",
+    )
+
+    def __init__(self, writer: Access | None = None, reader: Access | None = None) -> None:
+        self.writer = writer
+        self.reader = reader
+        self.parallel: Pair | None = None
+        """A writer and a reader in parallel."""
+        self.sequential: Pair | None = None
+        """A writer and a reader in sequence."""
+        self.parallel_writes: Pair | None = None
+        self.parallel_reads: Pair | None = None
+        self.sequential_reads: Pair | None = None
+        """Two readers in sequence that are different processes, each with a reading end of its own."""
+
+    def join(self, other: Uses, parallel: bool) -> None:
+        """Take in the uses of another part of the composition."""
+        crossing = [(self.writer, other.reader), (other.writer, self.reader)]
+        for writer, reader in crossing:
+            if writer is not None and reader is not None:
+                if parallel:
+                    self.parallel = self.parallel or (writer, reader)
+                else:
+                    self.sequential = self.sequential or (writer, reader)
+        if self.writer is not None and other.writer is not None and parallel:
+            self.parallel_writes = self.parallel_writes or (self.writer, other.writer)
+        if self.reader is not None and other.reader is not None:
+            if parallel:
+                self.parallel_reads = self.parallel_reads or (self.reader, other.reader)
+            elif self.reader.instance != other.reader.instance and (self.reader.own_end or other.reader.own_end):
+                self.sequential_reads = self.sequential_reads or (self.reader, other.reader)
+        self.writer = self.writer or other.writer
+        self.reader = self.reader or other.reader
+        self.parallel = self.parallel or other.parallel
+        self.sequential = self.sequential or other.sequential
+        self.parallel_writes = self.parallel_writes or other.parallel_writes
+        self.parallel_reads = self.parallel_reads or other.parallel_reads
+        self.sequential_reads = self.sequential_reads or other.sequential_reads
+
+
+UsesByKey: TypeAlias = "dict[Key, Uses]"
+Groups: TypeAlias = "tuple[tuple[Key, ...], ...]"
+"""Ports of an instance that are attached to one and the same channel of the enclosing process."""
+
+
+def run_key(instance: str) -> Key:
+    """The key under which runs and resets of an instance are counted as writes; no name of the text has a space."""
+    return f"run {instance}"
+
+
+class Relations:
+    """The uses in every shape, shapes of instances before those that contain them."""
+
+    def __init__(self) -> None:
+        self._known: dict[tuple[Shape, Groups], UsesByKey] = {}
+
+    def of(self, shape: Shape, groups: Groups = ()) -> UsesByKey:
+        """The uses of every port and channel; ports of a group are counted under the first of the group."""
+        known = self._known.get((shape, groups))
+        if known is None:
+            known = self._known[shape, groups] = _Walk(self, shape, groups).result()
+        return known
+
+
+class _Walk:
+    def __init__(self, relations: Relations, shape: Shape, groups: Groups) -> None:
+        self.relations = relations
+        self.shape = shape
+        self.same = {key: group[0] for group in groups for key in group}
+
+    def result(self) -> UsesByKey:
+        if self.shape.is_submodel:
+            return self._submodel()
+        if self.shape.body is None:
+            return self._external()
+        return self._action(self.shape.body)
+
+    def _submodel(self) -> UsesByKey:
+        """A submodel reads all inputs at once, and then writes all outputs at once."""
+        reads: UsesByKey = {}
+        writes: UsesByKey = {}
+        for port, _, key in self.shape.port_elements():
+            access = Access(port.span, port.span, "")
+            if port.direction == "in":
+                _put(reads, self.same.get(key, key), Uses(reader=access), parallel=True)
+            else:
+                _put(writes, self.same.get(key, key), Uses(writer=access), parallel=True)
+        return _joined(reads, writes, parallel=False)
+
+    def _external(self) -> UsesByKey:
+        """A body in another language: each port is used, in an order of which nothing is known."""
+        uses: UsesByKey = {}
+        for port, _, key in self.shape.port_elements():
+            access = Access(port.span, port.span, "")
+            use = Uses(reader=access) if port.direction == "in" else Uses(writer=access)
+            _put(uses, self.same.get(key, key), use, parallel=False)
+        return uses if self.shape.is_external else {}
+
+    def _action(self, action: Action) -> UsesByKey:
+        match action:
+            case RunInstance():
+                return self._run(self.shape.instances[action.instance], action.span)
+            case ResetInstance():
+                access = Access(action.span, action.span, action.instance)
+                return {run_key(action.instance): Uses(writer=access)}
+            case ReadValue():
+                uses = self._reads(action.source, action.span)
+                self._target(uses, action.target, action.span)
+                return uses
+            case WriteValue():
+                uses = self._values(action.value)
+                self._put_end(uses, action.sink, Uses(writer=Access(action.span, action.span, "")))
+                return uses
+            case AssignValue():
+                uses = self._values(action.value)
+                self._target(uses, action.target, action.span)
+                return uses
+            case WaitStep():
+                return self._values(action.duration)
+            case SkipStep() | StopStep() | RaiseException():
+                return {}
+            case SequentialSteps() | ParallelSteps():
+                return self._fold(map(self._action, action.steps), isinstance(action, ParallelSteps))
+            case Choice():
+                return self._fold(map(self._branch, action.branches), False)
+            case Repeat():
+                parts = [self._action(action.body)]
+                if action.until is not None:
+                    parts.append(self._values(action.until))
+                return self._fold(parts, False)
+            case WhileLoop():
+                return self._fold([self._values(action.condition), self._action(action.body)], False)
+            case IfElse():
+                parts = [self._values(action.condition), self._action(action.then), self._action(action.otherwise)]
+                return self._fold(parts, False)
+            case CatchException():
+                return self._fold([self._action(action.body), self._action(action.handler)], False)
+            case InterruptOn():
+                waiting = self._event(action.branch.event, action.branch.condition)
+                both = self._fold([self._action(action.body), waiting], True)
+                return self._fold([both, self._action(action.branch.body)], False)
+            case Group():
+                return self._action(action.body)
+            case _:
+                assert_never(action)
+
+    def _fold(self, parts: Iterable[UsesByKey], parallel: bool) -> UsesByKey:
+        whole: UsesByKey = {}
+        for part in parts:
+            whole = _joined(whole, part, parallel)
+        return whole
+
+    def _branch(self, branch: Branch) -> UsesByKey:
+        return self._fold([self._event(branch.event, branch.condition), self._action(branch.body)], False)
+
+    def _event(self, event: Event, condition: Expression | None) -> UsesByKey:
+        uses: UsesByKey = {} if condition is None else self._values(condition)
+        match event:
+            case ReadyEvent():
+                self._put_end(uses, event.source, Uses(reader=Access(event.span, event.span, "")))
+            case InputEvent():
+                self._put_end(uses, event.source, Uses(reader=Access(event.span, event.span, "")))
+                self._target(uses, event.target, event.span)
+            case OutputEvent():
+                uses = _joined(uses, self._values(event.value), False)
+                self._put_end(uses, event.sink, Uses(writer=Access(event.span, event.span, "")))
+            case AfterEvent():
+                uses = _joined(uses, self._values(event.duration), False)
+            case SkipEvent():
+                pass
+            case _:
+                assert_never(event)
+        return uses
+
+    def _run(self, instance: InstanceShape, span: Span) -> UsesByKey:
+        uses: UsesByKey = {run_key(instance.name): Uses(writer=Access(span, span, instance.name))}
+        attached: dict[Key, list[Key]] = {}
+        ends: dict[Key, Span] = {}
+        for element, attachment in instance.attachments.items():
+            key = attached_key(attachment)
+            if key is not None:
+                attached.setdefault(key, []).append(element_name(*element))
+                ends.setdefault(key, attachment.span)
+        groups = tuple(tuple(ports) for ports in attached.values() if len(ports) > 1)
+        inside = self.relations.of(instance.shape, groups)
+        for key, ports in attached.items():
+            use = inside.get(ports[0])
+            if use is not None:
+                access = Access(ends[key], span, instance.name, not instance.shape.is_submodel)
+                _put(uses, self.same.get(key, key), _lifted(use, access), False)
+        return uses
+
+    def _reads(self, source: End, span: Span) -> UsesByKey:
+        uses: UsesByKey = {}
+        self._put_end(uses, source, Uses(reader=Access(span, span, "")))
+        return uses
+
+    def _put_end(self, uses: UsesByKey, end: End, use: Uses) -> None:
+        key = end_key(end)
+        _put(uses, self.same.get(key, key), use, False)
+
+    def _target(self, uses: UsesByKey, target: Target, span: Span) -> None:
+        for index in target.indexes:
+            for key, use in self._values(index).items():
+                _put(uses, key, use, False)
+        _put(uses, target.channel, Uses(writer=Access(span, span, "")), False)
+
+    def _values(self, expression: Expression) -> UsesByKey:
+        uses: UsesByKey = {}
+        for value in variables_read(expression):
+            assert value.span is not None
+            _put(uses, value.channel, Uses(reader=Access(value.span, value.span, "")), False)
+        return uses
+
+
+def end_key(end: End) -> Key:
+    """The key of a port or channel that a process uses itself."""
+    return element_name(end.port, end.index) if isinstance(end, PortEnd) else end.channel
+
+
+def variables_read(expression: Expression) -> Iterator[VariableValue]:
+    """The variables that an expression reads."""
+    return (part for part in walk(expression) if isinstance(part, VariableValue))
+
+
+def _put(uses: UsesByKey, key: Key, use: Uses, parallel: bool) -> None:
+    known = uses.get(key)
+    if known is None:
+        uses[key] = use
+    else:
+        known.join(use, parallel)
+
+
+def _joined(one: UsesByKey, other: UsesByKey, parallel: bool) -> UsesByKey:
+    """The uses of two parts; the larger table takes in the smaller one."""
+    if len(one) < len(other):
+        one, other = other, one
+    for key, use in other.items():
+        _put(one, key, use, parallel)
+    return one
+
+
+def _lifted(use: Uses, access: Access) -> Uses:
+    """The use of a port by an instance, as seen from the enclosing process: the pairs inside stay what they are."""
+    lifted = Uses(access if use.writer else None, access if use.reader else None)
+    lifted.parallel = use.parallel
+    lifted.sequential = use.sequential
+    lifted.parallel_writes = use.parallel_writes
+    lifted.parallel_reads = use.parallel_reads
+    lifted.sequential_reads = use.sequential_reads
+    return lifted

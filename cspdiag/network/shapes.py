@@ -1,0 +1,200 @@
+"""A process definition in one shape: sizes known, replicators unrolled, names resolved.
+
+Instances of a definition whose structure cannot differ (equal values for the parameters that sizes, indexes and periods
+depend on) share one shape, so that the checks cost as much as the text, not as the number of instances.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import TypeAlias
+
+from cspdiag.diagnostics import Span
+from cspdiag.diagnostics.record import node, record
+from cspdiag.model.program import PortSymbol, Value
+from cspdiag.model.types import Type
+from cspdiag.network.actions import Action
+from cspdiag.network.expressions import Expression
+from cspdiag.network.ir import ChannelKind, Direction
+from cspdiag.syntax import ast
+
+Key: TypeAlias = str
+"""A port element (``request[3]``) or a channel of a shape, by its name; both live in one space of names."""
+
+PortElement: TypeAlias = "tuple[str, int | None]"
+
+Overrides: TypeAlias = Mapping[str, Value]
+"""Values of parameters from outside by path below a shape: ``alignL.speed``."""
+
+
+def element_name(name: str, *indexes: int | None) -> str:
+    """``cell[3][0]``; an index that is None is left out."""
+    return name + "".join(f"[{index}]" for index in indexes if index is not None)
+
+
+@node
+class PortShape:
+    """A port with its size and period known; ``size`` is None for a single port."""
+
+    symbol: PortSymbol
+    name: str
+    direction: Direction
+    type: Type
+    size: int | None
+    period: int | None
+    """In nanoseconds; None where none was said or it is unknown."""
+
+    @property
+    def span(self) -> Span:
+        """Where the port is declared."""
+        return self.symbol.port.span
+
+    @property
+    def elements(self) -> list[PortElement]:
+        """The port, or each of its elements."""
+        return [(self.name, None)] if self.size is None else [(self.name, index) for index in range(self.size)]
+
+
+@record
+class OwnPort:
+    """An attachment to a port of the enclosing process, handed through."""
+
+    key: Key
+
+
+@record
+class OwnChannel:
+    """An attachment to a channel or variable of the enclosing process."""
+
+    key: Key
+
+
+@record
+class Default:
+    """An input left to its default value."""
+
+    port: str
+
+
+@record
+class Discarded:
+    """``_``."""
+
+
+@record
+class Unresolved:
+    """Something about which a report was made, or that depends on a parameter without a value."""
+
+
+AttachmentShape: TypeAlias = OwnPort | OwnChannel | Default | Discarded | Unresolved
+
+
+@node
+class Attached:
+    """What a port of an instance is attached to, and where the relationship says so."""
+
+    target: AttachmentShape
+    span: Span
+
+
+@node
+class InstanceShape:
+    """An instance inside a process: its shape, its arguments and what its ports are attached to."""
+
+    name: str
+    array: str | None
+    index: int | None
+    declaration: ast.Instance
+    shape: Shape
+    replicators: Mapping[ast.Node, Value]
+    """Values of the replicators around the declaration."""
+    overrides: Overrides
+    attachments: dict[PortElement, Attached]
+
+    @property
+    def span(self) -> Span:
+        """Where the instance is declared."""
+        return self.declaration.name.span
+
+
+class ChannelShape:
+    """A channel that a process owns: declared, a variable, or the object of a relationship.
+
+    ``kind`` is inferred later; ``asked`` is the kind of the text.
+    """
+
+    __slots__ = ("asked", "capacity", "declaration", "excused", "initial", "kind", "name", "span", "type")
+
+    def __init__(self, name: str, declaration: ast.Variable | ast.Channel | ast.Connection, type_: Type, span: Span):
+        self.name = name
+        self.declaration = declaration
+        self.type = type_
+        self.span = span
+        self.excused = False
+        """Whether something about it was reported, so that the rest is silence."""
+        self.asked: ast.Kind | None = None if isinstance(declaration, ast.Variable) else declaration.kind
+        self.kind: ChannelKind = "var"
+        self.capacity: int | None = None
+        self.initial: Expression | None = None
+
+    @property
+    def is_variable(self) -> bool:
+        """Whether the text made it a variable: ``var``, or a label that ends an arrow."""
+        declaration = self.declaration
+        return isinstance(declaration, ast.Variable) or (
+            isinstance(declaration, ast.Connection) and not declaration.sinks
+        )
+
+
+class Shape:
+    """A definition in one shape; ``body`` is its composition with all reading ends 0."""
+
+    def __init__(
+        self,
+        definition: ast.ProcessDefinition | ast.SubmodelDefinition,
+        values: dict[ast.Node, Value],
+        overrides: Overrides,
+    ) -> None:
+        self.definition = definition
+        self.values = values
+        self.overrides = overrides
+        self.ports: dict[str, PortShape] = {}
+        self.instances: dict[str, InstanceShape] = {}
+        self.channels: dict[Key, ChannelShape] = {}
+        self.asked: dict[Key, list[ast.Kind]] = {}
+        """Kinds that relationships of this process ask for on its own ports."""
+        self.port_spans: dict[Key, Span] = {}
+        """First relationship or communication that uses a port of this process."""
+        self.body: Action | None = None
+        self.incomplete = False
+        """Whether something was left out: because a parameter has no value, or because it was reported."""
+
+    @property
+    def name(self) -> str:
+        """Name of the definition."""
+        return self.definition.name.text
+
+    @property
+    def is_submodel(self) -> bool:
+        """Whether this is a single-shot control law."""
+        return isinstance(self.definition, ast.SubmodelDefinition)
+
+    @property
+    def is_external(self) -> bool:
+        """Whether the body is in another language."""
+        return self.definition.external is not None
+
+    def port_elements(self) -> Iterator[tuple[PortShape, PortElement, Key]]:
+        """Every port or element of an array of ports, with its key."""
+        for port in self.ports.values():
+            for element in port.elements:
+                yield port, element, element_name(*element)
+
+
+def _key_of(target: AttachmentShape) -> Key | None:
+    return target.key if isinstance(target, OwnPort | OwnChannel) else None
+
+
+def attached_key(attached: Attached) -> Key | None:
+    """The key of the enclosing process that a port is attached to; None for a default or ``_``."""
+    return _key_of(attached.target)

@@ -1,0 +1,47 @@
+"""Walks over the syntax of expressions and processes, without recursion on operator chains."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from cspdiag.diagnostics.record import field_names, is_record
+from cspdiag.syntax import ast
+
+_SKIPPED = frozenset({"span", "unit_span", "target_span", "composition_span", "doc"})
+
+
+def nodes(*roots: ast.Node | None) -> Iterator[ast.Node]:
+    """Every node below the roots, parents first, in text order."""
+    pending: list[object] = [root for root in reversed(roots) if root is not None]
+    while pending:
+        item = pending.pop()
+        if isinstance(item, tuple):
+            pending.extend(reversed(item))
+        elif isinstance(item, ast.Node):
+            yield item
+            pending.extend(getattr(item, name) for name in reversed(field_names(item)) if name not in _SKIPPED)
+        else:
+            assert not is_record(item), item
+
+
+def names(expressions: Iterable[ast.Node | None]) -> Iterator[ast.Name]:
+    """Every name used as a value in the expressions."""
+    for item in nodes(*expressions):
+        if isinstance(item, ast.Name):
+            yield item
+
+
+def declarations(block: Iterable[ast.Declaration]) -> Iterator[ast.Declaration]:
+    """Every declaration of a block, also inside ``for``."""
+    pending = list(reversed(list(block)))
+    while pending:
+        item = pending.pop()
+        yield item
+        if isinstance(item, ast.RepeatedDeclarations):
+            pending.extend(reversed(item.declarations))
+
+
+def declared_in(definition: ast.ProcessDefinition) -> Iterator[ast.Declaration]:
+    """Every declaration of a process."""
+    if definition.communication is not None:
+        yield from declarations(definition.communication.declarations)

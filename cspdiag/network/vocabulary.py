@@ -1,0 +1,83 @@
+"""What the text names and a network uses: constants, enums, structs and exceptions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from cspdiag.diagnostics.record import field_names, is_record
+from cspdiag.diagnostics.span import Span
+from cspdiag.model.program import Program
+from cspdiag.model.types import UNKNOWN, EnumType, StructType
+from cspdiag.network.expressions import LiteralValue
+from cspdiag.network.ir import NamedConstant
+from cspdiag.syntax import ast
+
+
+class Vocabulary:
+    """Everything with a name of its own that occurs in the given parts of a network."""
+
+    def __init__(self, program: Program, parts: Iterable[object]) -> None:
+        self.program = program
+        self._constants: set[str] = set()
+        self._types: dict[EnumType | StructType, None] = {}
+        self._look(parts)
+
+    def constants(self) -> tuple[NamedConstant, ...]:
+        """The constants of the text that an expression uses, in text order."""
+        found = []
+        for definition in self.program.definitions.values():
+            if isinstance(definition, ast.Constant) and definition.name.text in self._constants:
+                value = self.program.constants.get(definition)
+                if value is not None:
+                    found.append(
+                        NamedConstant(
+                            name=definition.name.text,
+                            doc=definition.doc,
+                            span=definition.name.span,
+                            type=self.program.types.get(definition, UNKNOWN),
+                            value=value,
+                        )
+                    )
+        return tuple(found)
+
+    def enums(self) -> tuple[EnumType, ...]:
+        """The enums that occur."""
+        return tuple(kind for kind in self._types if isinstance(kind, EnumType))
+
+    def structs(self) -> tuple[StructType, ...]:
+        """The structs that occur, each after those of its fields."""
+        order: dict[StructType, None] = {}
+
+        def add(kind: StructType) -> None:
+            for _, inner in kind.fields:
+                if isinstance(inner, StructType):
+                    add(inner)
+            order[kind] = None
+
+        for kind in self._types:
+            if isinstance(kind, StructType):
+                add(kind)
+        return tuple(order)
+
+    def exceptions(self) -> tuple[str, ...]:
+        """The exceptions that the text declares, in text order."""
+        definitions = self.program.definitions.values()
+        return tuple(d.name.text for d in definitions if isinstance(d, ast.ExceptionDefinition))
+
+    def _look(self, parts: Iterable[object]) -> None:
+        pending: list[object] = list(parts)
+        pending.reverse()
+        met: set[int] = set()
+        while pending:
+            item = pending.pop()
+            if isinstance(item, tuple):
+                pending.extend(reversed(item))
+            elif isinstance(item, Span) or not is_record(item) or id(item) in met:
+                continue
+            else:
+                met.add(id(item))
+                if isinstance(item, LiteralValue) and item.name is not None:
+                    self._constants.add(item.name)
+                elif isinstance(item, EnumType | StructType):
+                    self._types[item] = None
+                pending.extend(getattr(item, name) for name in reversed(field_names(item)))
