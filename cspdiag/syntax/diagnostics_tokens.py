@@ -5,6 +5,23 @@ from __future__ import annotations
 from cspdiag.diagnostics import Diagnostic
 from cspdiag.diagnostics.record import record
 
+_TIMES = {
+    "sec": "s",
+    "seconds": "s",
+    "second": "s",
+    "msec": "ms",
+    "millis": "ms",
+    "usec": "us",
+    "nsec": "ns",
+    "minute": "min",
+    "minutes": "min",
+    "hz": "Hz",
+    "khz": "kHz",
+    "KHz": "kHz",
+    "mhz": "MHz",
+}
+"""Other spellings of the units of durations and frequencies."""
+
 
 @record
 class UnknownCharacter(Diagnostic):
@@ -34,7 +51,7 @@ class UnknownCharacter(Diagnostic):
     @property
     def message(self) -> str:
         shown = self.character if self.character.isprintable() else f"U+{ord(self.character):04X}"
-        return f"the character `{shown}` has no meaning here"
+        return f"`{shown}` has no meaning in the language"
 
     @property
     def help(self) -> str | None:
@@ -336,4 +353,6 @@ class MissingUnitBrackets(Diagnostic):
 
     @property
     def help(self) -> str | None:
+        if self.unit in _TIMES:
+            return f"write `{self.number} {_TIMES[self.unit]}`"
         return f"write `{self.number}<{self.unit.replace(' ', '')}>`"

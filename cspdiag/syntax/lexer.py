@@ -21,12 +21,13 @@ WORDS_OF_THEIR_PLACE = frozenset(
 
 _LOOKALIKES = dict(
     zip(
-        "→⟶≤≥≠∥‖□≔−–×·÷μ∧∨¬",  # noqa: RUF001
-        ["->", "->", "<=", ">=", "!=", "||", "||", "[]", ":=", "-", "-", "*", "*", "/", "mu", "and", "or", "not"],
+        "→⟶≤≥≠∥‖□≔−–×·÷∧∨¬",  # noqa: RUF001
+        ["->", "->", "<=", ">=", "!=", "||", "||", "[]", ":=", "-", "-", "*", "*", "/", "and", "or", "not"],
         strict=True,
     )
 )
-"""Characters of papers and word processors, with what they stand for."""
+_LOOKALIKES["&&"] = "and"
+"""Characters of papers, word processors and other languages, with what they stand for."""
 
 
 _NEXT_CHARACTER = re.compile(r"\s*(\S)")
@@ -56,7 +57,7 @@ class Scanner:
         alternatives += [f"(?P<{terminal}>{pattern})" for terminal, pattern in patterns.items()]
         alternatives += [r'(?P<OPEN_STRING>"[^"\n]*)', r"(?P<OPEN_COMMENT>/\*[\s\S]*)"]
         alternatives.append("(?P<PUNCTUATION>" + "|".join(map(re.escape, punctuation)) + ")")
-        alternatives.append(f"(?P<LOOKALIKE>[{''.join(_LOOKALIKES)}])")
+        alternatives.append(f"(?P<LOOKALIKE>{'|'.join(_LOOKALIKES)})")
         alternatives.append(r"(?P<UNKNOWN>[^ \t\r\n\f])")
         self.token = re.compile(r"[ \t\r\n\f]*(?:" + "|".join(alternatives) + ")")
 
@@ -166,7 +167,9 @@ class Lexer:
 
     def _pass_unknown(self, match: re.Match[str]) -> re.Match[str] | None:
         start, end = match.span("UNKNOWN")
-        self._tell(UnknownCharacter(Span(self._source, start, end), self._text[start], None))
+        character = self._text[start]
+        instead = "us" if character in "\N{MICRO SIGN}\N{GREEK SMALL LETTER MU}" else None
+        self._tell(UnknownCharacter(Span(self._source, start, end), character, instead))
         return self._match(self._text, end)
 
     def _pass_comments(self, match: re.Match[str]) -> re.Match[str] | None:

@@ -14,7 +14,7 @@ _DEFINITIONS = frozenset(
 )
 """The keywords that begin a definition."""
 
-_DECLARATIONS = frozenset(
+_PARTS = frozenset(
     ["IN", "OUT", "COMMUNICATION", "COMPOSITION", "VAR", "CHANNEL", "FOR", "LET", "STATE", "NEXT", "DER"]
 )
 """The keywords that begin a part of a definition."""
@@ -28,7 +28,6 @@ def skip(automaton: Automaton, states: list[int], lexer: Lexer) -> int:
 
     That is a definition, a declaration or equation that begins on a line of its own, the end of the block, or the end of the text.
     """
-    inside_brackets = not lexer.first_on_line()
     depth = 0
     while lexer.kind != END:
         if begins_definition(lexer):
@@ -41,11 +40,10 @@ def skip(automaton: Automaton, states: list[int], lexer: Lexer) -> int:
             height = _after_block(automaton, states, lexer)
             if height is not None:
                 return height
-        elif depth == 0 and _begins_declaration(lexer, inside_brackets):
+        elif depth == 0 and _begins_declaration(lexer):
             height = _restart(automaton, states, lexer.kind)
             if height is not None:
                 return height
-        inside_brackets = inside_brackets and not lexer.first_on_line()
         lexer.advance({})
     return _bottom(automaton, states)
 
@@ -58,17 +56,23 @@ def begins_definition(lexer: Lexer) -> bool:
     return following.isalpha() or following == "_" or (lexer.kind == "IMPORT" and following == '"')
 
 
+def begins_part(lexer: Lexer) -> bool:
+    """Whether the keyword of a port, a block, a declaration or an equation stands first on its line, with what must follow."""
+    if lexer.kind not in _PARTS or not lexer.first_on_line():
+        return False
+    following = lexer.next_character()
+    return following.isalpha() or following in {"_", "{"}
+
+
 def _bottom(automaton: Automaton, states: list[int]) -> int:
     """Everything but the definitions that are complete."""
     return 2 if len(states) > 1 and automaton.restartable(states[1]) else 1
 
 
-def _begins_declaration(lexer: Lexer, inside_brackets: bool) -> bool:
-    if not lexer.first_on_line():
-        return False
-    if lexer.kind in _DECLARATIONS:
+def _begins_declaration(lexer: Lexer) -> bool:
+    if begins_part(lexer):
         return True
-    return lexer.kind == "NAME" and lexer.next_character() in _AFTER_FIRST_NAME
+    return lexer.kind == "NAME" and lexer.first_on_line() and lexer.next_character() in _AFTER_FIRST_NAME
 
 
 def _restart(automaton: Automaton, states: list[int], terminal: str) -> int | None:

@@ -36,7 +36,20 @@ def explain(situation: Situation) -> Finding:
         finding = recognize(situation)
         if finding is not None:
             return finding
-    return UnexpectedText(situation.span, found_words(situation), expected_words(situation)), None
+    return UnexpectedText(situation.span, found_words(situation), expected_words(situation), _advice(situation)), None
+
+
+def _advice(situation: Situation) -> str | None:
+    """What was probably meant where nothing more certain can be said."""
+    if situation.kind == "NAME" and situation.can(":"):
+        return f"a type stands after a colon: `: {situation.text}`"
+    if situation.text == "<" and situation.can("UNIT"):
+        return "a unit stands in angle brackets, without spaces: `<rad/s>`"
+    if situation.can("=") and any(symbol == "STATE" for symbol, _ in situation.since_bracket()):
+        return "a state has an initial value: `state s : double = 0`"
+    if situation.kind == "NAME" and situation.lexer.before.kind == "NAME" and situation.can("("):
+        return f"a call has its arguments in parentheses: `{situation.lexer.before.text}({situation.text})`"
+    return None
 
 
 def _keyword_as_name(situation: Situation) -> Finding | None:

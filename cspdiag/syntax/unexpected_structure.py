@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from cspdiag.diagnostics.span import Span
+from cspdiag.syntax import recovery
 from cspdiag.syntax.diagnostics import ArrowWithoutEnd, ParenthesesNeeded, Unclosed, UnexpectedText, WrongPlace
 from cspdiag.syntax.expected import found_words
 from cspdiag.syntax.recovery import begins_definition
@@ -32,9 +33,7 @@ _PARTS = {
 
 def begins_part(situation: Situation) -> bool:
     """Whether the token is the keyword of a part of a definition, or of a definition, on a line of its own."""
-    if begins_definition(situation.lexer):
-        return True
-    return situation.kind in _PARTS and situation.lexer.first_on_line() and situation.lexer.next_character() != ":"
+    return begins_definition(situation.lexer) or recovery.begins_part(situation.lexer)
 
 
 def separator(situation: Situation) -> Finding | None:
