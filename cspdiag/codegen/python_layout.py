@@ -6,9 +6,10 @@ the real formatter.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from cspdiag.codegen.python_code import (
+    CONDITIONAL,
     Atom,
     Call,
     Chain,
@@ -43,26 +44,57 @@ def statement(before: str, code: Code, after: str = "", indent: str = "", commen
 
 
 def _broken_statement(indent: str, before: str, code: Code, after: str) -> list[str]:
-    if isinstance(code, Chain | Conditional) or (isinstance(code, Prefix) and code.text != "await "):
+    if isinstance(code, Chain | Conditional | Prefix):
         if _splits_at_brackets(code):
             at_brackets = _broken(indent, before, code, after)
             if all(len(line) <= LINE_LENGTH for line in at_brackets):
                 return at_brackets
-        return [f"{indent}{before}(", *_inside(indent + INDENT, "", code, ""), f"{indent}){after}"]
+        if not _is_awaited_call(code):
+            return [f"{indent}{before}(", *_inside(indent + INDENT, "", code, ""), f"{indent}){after}"]
     if isinstance(code, Atom):
         wrapped = [f"{indent}{before}(", f"{indent}{INDENT}{code.text}", f"{indent}){after}"]
         return wrapped if len(wrapped[1]) <= LINE_LENGTH else [f"{indent}{before}{code.text}{after}"]
     return _broken(indent, before, code, after)
 
 
+def _is_awaited_call(code: Code) -> bool:
+    return isinstance(code, Prefix) and code.text == "await " and isinstance(code.operand, Call)
+
+
 def _splits_at_brackets(code: Code) -> bool:
-    """Whether a lone operator leaves it to the brackets of its operands to break."""
+    """Whether at most one loosest operator leaves it to the brackets at the ends to break, without parentheses around."""
+    operators = list(_operators(code))
+    if not operators:
+        return True
+    if min(operators) == CONDITIONAL or operators.count(min(operators)) > 1:
+        return False
+    return _has_brackets(_last(code)) or _has_brackets_first(code)
+
+
+def _operators(code: Code) -> Iterator[int]:
+    """The precedences of all operators outside brackets."""
     match code:
-        case Chain(rest=((_, last),)):
-            return _has_brackets(last) or _begins_with_brackets(code.first)
+        case Chain():
+            for operand in (code.first, *(operand for _, operand in code.rest)):
+                yield from _operators(operand)
+            yield from (code.precedence for _ in code.rest)
+        case Conditional():
+            yield code.precedence
+            for operand in (code.then, code.condition, code.otherwise):
+                yield from _operators(operand)
         case Prefix():
-            return _has_brackets(code.operand)
-    return False
+            yield from _operators(code.operand)
+
+
+def _last(code: Code) -> Code:
+    match code:
+        case Chain():
+            return _last(code.rest[-1][1])
+        case Conditional():
+            return _last(code.otherwise)
+        case Prefix():
+            return _last(code.operand)
+    return code
 
 
 def _has_brackets(code: Code) -> bool:
@@ -73,13 +105,16 @@ def _has_brackets(code: Code) -> bool:
             return bool(code.items)
         case Parenthesized() | Comprehension():
             return True
-        case Prefix():
-            return _has_brackets(code.operand)
     return False
 
 
-def _begins_with_brackets(code: Code) -> bool:
-    return isinstance(code, Parenthesized) or (isinstance(code, Items) and bool(code.items))
+def _has_brackets_first(code: Code) -> bool:
+    match code:
+        case Chain():
+            return _has_brackets_first(code.first)
+        case Items() | Parenthesized():
+            return _has_brackets(code)
+    return False
 
 
 def _inside(indent: str, before: str, code: Code, after: str) -> list[str]:
@@ -92,9 +127,21 @@ def _inside(indent: str, before: str, code: Code, after: str) -> list[str]:
             operands = [("", code.first), *((f"{operator} ", operand) for operator, operand in code.rest)]
             return _operands(indent, before, operands, after)
         case Conditional():
-            operands = [("", code.then), ("if ", code.condition), ("else ", code.otherwise)]
-            return _operands(indent, before, operands, after)
+            return _operands(indent, before, list(_alternatives(code)), after)
+        case Prefix():
+            return _inside(indent, before + code.text, code.operand, after)
     return _broken(indent, before, code, after)
+
+
+def _alternatives(code: Conditional) -> Iterator[tuple[str, Code]]:
+    """The parts of a conditional; those that follow ``else`` without parentheses stand on the same level."""
+    start = ""
+    rest: Code = code
+    while isinstance(rest, Conditional):
+        yield start, rest.then
+        yield "if ", rest.condition
+        start, rest = "else ", rest.otherwise
+    yield start, rest
 
 
 def _operands(indent: str, before: str, operands: Sequence[tuple[str, Code]], after: str) -> list[str]:
@@ -110,14 +157,10 @@ def _broken(indent: str, before: str, code: Code, after: str) -> list[str]:
     """The lines of an expression broken at its own brackets."""
     deeper = indent + INDENT
     match code:
-        case Atom() | Entry():
-            return [f"{indent}{before}{code.flat}{after}"]
-        case Call(arguments=()):
+        case Atom() | Entry() | Call(arguments=()) | Items(items=()):
             return [f"{indent}{before}{code.flat}{after}"]
         case Call():
             return [f"{indent}{before}{code.function}(", *_arguments(deeper, code), f"{indent}){after}"]
-        case Items(items=()):
-            return [f"{indent}{before}{code.flat}{after}"]
         case Items():
             items = [line for item in code.items for line in _item(deeper, item)]
             return [f"{indent}{before}{code.brackets[0]}", *items, f"{indent}{code.brackets[1]}{after}"]
@@ -131,15 +174,48 @@ def _broken(indent: str, before: str, code: Code, after: str) -> list[str]:
         case Prefix():
             return _broken(indent, before + code.text, code.operand, after)
         case Chain():
-            head = "".join(f"{operand.flat} {operator} " for operand, operator in _but_last(code))
-            return _broken(indent, before + head, code.rest[-1][1], after)
+            return _flow(indent, before, list(_leaves(code, "")), after)
         case Conditional():
             return _inside(indent, before, code, after)
 
 
-def _but_last(code: Chain) -> list[tuple[Code, str]]:
-    operands = [code.first, *(operand for _, operand in code.rest)]
-    return [(operand, operator) for operand, (operator, _) in zip(operands, code.rest, strict=False)]
+def _leaves(code: Code, before: str) -> Iterator[tuple[str, Code]]:
+    """What an expression has outside brackets: operands, each with the operators before it."""
+    match code:
+        case Chain():
+            yield from _leaves(code.first, before)
+            for operator, operand in code.rest:
+                yield from _leaves(operand, f" {operator} ")
+        case Prefix():
+            yield from _leaves(code.operand, before + code.text)
+        case _:
+            yield before, code
+
+
+def _flow(indent: str, before: str, leaves: Sequence[tuple[str, Code]], after: str) -> list[str]:
+    """Operands one behind the other; each stays flat if the line then reaches the next bracket, the last of them breaks."""
+    lines: list[str] = []
+    line = before
+    for position, (operator, leaf) in enumerate(leaves):
+        line += operator
+        following = leaves[position + 1 :]
+        if not _has_brackets(leaf) or _reaches(f"{indent}{line}{leaf.flat}", following, after):
+            line += leaf.flat
+            continue
+        broken = _broken(indent, line, leaf, "")
+        lines += broken[:-1]
+        line = broken[-1].removeprefix(indent)
+    return [*lines, f"{indent}{line}{after}"]
+
+
+def _reaches(line: str, leaves: Sequence[tuple[str, Code]], after: str) -> bool:
+    """Whether a line has room for what follows up to the next opening bracket, or for all of it."""
+    for operator, leaf in leaves:
+        if _has_brackets(leaf):
+            opening = leaf.function if isinstance(leaf, Call) else ""
+            return len(line) + len(operator) + len(opening) + 1 <= LINE_LENGTH
+        line += operator + leaf.flat
+    return len(line) + len(after) <= LINE_LENGTH
 
 
 def _item(indent: str, item: Code) -> list[str]:
