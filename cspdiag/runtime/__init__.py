@@ -1,1 +1,141 @@
-"""cspdiag.runtime"""
+"""A runtime for communicating sequential processes.
+
+Processes communicate over channels by rendezvous, choose between communications with alternatives, and run in sequence, in parallel and
+in prioritized parallel, in virtual or in real time. Needs nothing but the standard library.
+"""
+
+from __future__ import annotations
+
+from .alternative import Alternative
+from .any_channel import AnyChannel
+from .arithmetic import (
+    atan2,
+    ceil,
+    cos,
+    deadzone,
+    element,
+    exp,
+    float32,
+    floor,
+    int8,
+    int16,
+    int32,
+    int64,
+    limit,
+    log,
+    nearest,
+    power,
+    quantize,
+    quotient,
+    remainder,
+    replaced,
+    sign,
+    sin,
+    sqrt,
+    tan,
+    uint8,
+    uint16,
+    uint32,
+)
+from .broadcast import Broadcast
+from .buffers import Buffer, Overwriting
+from .channel import Channel
+from .choice import After, Input, Output, Ready, Skip
+from .composition import group, parallel, prioritized_parallel, stop, wait
+from .deadlock import DeadlockReport, WaitingProcess
+from .drivers import DevicePort, Driver, Signal
+from .durations import ms, nanoseconds, ns, s, seconds, us
+from .exceptions import Cancelled, ChannelMisuse, Deadlock, DriverError, Fault, ProcessError, Timeout
+from .external import EventInput, EventOutput, SampledInput, SampledOutput
+from .instants import Environment
+from .interrupt import interrupt
+from .network import Network
+from .observer import Observer
+from .outcome import Jitter, Outcome
+from .ports import In, Out
+from .process import Process, Submodel
+from .together import read_all, write_all
+from .variable import Constant, Discard, Variable
+
+__all__ = [
+    "After",
+    "Alternative",
+    "AnyChannel",
+    "Broadcast",
+    "Buffer",
+    "Cancelled",
+    "Channel",
+    "ChannelMisuse",
+    "Constant",
+    "Deadlock",
+    "DeadlockReport",
+    "DevicePort",
+    "Discard",
+    "Driver",
+    "DriverError",
+    "Environment",
+    "EventInput",
+    "EventOutput",
+    "Fault",
+    "In",
+    "Input",
+    "Jitter",
+    "Network",
+    "Observer",
+    "Out",
+    "Outcome",
+    "Output",
+    "Overwriting",
+    "Process",
+    "ProcessError",
+    "Ready",
+    "SampledInput",
+    "SampledOutput",
+    "Signal",
+    "Skip",
+    "Submodel",
+    "Timeout",
+    "Variable",
+    "WaitingProcess",
+    "atan2",
+    "ceil",
+    "cos",
+    "deadzone",
+    "element",
+    "exp",
+    "float32",
+    "floor",
+    "group",
+    "int8",
+    "int16",
+    "int32",
+    "int64",
+    "interrupt",
+    "limit",
+    "log",
+    "ms",
+    "nanoseconds",
+    "nearest",
+    "ns",
+    "parallel",
+    "power",
+    "prioritized_parallel",
+    "quantize",
+    "quotient",
+    "read_all",
+    "remainder",
+    "replaced",
+    "s",
+    "seconds",
+    "sign",
+    "sin",
+    "sqrt",
+    "stop",
+    "tan",
+    "uint8",
+    "uint16",
+    "uint32",
+    "us",
+    "wait",
+    "write_all",
+]

@@ -1,0 +1,212 @@
+"""Composition: parallel, prioritized parallel, groups, delays.
+
+Invariants of a parallel: its branches enter the ready queue in text order; the parent is readied when the last branch has ended, and not
+before, whatever happened; the first exception of a branch cancels the other branches and is what the parallel raises.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Coroutine, Generator
+from contextlib import suppress
+from inspect import iscoroutine
+from types import coroutine
+from typing import Any, TypeVar
+
+from .exceptions import Cancelled
+from .process import Process
+from .scheduler import Party, Priority, Task, scheduler
+
+T = TypeVar("T")
+
+
+class Branches:
+    """The branches of a parallel, and the parent that waits for their end.
+
+    ``cancelled`` tells whether a branch was ended by a cancellation.
+    """
+
+    __slots__ = ("_abandoned", "_error", "_parent", "cancelled", "pending", "tasks")
+
+    def __init__(self, parent: Task) -> None:
+        self.tasks: list[Task] = []
+        self._parent = parent
+        self.pending = 0
+        self._error: BaseException | None = None
+        self._abandoned = False
+        self.cancelled = False
+
+    def start(self, bodies: tuple[Awaitable[object], ...], priorities: list[Priority]) -> None:
+        """Makes the branches and puts them into the ready queue."""
+        parent = self._parent
+        self.tasks = [Task(as_coroutine(body), self, parent.process) for body in bodies]
+        self.pending = len(self.tasks)
+        for task, priority in zip(self.tasks, priorities, strict=True):
+            scheduler.set_priority(task, priority)
+        for task in self.tasks:
+            scheduler.enqueue(task)
+
+    def wait(self) -> Generator[None, None, None]:
+        """Waits for all; raises what the first unsuccessful one raised."""
+        if not self.pending:
+            return
+        self._parent.waiting = self
+        yield
+        if self._abandoned:
+            raise Cancelled
+        if self._error is not None:
+            raise self._error
+
+    def branch_ended(self, branch: Task, error: BaseException | None) -> None:
+        """See ``Join.branch_ended``."""
+        self.pending -= 1
+        if isinstance(error, Cancelled):
+            self.cancelled = True
+        elif error is not None:
+            if self._error is None:
+                self._error = error
+                for task in self.tasks:
+                    if task is not branch:
+                        task.cancel()
+            else:
+                self._error.add_note(f"another parallel branch ended with {type(error).__name__}: {error}")
+        if not self.pending:
+            scheduler.enqueue(self._parent)
+
+    def withdraw(self, party: Party) -> bool:
+        """Cancels the branches. Always False: the last branch that ends readies the parent."""
+        if self.pending:
+            self._abandoned = True
+            for task in self.tasks:
+                task.cancel()
+        return False
+
+    def waits_for(self, party: Party) -> str:
+        """See ``Waiting.waits_for``."""
+        return "for its parallel branches to end"
+
+
+def end_all(task: Task) -> None:
+    """Closes the coroutines of a task and of all below it, innermost first, when a run is over."""
+    if isinstance(task.waiting, Branches) and not task.ended:
+        for branch in task.waiting.tasks:
+            end_all(branch)
+    task.ended = True
+    # Code that goes on communicating in a ``finally`` makes close() raise; nothing is left to communicate with.
+    with suppress(Exception, Cancelled):
+        task.coroutine.close()
+
+
+async def _awaited(body: Awaitable[T]) -> T:
+    return await body
+
+
+def as_coroutine(body: Awaitable[T]) -> Coroutine[Any, Any, T]:
+    """What a task can execute."""
+    if iscoroutine(body):
+        return body
+    if isinstance(body, Process):
+        return body.execute()
+    return _awaited(body)
+
+
+@coroutine
+def parallel(*bodies: Awaitable[object]) -> Generator[None, None, None]:
+    """Runs processes or coroutines at the same time; ends when all have ended.
+
+    If one raises an exception, the others are cancelled at their next communication, and it is raised here when they have
+    ended; exceptions of those are added to it as notes.
+    """
+    task = _parent_of(bodies)
+    branches = Branches(task)
+    branches.start(bodies, [task.priority] * len(bodies))
+    yield from branches.wait()
+
+
+@coroutine
+def prioritized_parallel(*bodies: Awaitable[object]) -> Generator[None, None, None]:
+    """As ``parallel``; each branch has a higher priority than those after it.
+
+    The first keeps the priority of the parent. A branch of rank r comes after all branches of lower rank, and their inner branches, and
+    before those of higher rank.
+    """
+    task = _parent_of(bodies)
+    branches = Branches(task)
+    branches.start(bodies, [(*task.priority, rank) for rank in range(len(bodies))])
+    yield from branches.wait()
+
+
+def _parent_of(bodies: tuple[Awaitable[object], ...]) -> Task:
+    task = scheduler.current
+    if task.cancelled:
+        for body in bodies:
+            if iscoroutine(body):
+                body.close()
+        raise Cancelled
+    return task
+
+
+async def group(label: str, body: Awaitable[T]) -> T:
+    """Runs ``body`` under a label, for traces and progress."""
+    watcher = scheduler.watcher
+    if watcher is None:
+        return await body
+    process = scheduler.current.process
+    path = label if process is None else f"{process.name}.{label}"
+    watcher.group_started(scheduler.now, path)
+    try:
+        return await body
+    finally:
+        watcher.group_ended(scheduler.now, path)
+
+
+class _Delay:
+    """A task that waits for an instant."""
+
+    __slots__ = ("_instant", "_task")
+
+    def __init__(self, task: Task, instant: int) -> None:
+        self._task = task
+        self._instant = instant
+
+    def due(self) -> None:
+        scheduler.enqueue(self._task)
+
+    def withdraw(self, party: Party) -> bool:
+        return scheduler.timers.stop(self._instant, self)
+
+    def waits_for(self, party: Party) -> str:
+        return "for a delay to pass"
+
+
+@coroutine
+def wait(duration: int) -> Generator[None, None, None]:
+    """A delay in nanoseconds; none or a negative one ends at once."""
+    task = scheduler.current
+    if task.cancelled:
+        raise Cancelled
+    if duration > 0:
+        instant = scheduler.now + duration
+        delay = _Delay(task, instant)
+        scheduler.timers.begin(instant, delay)
+        task.waiting = delay
+        yield
+
+
+class _Stop:
+    """Waits for nothing."""
+
+    def withdraw(self, party: Party) -> bool:
+        return True
+
+    def waits_for(self, party: Party) -> str:
+        return "for ever, at stop"
+
+
+@coroutine
+def stop() -> Generator[None, None, None]:
+    """Never ends."""
+    task = scheduler.current
+    if task.cancelled:
+        raise Cancelled
+    task.waiting = _Stop()
+    yield

@@ -1,0 +1,29 @@
+"""Durations: integer nanoseconds, written as ``5 * ms``."""
+
+from __future__ import annotations
+
+from typing import Final
+
+ns: Final = 1
+us: Final = 1_000
+ms: Final = 1_000_000
+s: Final = 1_000_000_000
+
+
+def seconds(duration: int) -> float:
+    """A duration in nanoseconds as seconds."""
+    return duration / 1e9
+
+
+def nanoseconds(duration: float) -> int:
+    """A duration in seconds as whole nanoseconds, halves away from zero."""
+    scaled = duration * 1e9
+    return int(scaled + 0.5) if scaled >= 0 else -int(0.5 - scaled)
+
+
+def shown(duration: int) -> str:
+    """A duration for people: ``1.5 ms``."""
+    for unit, name in ((s, "s"), (ms, "ms"), (us, "us")):
+        if abs(duration) >= unit:
+            return f"{duration / unit:.9g} {name}"
+    return f"{duration} ns" if duration else "0 s"

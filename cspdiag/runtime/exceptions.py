@@ -1,0 +1,57 @@
+"""Exceptions of CSP programs.
+
+A process that ends unsuccessfully raises a ``ProcessError``: its siblings in a parallel are cancelled at their next
+communication, and then the exception goes up, until a ``try`` catches it or the program ends.
+"""
+
+from __future__ import annotations
+
+
+class ProcessError(Exception):
+    """A process ended unsuccessfully; base class of the exceptions that a program declares."""
+
+
+class Timeout(ProcessError):  # noqa: N818 - the name that the language gives it
+    """A sample was overwritten before it had been taken: a missed deadline."""
+
+
+class Fault(ProcessError):  # noqa: N818 - the name that the language gives it
+    """Something that no correct program does: overflow, division by zero, a NaN written to an actuator.
+
+    ``place`` names the process in which it happened and the source line of that process; it is filled in
+    when the exception leaves the innermost process.
+    """
+
+    def __init__(self, message: str, place: str | None = None) -> None:
+        super().__init__(message)
+        self.message = message
+        self.place = place
+
+    def __str__(self) -> str:
+        return self.message if self.place is None else f"{self.message}, in {self.place}"
+
+
+class DriverError(Exception):
+    """A driver failed at ``open``, ``read``, ``write`` or ``close``; the run ends with its outputs released."""
+
+    def __init__(self, driver: str, port: str, operation: str, cause: BaseException) -> None:
+        super().__init__(f"driver {driver} failed to {operation} at port {port}: {type(cause).__name__}: {cause}")
+        self.driver = driver
+        self.port = port
+        self.operation = operation
+
+
+class ChannelMisuse(Exception):  # noqa: N818 - it says what was done
+    """Two processes read, or two write, a channel at the same time that allows one."""
+
+
+class Deadlock(Exception):  # noqa: N818 - the field's term
+    """No process can ever go on; raised by ``Outcome.raise_if_unsuccessful``."""
+
+
+class Cancelled(BaseException):
+    """Ends a process at its next communication, because a sibling failed or an interrupt came.
+
+    Not an ``Exception``, so that no handler for errors catches it. A process that catches it all the same gets it
+    again at the communication after that.
+    """

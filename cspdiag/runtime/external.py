@@ -1,0 +1,373 @@
+"""Ports of the outermost process: where a program meets its environment.
+
+A *sampled* port communicates at the instants k·period. Every process that reads a sampled input has an end of its own, with a session that begins when it
+first waits for a sample and lasts until the process ends; within it, each sample must be taken before the next one comes. A sampled output is
+a one-place latch that is handed to the driver at the tick. An *event* input keeps the latest value offered until it is read.
+
+A value from outside communicates when a reader takes it, a latched output when it is handed over, any other output when it is written.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any, Generic, Literal, TypeAlias
+
+from .drivers import NO_SAMPLE, Driver, read_from, write_to
+from .exceptions import ChannelMisuse, Fault, Timeout
+from .ports import In, Out, T
+from .scheduler import Party, scheduler
+from .selector import Selector, Watchers, lower_bits, raise_bits, without
+
+if TYPE_CHECKING:
+    from .choice import Choice
+    from .process import Process
+
+
+class _LatchedEnd(In[T]):
+    """An end that keeps the latest value until it is taken: *fresh* until then."""
+
+    __slots__ = ("_fresh", "_inputs", "_value", "name")
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        self._fresh = False
+        self._value: Any = None
+        self._inputs: Watchers = ()
+
+    def take(self) -> T:
+        """See ``In.take``."""
+        return self._taken(scheduler.current)
+
+    def _taken(self, reader: Party) -> T:
+        self._fresh = False
+        lower_bits(self._inputs)
+        if scheduler.observe is not None:
+            scheduler.observe(self.name, self._value, None, reader)
+        return self._value  # type: ignore[no-any-return]
+
+    def watch_input(self, selector: Selector, bit: int) -> None:
+        """See ``In.watch_input``."""
+        self._inputs = (*self._inputs, (selector, bit))
+        if self._fresh:
+            selector.ready |= bit
+
+    def unwatch_input(self, selector: Selector) -> None:
+        """See ``In.unwatch_input``."""
+        self._inputs = without(self._inputs, selector)
+
+    def _alternative_waits(self) -> bool:
+        return any(selector.armed & bit for selector, bit in self._inputs)
+
+
+class SampledEnd(_LatchedEnd[T]):
+    """The end of one reader of a sampled input."""
+
+    __slots__ = ("_begun", "_overdue", "_port", "_reader")
+
+    def __init__(self, port: SampledInput[T]) -> None:
+        super().__init__(port.name)
+        self._port = port
+        self._begun = False
+        self._overdue = False
+        self._reader: Party | None = None
+
+    @property
+    def awaited(self) -> bool:
+        """Whether somebody waits for the next sample."""
+        return self._reader is not None or self._alternative_waits()
+
+    def sample(self, value: T) -> None:
+        """The tick: a new sample."""
+        if not self._begun:
+            return
+        if self._fresh:
+            self._port.missed += 1
+            self._overdue = self._port.on_miss == "timeout"
+        self._value = value
+        self._fresh = True
+        if self._reader is not None:
+            scheduler.enqueue(self._reader)
+            self._reader = None
+        raise_bits(self._inputs)
+
+    def request(self, party: Party) -> bool:
+        """See ``In.request``. Raises Timeout if a sample was overwritten since the last read."""
+        if self._fresh:
+            party.received = self._taken(party)
+            return True
+        if self._reader is not None:
+            raise ChannelMisuse(f"one end of {self.name} is read by two processes at the same time")
+        self._reader = party
+        self._begin()
+        return False
+
+    def collect(self, party: Party) -> bool:
+        """See ``In.collect``."""
+        return self.request(party)
+
+    def _taken(self, reader: Party) -> T:
+        if self._overdue:
+            self._overdue = False
+            raise Timeout(f"a sample of {self.name} was overwritten before it had been taken")
+        return super()._taken(reader)
+
+    def _begin(self) -> None:
+        if not self._begun:
+            self._begun = True
+            for selector, bit in self._inputs:
+                selector.attend &= ~bit
+
+    def close(self) -> None:
+        """The session is over: the next read waits for the next tick again."""
+        self._begun = self._fresh = self._overdue = False
+        for selector, bit in self._inputs:
+            selector.attend |= bit
+            selector.ready &= ~bit
+
+    def withdraw(self, party: Party) -> bool:
+        """See ``In.withdraw``."""
+        if self._reader is not party:
+            return False
+        self._reader = None
+        return True
+
+    def watch_input(self, selector: Selector, bit: int) -> None:
+        """See ``In.watch_input``."""
+        super().watch_input(selector, bit)
+        if not self._begun:
+            selector.attend |= bit
+
+    def enroll_input(self, choice: Choice, index: int) -> None:
+        """An alternative waits for the first sample: the session begins."""
+        self._begin()
+
+
+class SampledInput(In[T]):
+    """A sampled input of the outermost process; ``missed`` counts samples that were overwritten untaken."""
+
+    __slots__ = ("driver", "ends", "line", "missed", "name", "on_miss", "period")
+
+    def __init__(self, name: str, *, period: int, driver: Driver | None = None) -> None:
+        self.name = name
+        self.period = period
+        self.driver = driver
+        self.line: Any = driver
+        self.ends: list[SampledEnd[T]] = []
+        self.missed = 0
+        self.on_miss: Literal["timeout", "count"] = "timeout"
+
+    def reader(self, owner: Process | None = None) -> SampledEnd[T]:
+        """The end of a process, whose session lasts until the process ends."""
+        end: SampledEnd[T] = SampledEnd(self)
+        self.ends.append(end)
+        return end if owner is None else owner.owns(end)
+
+    def sample(self) -> None:
+        """The tick: takes the new sample for all readers."""
+        if self.line is None:
+            return
+        value = read_from(self.line, self.name)
+        if value is NO_SAMPLE:
+            return
+        for end in self.ends:
+            end.sample(value)
+
+    @property
+    def awaited(self) -> bool:
+        """Whether a reader waits for the next sample."""
+        return self.driver is not None and any(end.awaited for end in self.ends)
+
+
+class EventEnd(_LatchedEnd[T]):
+    """A latch of an event input."""
+
+    __slots__ = ("_readers",)
+
+    def __init__(self, name: str) -> None:
+        super().__init__(name)
+        self._readers: deque[Party] = deque()
+
+    @property
+    def awaited(self) -> bool:
+        """Whether somebody waits for an event."""
+        return bool(self._readers) or self._alternative_waits()
+
+    def occur(self, value: T) -> None:
+        """The environment offers a new value."""
+        self._value = value
+        self._fresh = True
+        if self._readers:
+            scheduler.enqueue(self._readers.popleft())
+        raise_bits(self._inputs)
+
+    def request(self, party: Party) -> bool:
+        """See ``In.request``."""
+        if self._fresh:
+            party.received = self._taken(party)
+            return True
+        self._readers.append(party)
+        return False
+
+    def collect(self, party: Party) -> bool:
+        """See ``In.collect``."""
+        if self._fresh:
+            party.received = self._taken(party)
+            return True
+        self._readers.appendleft(party)
+        return False
+
+    def withdraw(self, party: Party) -> bool:
+        """See ``In.withdraw``."""
+        if party not in self._readers:
+            return False
+        self._readers.remove(party)
+        return True
+
+
+class EventInput(In[T]):
+    """An event input of the outermost process.
+
+    With ``kind="broadcast"`` every reading end has a latch of its own; otherwise all readers share one, and a value goes to one of them.
+    """
+
+    __slots__ = ("_last", "driver", "ends", "kind", "line", "name", "polled")
+
+    def __init__(
+        self, name: str, *, driver: Driver | None = None, kind: Literal["sync", "any", "broadcast"] = "sync"
+    ) -> None:
+        self.name = name
+        self.driver = driver
+        self.line: Any = driver
+        self.polled = driver is not None
+        self.kind = kind
+        self.ends: list[EventEnd[T]] = []
+        self._last: Any = None
+
+    def reader(self, owner: Process | None = None) -> EventEnd[T]:
+        """The end of a process."""
+        if not self.ends or self.kind == "broadcast":
+            self.ends.append(EventEnd(self.name))
+        return self.ends[-1]
+
+    def start(self) -> None:
+        """The value at the beginning is no event."""
+        self._last = read_from(self.line, self.name)
+
+    def poll(self) -> None:
+        """A grid instant: offers the value if it has changed."""
+        value = read_from(self.line, self.name)
+        if value != self._last:
+            self._last = value
+            self.occur(value)
+
+    def occur(self, value: T) -> None:
+        """The environment offers a new value."""
+        for end in self.ends:
+            end.occur(value)
+
+    @property
+    def awaited(self) -> bool:
+        """Whether a reader waits for an event."""
+        return self.driver is not None and any(end.awaited for end in self.ends)
+
+
+class _ExternalOutput(Out[T]):
+    """An output of the outermost process; any number of processes may write it, one after the other."""
+
+    __slots__ = ("driver", "line", "name", "safe")
+
+    def __init__(self, name: str, driver: Driver | None, safe: T | None) -> None:
+        self.name = name
+        self.driver = driver
+        self.line: Any = driver
+        self.safe = safe
+
+    def _hand_over(self, value: T, writer: Party | None) -> None:
+        if self.line is not None:
+            write_to(self.line, self.name, value)
+        if scheduler.observe is not None:
+            scheduler.observe(self.name, value, writer, None)
+
+    def withdraw(self, party: Party) -> bool:
+        """See ``Out.withdraw``: nobody waits here."""
+        return False
+
+    def watch_output(self, selector: Selector, bit: int) -> None:
+        """See ``Out.watch_output``: always ready."""
+        selector.ready |= bit
+
+    def unwatch_output(self, selector: Selector) -> None:
+        """See ``Out.unwatch_output``."""
+
+
+class SampledOutput(_ExternalOutput[T], Generic[T]):
+    """A sampled output: the last value written in a period is handed over at its tick, or at once if ``immediate``."""
+
+    __slots__ = ("_latched", "_writer", "immediate", "period", "written")
+
+    def __init__(
+        self,
+        name: str,
+        *,
+        period: int,
+        driver: Driver | None = None,
+        safe: T | None = None,
+        immediate: bool = False,
+    ) -> None:
+        super().__init__(name, driver, safe)
+        self.period = period
+        self.immediate = immediate
+        self.written = False
+        self._latched: Any = None
+        self._writer: Party | None = None
+
+    def offer(self, party: Party, value: T, /) -> bool:
+        """See ``Out.offer``. Raises Fault for a NaN or an infinity."""
+        _require_finite(self.name, value)
+        if self.immediate:
+            self._hand_over(value, party)
+        else:
+            self._latched = value
+            self._writer = party
+            self.written = True
+        return True
+
+    def tick(self) -> None:
+        """Hands over what was written since the last tick."""
+        if self.written:
+            self.written = False
+            self._hand_over(self._latched, self._writer)
+
+
+class EventOutput(_ExternalOutput[T], Generic[T]):
+    """An event output: every value goes to the driver at once."""
+
+    __slots__ = ()
+
+    def __init__(self, name: str, *, driver: Driver | None = None, safe: T | None = None) -> None:
+        super().__init__(name, driver, safe)
+
+    def offer(self, party: Party, value: T, /) -> bool:
+        """See ``Out.offer``. Raises Fault for a NaN or an infinity."""
+        _require_finite(self.name, value)
+        self._hand_over(value, party)
+        return True
+
+
+Port: TypeAlias = "SampledInput[Any] | SampledOutput[Any] | EventInput[Any] | EventOutput[Any]"
+"""A port of the outermost process."""
+
+
+def _require_finite(port: str, value: object) -> None:
+    if type(value) is float:
+        if not math.isfinite(value):
+            raise Fault(f"{value} is written to {port}")
+    elif isinstance(value, tuple | list):
+        for part in value:
+            _require_finite(port, part)
+    else:
+        fields: Iterable[str] = getattr(value, "__dataclass_fields__", ())
+        for field in fields:
+            _require_finite(port, getattr(value, field))

@@ -1,0 +1,113 @@
+"""The instants at which a program meets its environment, and what happens at one, in order.
+
+The environment advances; events are offered and samples taken, in the order of the ports; latched outputs are handed over; then timers fall due.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from math import gcd
+from typing import Any, Protocol
+
+from .durations import ms
+from .external import EventInput, EventOutput, Port, SampledInput, SampledOutput
+from .scheduler import scheduler
+
+
+class Environment(Protocol):
+    """A plant and its operator, simulated."""
+
+    step: int
+    """The grid in nanoseconds on which it is evaluated, besides the ticks."""
+    drivers: Mapping[str, Any]
+    """By port of the program."""
+
+    def start(self) -> None:
+        """Evaluates the outputs at time 0."""
+        ...
+
+    def advance(self, now: int) -> None:
+        """Advances to ``now`` with the inputs held, and evaluates the outputs."""
+        ...
+
+
+class Instants:
+    """Ticks of all periods and the grid of the environment."""
+
+    def __init__(self, ports: Sequence[Port], environment: Environment | None) -> None:
+        self._ports = tuple(ports)
+        self._advance = None if environment is None else environment.advance
+        periods = {port.period for port in ports if isinstance(port, SampledInput | SampledOutput)}
+        self.periods: tuple[int, ...] = tuple(sorted(periods))
+        self._grid = self._grid_of(environment)
+        self._cycles = tuple(sorted(periods | ({self._grid} if self._grid else set())))
+        self._plans: dict[int, tuple[Callable[[], None], ...]] = {}
+
+    def _grid_of(self, environment: Environment | None) -> int:
+        if environment is not None:
+            return environment.step
+        if any(isinstance(port, EventInput) and port.polled for port in self._ports):
+            return gcd(*self.periods) if self.periods else ms
+        return 0
+
+    def after(self, instant: int) -> int | None:
+        """The next instant after ``instant``."""
+        if not self._cycles:
+            return None
+        return min([instant - instant % cycle + cycle for cycle in self._cycles])
+
+    def periods_at(self, instant: int) -> list[int]:
+        """The sample periods whose tick ``instant`` is."""
+        return [period for period in self.periods if instant % period == 0]
+
+    def meet(self, instant: int) -> None:
+        """What happens at ``instant`` before any process runs, but for the timers."""
+        due = 0
+        bit = 1
+        for cycle in self._cycles:
+            if instant % cycle == 0:
+                due |= bit
+            bit <<= 1
+        if not due:
+            return
+        if self._advance is not None:
+            self._advance(instant)
+        plan = self._plans.get(due)
+        if plan is None:
+            plan = self._plans[due] = self._plan(instant)
+        for action in plan:
+            action()
+
+    def _plan(self, instant: int) -> tuple[Callable[[], None], ...]:
+        inputs: list[Callable[[], None]] = []
+        outputs: list[Callable[[], None]] = []
+        for port in self._ports:
+            match port:
+                case SampledInput():
+                    if instant % port.period == 0:
+                        inputs.append(port.sample)
+                case EventInput():
+                    if port.polled and instant % self._grid == 0:
+                        inputs.append(port.poll)
+                case SampledOutput():
+                    if instant % port.period == 0 and not port.immediate:
+                        outputs.append(port.tick)
+                case EventOutput():
+                    pass
+        return (*inputs, *outputs)
+
+    def can_come(self) -> bool:
+        """Whether anything at a later instant can make a process ready or hand over a value."""
+        if scheduler.timers.next_instant() is not None:
+            return True
+        for port in self._ports:
+            match port:
+                case SampledInput() | EventInput():
+                    if port.awaited:
+                        return True
+                case SampledOutput():
+                    if port.written:
+                        return True
+                case EventOutput():
+                    pass
+        return False

@@ -1,0 +1,210 @@
+"""A network: the outermost process with its external ports, and runs of it.
+
+However a run ends, every output is handed its safe value and every driver is closed.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from typing import Any, Literal
+
+from .clock import Clock, RealClock, VirtualClock
+from .composition import as_coroutine, end_all
+from .deadlock import report_deadlock
+from .devices import Devices
+from .drivers import DriverFailed
+from .external import EventInput, Port, SampledInput
+from .instants import Environment, Instants
+from .observer import Observer
+from .outcome import Jitter, Outcome
+from .process import Process
+from .scheduler import Party, Task, scheduler
+
+_REAL_TIME_STEPS = 16
+"""How many steps of processes may pass in real time before the clock is looked at."""
+
+
+class Network:
+    """A program that can be run: its outermost process and its external ports, in the order of their declaration."""
+
+    def __init__(self, process: Process, ports: Sequence[Port] = ()) -> None:
+        self.process = process
+        self.ports = tuple(ports)
+
+    @property
+    def now(self) -> int:
+        """The present instant in nanoseconds; another thread may read it."""
+        return scheduler.now
+
+    def run(
+        self,
+        environment: Environment | None = None,
+        *,
+        until: int | None = None,
+        real_time: bool = False,
+        on_miss: Literal["timeout", "count"] = "timeout",
+        observer: Observer | None = None,
+    ) -> Outcome:
+        """Runs the program to its end, or to ``until`` (an instant in nanoseconds).
+
+        In virtual time nothing takes time but delays and ticks; with ``real_time`` it runs against the clock. What the program raises and
+        Ctrl-C are part of the outcome. One network runs at a time: RuntimeError if another does.
+        """
+        if scheduler.running:
+            raise RuntimeError("a network is running already; one runs at a time")
+        scheduler.reset()
+        scheduler.running = True
+        try:
+            run = _Run(self, environment, RealClock() if real_time else VirtualClock(), until, on_miss, observer)
+            return run.outcome()
+        finally:
+            scheduler.running = False
+
+
+class _Run:
+    def __init__(
+        self,
+        network: Network,
+        environment: Environment | None,
+        clock: Clock,
+        until: int | None,
+        on_miss: Literal["timeout", "count"],
+        observer: Observer | None,
+    ) -> None:
+        self._network = network
+        self._environment = environment
+        self._clock = clock
+        self._until = until
+        self._observer = observer
+        self._devices = Devices(network.ports, clock)
+        self._instants = Instants(network.ports, environment)
+        self._jitter = {period: Jitter() for period in self._instants.periods} if clock.real else {}
+        for port in network.ports:
+            if isinstance(port, SampledInput):
+                port.on_miss = on_miss
+                port.missed = 0
+        self._root_error: BaseException | None = None
+        self._root = Task(as_coroutine(network.process), self, None)
+
+    def branch_ended(self, branch: Task, error: BaseException | None) -> None:
+        """The outermost process has ended."""
+        self._root_error = error
+
+    def outcome(self) -> Outcome:
+        began = time.perf_counter()
+        try:
+            outcome = self._ending()
+        except KeyboardInterrupt:
+            outcome = Outcome("stopped", scheduler.now)
+        except DriverFailed as end:
+            outcome = Outcome("failed", scheduler.now, error=end.error)
+        finally:
+            errors = self._release()
+        outcome.release_errors = errors
+        outcome.wall_time = time.perf_counter() - began
+        outcome.missed = {port.name: port.missed for port in self._network.ports if isinstance(port, SampledInput)}
+        outcome.jitter = self._jitter
+        return outcome
+
+    def _ending(self) -> Outcome:
+        self._start()
+        while True:
+            self._run_ready()
+            if self._root.ended:
+                return self._ended_by_itself()
+            if not self._instants.can_come():
+                return Outcome("deadlock", scheduler.now, deadlock=report_deadlock(self._root))
+            instant = self._next_instant()
+            until = self._until
+            if until is not None and (instant is None or instant > until):
+                if self._clock.reach(until):
+                    scheduler.now = until
+                    return Outcome("time limit", until)
+                self._take_over(until)
+            elif self._clock.reach(instant):
+                assert instant is not None
+                self._meet(instant)
+            else:
+                self._take_over(instant)
+
+    def _ended_by_itself(self) -> Outcome:
+        if self._root_error is None:
+            return Outcome("terminated", scheduler.now)
+        return Outcome("failed", scheduler.now, error=self._root_error)
+
+    def _start(self) -> None:
+        self._observe()
+        self._devices.open()
+        if self._environment is not None:
+            self._environment.start()
+        for port in self._network.ports:
+            if isinstance(port, EventInput) and port.polled:
+                port.start()
+        self._clock.start()
+        scheduler.enqueue(self._root)
+
+    def _observe(self) -> None:
+        observer = self._observer
+        if observer is None:
+            return
+        communication = observer.communication
+
+        def observe(channel: str, value: Any, writer: Party | None, reader: Party | None) -> None:
+            communication(scheduler.now, channel, value, _path(writer), _path(reader))
+
+        scheduler.observe = observe
+        scheduler.watcher = observer
+
+    def _run_ready(self) -> None:
+        """Runs processes until none is ready; in real time also meets the instants that come meanwhile."""
+        if not self._clock.real:
+            while scheduler.run_ready():
+                pass
+            return
+        while scheduler.run_ready(_REAL_TIME_STEPS):
+            instant = self._next_instant()
+            if instant is not None and self._clock.now() >= instant:
+                self._meet(instant)
+            elif self._devices.has_news:
+                self._take_over(instant)
+
+    def _take_over(self, instant: int | None) -> None:
+        """Takes over what came from outside before ``instant``."""
+        now = self._clock.now()
+        scheduler.now = max(scheduler.now, now if instant is None else min(now, instant - 1))
+        self._devices.take_over()
+
+    def _next_instant(self) -> int | None:
+        tick = self._instants.after(scheduler.now)
+        timer = scheduler.timers.next_instant()
+        if tick is None or (timer is not None and timer < tick):
+            return timer
+        return tick
+
+    def _meet(self, instant: int) -> None:
+        if self._clock.real:
+            late = self._clock.now() - instant
+            for period in self._instants.periods_at(instant):
+                self._jitter[period].add(late)
+        scheduler.now = instant
+        self._instants.meet(instant)
+        scheduler.timers.fall_due(instant)
+
+    def _release(self) -> list[BaseException]:
+        """Hands safe values over, closes the drivers, and ends what still runs."""
+        scheduler.observe = None
+        scheduler.watcher = None
+        released, errors = self._devices.release()
+        tell = getattr(self._observer, "released", None)
+        if tell is not None:
+            for port, value in released:
+                tell(scheduler.now, port, value)
+        end_all(self._root)
+        return errors
+
+
+def _path(party: Party | None) -> str:
+    if party is None or party.process is None:
+        return ""
+    return party.process.name

@@ -1,0 +1,38 @@
+"""Where something happened, in terms of the source of the program.
+
+Generated code carries the place of a statement as a comment, ``# laws.csp:12``, at the end of its line or on a line above it.
+"""
+
+from __future__ import annotations
+
+import linecache
+import re
+from types import CodeType, TracebackType
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from .process import Process
+
+_PLACE = re.compile(r"#\s*([^\s#]+\.csp:\d+)")
+_RUNTIME = __name__.rpartition(".")[0]
+
+
+def place_of(error: BaseException, process: Process) -> str:
+    """The process, with the source line of the statement that raised ``error``, or else that of the process."""
+    place = process.source
+    traceback: TracebackType | None = error.__traceback__
+    while traceback is not None:
+        frame = traceback.tb_frame
+        if not str(frame.f_globals.get("__name__", "")).startswith(_RUNTIME):
+            place = source_line(frame.f_code, traceback.tb_lineno) or place
+        traceback = traceback.tb_next
+    return process.name if place is None else f"{process.name} ({place})"
+
+
+def source_line(code: CodeType, line: int) -> str | None:
+    """The place in the comment at ``line`` of the generated code or the nearest above it in the same function."""
+    for number in range(line, code.co_firstlineno - 1, -1):
+        found = _PLACE.search(linecache.getline(code.co_filename, number))
+        if found is not None:
+            return found[1]
+    return None

@@ -1,0 +1,94 @@
+"""Processes and submodels: the base classes of what a program consists of."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from .exceptions import Fault
+from .places import place_of
+from .scheduler import scheduler
+
+if TYPE_CHECKING:
+    from .ports import In
+
+E = TypeVar("E", bound="In[Any]")
+
+
+class Process:
+    """A process: ports, parts of its own, and a ``run`` that is its composition.
+
+    ``await process`` runs it; it may be run again, never twice at the same time. ``name`` is its path from the outermost process,
+    ``source`` the file and line where it was defined.
+    """
+
+    def __init__(self, name: str, *, source: str | None = None) -> None:
+        self.name = name
+        self.source = source
+        self.runs_now = False
+        self._ends: list[In[Any]] = []
+
+    async def run(self) -> None:
+        """What the process does."""
+        raise NotImplementedError(f"{type(self).__name__}.run")
+
+    def owns(self, end: E) -> E:
+        """Makes ``end`` one that is closed when this process ends."""
+        self._ends.append(end)
+        return end
+
+    def __await__(self) -> Generator[Any, None, None]:
+        return self.execute().__await__()
+
+    async def execute(self) -> None:
+        """Runs the process once, with its books: who runs, since when, and what it had open."""
+        if self.runs_now:
+            raise Fault(f"{self.name} is already running; a process never runs twice at the same time", self._place())
+        task = scheduler.current
+        enclosing = task.process
+        task.process = self
+        self.runs_now = True
+        self.started()
+        try:
+            await self.run()
+        except Fault as fault:
+            if fault.place is None:
+                fault.place = place_of(fault, self)
+            raise
+        except ArithmeticError as error:
+            raise Fault(str(error), place_of(error, self)) from error
+        finally:
+            self.runs_now = False
+            task.process = enclosing
+            for end in self._ends:
+                end.close()
+            self.ended()
+
+    def _place(self) -> str:
+        return self.name if self.source is None else f"{self.name} ({self.source})"
+
+    def started(self) -> None:
+        """Tells the observer."""
+        if scheduler.watcher is not None:
+            scheduler.watcher.process_started(scheduler.now, self.name, type(self).__name__)
+
+    def ended(self) -> None:
+        """Tells the observer."""
+        if scheduler.watcher is not None:
+            scheduler.watcher.process_ended(scheduler.now, self.name)
+
+
+class Submodel(Process):
+    """A control law: one run reads all inputs at once, computes one sample, and writes all outputs at once.
+
+    Subclasses have a ``calculate`` from inputs to outputs, and a ``run`` that is ``read_all``, ``calculate``, ``write_all``.
+    """
+
+    def reset(self) -> None:
+        """Puts the states back to their initial values."""
+
+    def started(self) -> None:
+        """Observers are not told: submodels run once a sample."""
+
+    def ended(self) -> None:
+        """Observers are not told: submodels run once a sample."""

@@ -1,0 +1,60 @@
+"""Which guards of an alternative are ready: a bit for each guard.
+
+Whatever makes a guard ready sets its bit, whatever makes it unready clears it, so a selection is arithmetic on integers and costs the
+same for ten guards as for a thousand.
+
+Invariant: bit k is set exactly while guard k is ready, whether or not the alternative waits at present.
+"""
+
+from __future__ import annotations
+
+from typing import Protocol, TypeAlias
+
+
+class Waker(Protocol):
+    """What waits for a guard."""
+
+    def wake(self) -> None:
+        """A first guard has become ready."""
+        ...
+
+
+class Selector:
+    """The part of an alternative that its channels know.
+
+    ``armed`` are the guards that may wake the alternative; 0 when it does not wait or was woken already. ``attend`` are
+    the guards whose ends want to be told when the alternative begins and ends to wait. ``waiting`` is the alternative while it
+    waits: the channels know only the selector, so that an alternative that nobody uses any more goes away.
+    """
+
+    __slots__ = ("armed", "attend", "ready", "waiting")
+
+    def __init__(self) -> None:
+        self.ready = 0
+        self.armed = 0
+        self.attend = 0
+        self.waiting: Waker | None = None
+
+
+Watchers: TypeAlias = "tuple[tuple[Selector, int], ...]"
+
+
+def raise_bits(watchers: Watchers) -> None:
+    """A guard has become ready."""
+    for selector, bit in watchers:
+        selector.ready |= bit
+        if selector.armed & bit:
+            selector.armed = 0
+            assert selector.waiting is not None
+            selector.waiting.wake()
+
+
+def lower_bits(watchers: Watchers) -> None:
+    """A guard is not ready any longer."""
+    for selector, bit in watchers:
+        selector.ready &= ~bit
+
+
+def without(watchers: Watchers, selector: Selector) -> Watchers:
+    """The other watchers."""
+    return tuple(entry for entry in watchers if entry[0] is not selector)

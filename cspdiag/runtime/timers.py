@@ -1,0 +1,62 @@
+"""What is due at which instant.
+
+Timers of one instant fall due in the order in which they began. One heap entry serves all timers of an instant;
+entries whose timers were all stopped stay in the heap until they come up, and are then skipped.
+"""
+
+from __future__ import annotations
+
+from heapq import heappop, heappush
+from typing import Protocol
+
+
+class Timer(Protocol):
+    """Something that falls due."""
+
+    def due(self) -> None:
+        """Called when the instant has come, unless the timer was stopped."""
+        ...
+
+
+class Timers:
+    """All timers that have begun and are neither due nor stopped."""
+
+    __slots__ = ("_at", "_instants")
+
+    def __init__(self) -> None:
+        self._instants: list[int] = []
+        self._at: dict[int, dict[Timer, None]] = {}
+
+    def begin(self, instant: int, timer: Timer) -> None:
+        """From now on ``timer`` falls due at ``instant``."""
+        timers = self._at.get(instant)
+        if timers is None:
+            self._at[instant] = {timer: None}
+            heappush(self._instants, instant)
+        else:
+            timers[timer] = None
+
+    def stop(self, instant: int, timer: Timer) -> bool:
+        """Stops a timer; False if it was due already."""
+        timers = self._at.get(instant)
+        if timers is None or timer not in timers:
+            return False
+        del timers[timer]
+        if not timers:
+            del self._at[instant]
+        return True
+
+    def next_instant(self) -> int | None:
+        """The earliest instant at which something is due."""
+        instants = self._instants
+        while instants:
+            if instants[0] in self._at:
+                return instants[0]
+            heappop(instants)
+        return None
+
+    def fall_due(self, instant: int) -> None:
+        """Tells the timers of ``instant``; one of them may stop others that come after it."""
+        for timer in list(self._at.get(instant, ())):
+            if self.stop(instant, timer):
+                timer.due()

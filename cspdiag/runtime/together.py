@@ -1,0 +1,180 @@
+"""Several communications offered at once: how a submodel reads its inputs and writes its outputs.
+
+They are begun in port order; the task goes on when the last of them is done.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Generator
+from types import coroutine
+from typing import TYPE_CHECKING, Any, TypeVar, overload
+
+from .exceptions import Cancelled
+from .ports import AnyIn, AnyOut, In, Out
+from .scheduler import Party, Task, scheduler
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable
+
+    from .process import Process
+
+A = TypeVar("A")
+B = TypeVar("B")
+C = TypeVar("C")
+D = TypeVar("D")
+E = TypeVar("E")
+F = TypeVar("F")
+
+
+class _Offered:
+    """One communication of several that a task has offered at once."""
+
+    __slots__ = ("_together", "end", "position", "received")
+
+    def __init__(self, together: _Together, position: int, end: AnyIn | AnyOut) -> None:
+        self._together = together
+        self.position = position
+        self.end = end
+        self.received: Any = None
+
+    @property
+    def process(self) -> Process | None:
+        return self._together.task.process
+
+    @property
+    def ready_queue(self) -> list[Party] | deque[Party]:
+        return self._together.task.ready_queue
+
+    def resume(self, _: None) -> None:
+        """The communication is done; the last one resumes the task."""
+        together = self._together
+        if self not in together.waiting:
+            return
+        scheduler.current = together.task
+        try:
+            done = not isinstance(self.end, In) or self.end.collect(self)
+        except Exception as error:
+            together.fail(self, error)
+            done = True
+        if done:
+            together.done(self)
+
+
+class _Together:
+    """The communications that are not done yet."""
+
+    __slots__ = ("error", "task", "values", "waiting")
+
+    def __init__(self, task: Task, size: int) -> None:
+        self.task = task
+        self.values: list[Any] = [None] * size
+        self.error: Exception | None = None
+        self.waiting: list[_Offered] = []
+
+    def read(self, position: int, end: AnyIn) -> None:
+        offered = _Offered(self, position, end)
+        if end.request(offered):
+            self.values[position] = offered.received
+        else:
+            self.waiting.append(offered)
+
+    def write(self, position: int, end: AnyOut, value: Any) -> None:
+        offered = _Offered(self, position, end)
+        if not end.offer(offered, value):
+            self.waiting.append(offered)
+
+    def done(self, offered: _Offered) -> None:
+        self.values[offered.position] = offered.received
+        self.waiting.remove(offered)
+        if not self.waiting:
+            self.task.resume(None)
+
+    def fail(self, offered: _Offered, error: Exception) -> None:
+        """Gives up the others; the task gets the error."""
+        self.error = error
+        self.give_up(keep=offered)
+
+    def give_up(self, keep: _Offered | None = None) -> None:
+        for offered in self.waiting:
+            if offered is not keep:
+                offered.end.withdraw(offered)
+        self.waiting = [] if keep is None else [keep]
+
+    def wait(self) -> Generator[None, None, list[Any]]:
+        if self.waiting:
+            self.task.waiting = self
+            yield
+            if self.error is not None:
+                raise self.error
+        return self.values
+
+    def withdraw(self, party: Party) -> bool:
+        """See ``Waiting.withdraw``. If all communications are done, the task is ready."""
+        withdrawn = [offered.end.withdraw(offered) for offered in self.waiting]
+        if not any(withdrawn):
+            return False
+        self.waiting = []
+        return True
+
+    def waits_for(self, party: Party) -> str:
+        """See ``Waiting.waits_for``."""
+        return " and ".join(offered.end.waits_for(offered) for offered in self.waiting)
+
+
+if TYPE_CHECKING:
+
+    @overload
+    def read_all() -> Awaitable[tuple[()]]: ...
+    @overload
+    def read_all(a: In[A], /) -> Awaitable[tuple[A]]: ...
+    @overload
+    def read_all(a: In[A], b: In[B], /) -> Awaitable[tuple[A, B]]: ...
+    @overload
+    def read_all(a: In[A], b: In[B], c: In[C], /) -> Awaitable[tuple[A, B, C]]: ...
+    @overload
+    def read_all(a: In[A], b: In[B], c: In[C], d: In[D], /) -> Awaitable[tuple[A, B, C, D]]: ...
+    @overload
+    def read_all(a: In[A], b: In[B], c: In[C], d: In[D], e: In[E], /) -> Awaitable[tuple[A, B, C, D, E]]: ...
+    @overload
+    def read_all(
+        a: In[A], b: In[B], c: In[C], d: In[D], e: In[E], f: In[F], /
+    ) -> Awaitable[tuple[A, B, C, D, E, F]]: ...
+    @overload
+    def read_all(*ends: AnyIn) -> Awaitable[tuple[Any, ...]]: ...
+    def read_all(*ends: AnyIn) -> Awaitable[tuple[Any, ...]]:
+        """Reads all ends at once, begun in the order given; a tuple of their values."""
+
+else:
+
+    @coroutine
+    def read_all(*ends: AnyIn) -> Generator[None, None, tuple[Any, ...]]:
+        """Reads all ends at once, begun in the order given; a tuple of their values."""
+        together = _together(len(ends))
+        try:
+            for position, end in enumerate(ends):
+                together.read(position, end)
+        except BaseException:
+            together.give_up()
+            raise
+        return tuple((yield from together.wait()))
+
+
+@coroutine
+def write_all(*outputs: tuple[Out[Any], Any]) -> Generator[None, None, None]:
+    """Writes pairs of an end and a value all at once, begun in the order given; ends when all were taken."""
+    together = _together(len(outputs))
+    try:
+        for position, (end, value) in enumerate(outputs):
+            together.write(position, end, value)
+    except BaseException:
+        together.give_up()
+        raise
+    yield from together.wait()
+
+
+def _together(size: int) -> _Together:
+    task = scheduler.current
+    if task.cancelled:
+        raise Cancelled
+    return _Together(task, size)
