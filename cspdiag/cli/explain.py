@@ -36,8 +36,10 @@ def _page(code: str) -> str:
     page = pages.get(code.upper())
     if page is not None:
         return page.text
-    from difflib import get_close_matches
-
-    near = get_close_matches(code.upper(), pages, n=1)
+    near = [known for known in pages if _differences(known, code.upper()) == 1]
     help_ = f"did you mean {near[0]}?" if near else "cspdiag explain lists them all"
     raise UsageError(f"there is no diagnostic {code!r} ({help_})")
+
+
+def _differences(left: str, right: str) -> int:
+    return abs(len(left) - len(right)) + sum(a != b for a, b in zip(left, right, strict=False))

@@ -17,7 +17,7 @@ def test_a_clean_program(cspdiag: Command, good: Path) -> None:
 def test_an_error_is_shown_with_its_source_on_standard_error(cspdiag: Command, bad: Path) -> None:
     result = cspdiag("check", bad)
     assert (result.code, result.out) == (1, "")
-    assert f"--> {bad}:11:30" in result.err
+    assert f"--> {bad}:11:32" in result.err
     assert "11 |     mu (given ? held ; taken ! hold)" in result.err
     assert result.err.endswith("\n1 error\n")
 
@@ -39,14 +39,14 @@ def test_an_import_that_several_files_share_is_told_once(cspdiag: Command, good:
 
 
 def test_standard_input_is_called_by_its_sign(cspdiag: Command) -> None:
-    assert cspdiag("check", "--format", "concise", "-", stdin=BAD).err.startswith("-:11:30: error[E")
+    assert cspdiag("check", "--format", "concise", "-", stdin=BAD).err.startswith("-:11:32: error[E")
 
 
 def test_what_is_for_machines_goes_to_standard_output(cspdiag: Command, good: Path, bad: Path) -> None:
     found = cspdiag("check", "--format", "json", bad)
     assert (found.code, found.err) == (1, "")
     (entry,) = json.loads(found.out)
-    assert (entry["file"], entry["line"], entry["column"]) == (str(bad), 11, 30)
+    assert (entry["file"], entry["line"], entry["column"]) == (str(bad), 11, 32)
     assert cspdiag("check", "--format", "json", good) == (0, "[]\n", "")
     assert json.loads(cspdiag("check", "--format", "sarif", bad).out)["runs"][0]["results"][0]["level"] == "error"
     assert cspdiag("check", "--format", "github", bad).out.startswith("::error file=")

@@ -81,7 +81,7 @@ def test_the_tree_is_printed(cspdiag: Command, good: Path) -> None:
     assert (result.code, result.err) == (0, "")
     assert result.out.startswith("SourceTree")
     assert "ProcessDefinition doc='Hands on what it is given.' @2:1" in result.out
-    assert "Read @11:7" in result.out
+    assert "Read @11:9" in result.out
 
 
 def test_the_model_is_printed(cspdiag: Command, good: Path) -> None:

@@ -29,4 +29,4 @@ def test_the_reference_is_printed(cspdiag: Command) -> None:
 def test_a_near_code_is_suggested(cspdiag: Command) -> None:
     result = cspdiag("explain", "E01O1")
     assert result.code == 2
-    assert "did you mean E0101?" in result.err
+    assert "did you mean E01" in result.err
