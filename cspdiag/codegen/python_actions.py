@@ -6,7 +6,21 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import assert_never
 
-from cspdiag.codegen.python_code import Argument, Atom, Call, Code, Entry, Items, Prefix, call, tuple_of
+from cspdiag.codegen.python_code import (
+    OR,
+    Argument,
+    Atom,
+    Call,
+    Code,
+    Conditional,
+    Entry,
+    Items,
+    Parenthesized,
+    Prefix,
+    at_least,
+    call,
+    tuple_of,
+)
 from cspdiag.codegen.python_expressions import Printer
 from cspdiag.codegen.python_imports import Imports
 from cspdiag.codegen.python_members import Members
@@ -210,7 +224,7 @@ class Composition:
     def _choice(self, choice: Choice, hint: str) -> tuple[Statement, ...]:
         branches = choice.branches
         attribute = f"self.{self.members.names.fresh(hint)}"
-        guards = [Argument(self._guard(branch.event)) for branch in branches]
+        guards = [Argument(self._guard(branch.event, self.initial)) for branch in branches]
         if choice.prioritized and len(branches) > 1:
             guards.append(Argument(Atom("True"), "prioritized"))
         self.alternatives.append(assign(attribute, Call(self.imports.runtime("Alternative"), tuple(guards))))
@@ -225,7 +239,7 @@ class Composition:
         ]
         return (Block(Line("match ", selected, ":"), tuple(cases)),)
 
-    def _guard(self, event: Event) -> Code:
+    def _guard(self, event: Event, printer: Printer) -> Code:
         match event:
             case ReadyEvent(source=source):
                 return call(self.imports.runtime("Ready"), Atom(self.members.source(source)))
@@ -234,8 +248,8 @@ class Composition:
             case OutputEvent(sink=sink):
                 return call(self.imports.runtime("Output"), Atom(self.members.sink(sink)))
             case AfterEvent(duration=duration):
-                fixed = Atom("0") if mentions_variable(duration) else self.initial.print(duration)
-                return call(self.imports.runtime("After"), fixed)
+                fixed = printer is self.initial and mentions_variable(duration)
+                return call(self.imports.runtime("After"), Atom("0") if fixed else printer.print(duration))
             case SkipEvent():
                 return call(self.imports.runtime("Skip"))
         assert_never(event)
@@ -267,7 +281,7 @@ class Composition:
         return ()
 
     def _interrupt(self, body: Action, branch: Branch) -> Code:
-        guard = self._guard(branch.event)
+        guard = self._guard(branch.event, self.printer)
         interrupted = self.awaitable(body)
         taken: tuple[Statement, ...] = ()
         if isinstance(branch.event, InputEvent):
@@ -278,9 +292,10 @@ class Composition:
         name = self.members.names.fresh("_interrupted")
         self.methods.append(Method(name, (*taken, *self.statements(branch.body))))
         arguments = [Argument(interrupted), Argument(guard), Argument(Atom(f"self.{name}"))]
-        if branch.condition is not None:
-            arguments.append(Argument(self.printer.print(branch.condition), "enabled"))
-        return Call(self.imports.runtime("interrupt"), tuple(arguments))
+        interrupting = Call(self.imports.runtime("interrupt"), tuple(arguments))
+        if branch.condition is None:
+            return interrupting
+        return Parenthesized(Conditional(interrupting, at_least(self.printer.print(branch.condition), OR), interrupted))
 
     def _set(self, target: Target, value: Code, comment: str | None = None) -> Line:
         variable = f"{self.members.channel(target.channel)}.value"

@@ -154,7 +154,8 @@ class _EnvironmentWriter:
             given = {name: printer.print(value) for name, value in item.arguments}
             made = self.modules.construct(item.external, given, self.imports)
             statements.append(assign(f"self.{self.names[item.name]}", made))
-        type_ = f"dict[str, {self.imports.runtime('Driver')}]"
+        mapping, driver_type = self.imports.standard("collections.abc", "Mapping"), self.imports.runtime("Driver")
+        type_ = f"{mapping}[str, {driver_type}]"
         statements.append(assign(f"self.drivers: {type_}", Items("{}", tuple(entries))))
         return ["    def __init__(self) -> None:", *lines(statements, "        ")]
 

@@ -20,7 +20,7 @@ class NetworkModule:
     """What the template lays out."""
 
     imports: list[str]
-    ports: list[str]
+    port_names: list[str]
     drivers: str
     body: list[str]
 
@@ -49,7 +49,7 @@ def network_view(network: Network, names: PackageNames) -> NetworkModule:
     mapping, driver = imports.standard("collections.abc", "Mapping"), imports.runtime("Driver")
     return NetworkModule(
         imports.lines(),
-        [port_key(port) for port in network.external_ports],
+        lines([assign("PORTS: tuple[str, ...]", tuple_of(Atom(quoted(key)) for key in by_port))], ""),
         f"{mapping}[str, {driver}]",
         lines(statements, "    "),
     )

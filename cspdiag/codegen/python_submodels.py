@@ -17,7 +17,7 @@ from cspdiag.codegen.equations import (
     signals,
     values,
 )
-from cspdiag.codegen.python_code import PRODUCT, Argument, Atom, Call, Code, call, infix, tuple_of
+from cspdiag.codegen.python_code import PRODUCT, Argument, Atom, Call, Code, Prefix, call, infix, tuple_of
 from cspdiag.codegen.python_docs import class_doc
 from cspdiag.codegen.python_expressions import Printer
 from cspdiag.codegen.python_external import ExternalModules, external_call
@@ -25,7 +25,7 @@ from cspdiag.codegen.python_imports import Imports
 from cspdiag.codegen.python_integration import Integration
 from cspdiag.codegen.python_modules import ClassModule, port_annotation
 from cspdiag.codegen.python_names import MEMBERS, Names, PackageNames
-from cspdiag.codegen.python_statements import Line, Statement, assign, docstring, lines, signature
+from cspdiag.codegen.python_statements import Line, Statement, Unpack, assign, docstring, lines, run, signature
 from cspdiag.codegen.python_types import annotation, duration, quoted
 from cspdiag.model.types import TimeType
 from cspdiag.network.ir import ExternalCall, SubmodelClass, SubmodelEquation
@@ -62,7 +62,7 @@ class _SubmodelWriter:
         functions = [self._constructor(place)]
         if self.class_.states or self._calls():
             functions.append(self._reset())
-        functions.append(self._calculate())
+        functions += [self._run(), self._calculate()]
         if self.class_.derivatives:
             printer = self._printer(local=[*self.integration.held, *self._moving()])
             functions.append(self.integration.derivatives(printer, self._annotations()))
@@ -125,13 +125,10 @@ class _SubmodelWriter:
         head = signature(
             "def __init__", ["self", "name: str", *(["*", *keywords] if keywords else [])], " -> None:", "    "
         )
-        ends = {"inputs": inputs(class_), "outputs": outputs(class_)}
-        arguments = [Argument(Atom("name"))]
-        arguments += [
-            Argument(tuple_of(Atom(self.names[name]) for name in ports), keyword) for keyword, ports in ends.items()
-        ]
-        arguments.append(Argument(Atom(quoted(place)), "source"))
-        statements: list[Statement] = [Line("", Call("super().__init__", tuple(arguments)))]
+        source = Argument(Atom(quoted(place)), "source")
+        statements: list[Statement] = [run(Call("super().__init__", (Argument(Atom("name")), source)))]
+        ports = [self.names[port.name] for port in class_.ports]
+        statements += [assign(f"self.{port}", Atom(port)) for port in ports]
         statements += self._kept_parameters()
         statements += self._constants()
         statements += self._sub_steps()
@@ -182,6 +179,28 @@ class _SubmodelWriter:
             if self.modules.describe(item.external).has_reset
         ]
         return ["    def reset(self) -> None:", *lines(statements or [Line("pass")], "        ")]
+
+    def _run(self) -> list[str]:
+        """All inputs are read at once, and then all outputs are written at once."""
+        given = [self.names[name] for name in inputs(self.class_)]
+        results = [self.names[name] for name in outputs(self.class_)]
+        statements: list[Statement] = []
+        if len(given) == 1:
+            statements.append(assign(given[0], Prefix("await ", call(f"self.{given[0]}.read"))))
+        elif given:
+            read = call(self.imports.runtime("read_all"), *(Atom(f"self.{name}") for name in given))
+            statements.append(Unpack(tuple(given), Prefix("await ", read)))
+        calculated = call("self.calculate", *(Atom(name) for name in given))
+        if not results:
+            statements.append(run(calculated))
+        elif len(results) == 1:
+            statements.append(assign(results[0], calculated))
+            statements.append(run(Prefix("await ", call(f"self.{results[0]}.write", Atom(results[0])))))
+        else:
+            pairs = (tuple_of((Atom(f"self.{name}"), Atom(name))) for name in results)
+            statements.append(Unpack(tuple(results), calculated))
+            statements.append(run(Prefix("await ", call(self.imports.runtime("write_all"), *pairs))))
+        return ["    async def run(self) -> None:", *lines(statements, "        ")]
 
     def _calculate(self) -> list[str]:
         class_ = self.class_
