@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from cspdiag.network.ir import Environment, Network
 from cspdiag.simulate.package import LoadedPackage
+from cspdiag.simulate.probes import probe
 from cspdiag.simulate.recorder import Recorder
 from cspdiag.simulate.result import Run
 
@@ -48,11 +49,12 @@ def simulate(
     until: int | None = None,
     real_time: bool = False,
     recorder: Recorder | None = None,
+    probe_variables: bool = False,
     on_start: Callable[[RunningNetwork], None] | None = None,
 ) -> Run:
     """Run the generated package ``files`` of ``network``.
 
-    ``until`` is a time limit in nanoseconds. ``on_start`` is handed the running network, whose ``now`` is the present instant. Ctrl-C and what the
+    ``until`` is a time limit in nanoseconds. ``probe_variables`` also notes the values of variables that have a unit. ``on_start`` is handed the running network, whose ``now`` is the present instant. Ctrl-C and what the
     program raises end the run with an outcome, not with an exception. Raises NoEnvironmentError.
     """
     chosen = chosen_environment(network, environment)
@@ -61,6 +63,8 @@ def simulate(
     try:
         plant = package.module("environments").ENVIRONMENTS[chosen.name]() if chosen is not None else None
         running = package.module("network").build(plant.drivers if plant is not None else {})
+        if probe_variables:
+            probe(running, network, recorder)
         if on_start is not None:
             on_start(running)
         outcome = running.run(
@@ -72,4 +76,4 @@ def simulate(
         )
     finally:
         package.close()
-    return Run(network, chosen, outcome, recorder.communications, recorder.activities)
+    return Run(network, chosen, outcome, recorder)

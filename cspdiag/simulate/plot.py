@@ -6,6 +6,7 @@ Needs matplotlib (``pip install "cspdiag[plot]"``), which is imported when a plo
 from __future__ import annotations
 
 import io
+import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from cspdiag.simulate.result import Run, Signal
+    from cspdiag.simulate.result import Run
 
 _MODE_COLORS = ("#dbe9f6", "#e3f1dc", "#fdebd3", "#eee3f3", "#f9dfe1", "#e4e4e4")
 _LINE_COLORS = ("#1f4e79", "#c0504d", "#4f8a3c", "#7f5fa0", "#b07d2b", "#3a8f99")
@@ -110,7 +111,9 @@ def _panel(run: Run, axes: Axes, group: ModeGroup, unit: str, names: set[str]) -
     for name in group.ports:
         if name in names:
             signal = run.signals[name]
-            axes.plot(signal.time, _numbers(signal), drawstyle="steps-post", label=name, color=next(color))
+            axes.plot(signal.time, signal.value.astype(float), drawstyle="steps-post", label=name, color=next(color))
+    for name, (times, values) in _variables(run, group, unit).items():
+        axes.plot(times, values, drawstyle="steps-post", label=name, color=next(color), linestyle=(0, (4, 1.5)))
     for name in group.ports:
         signal = run.signals[name]
         if isinstance(signal.type, IntType | BoolType | EnumType):
@@ -126,8 +129,16 @@ def _panel(run: Run, axes: Axes, group: ModeGroup, unit: str, names: set[str]) -
         axes.legend(loc="best")
 
 
-def _numbers(signal: Signal) -> Any:
-    return signal.value.astype(float)
+def _variables(run: Run, group: ModeGroup, quantity: str) -> dict[str, tuple[list[float], list[float]]]:
+    """Variables of the group's quantity; those of one name in several modes make one line, with gaps between."""
+    prefixes = tuple(f"{path}." for path in group.modes)
+    found: dict[str, list[tuple[float, float]]] = {}
+    for path, points in run.variables.items():
+        if path.startswith(prefixes) and _quantity(run.types[path]) == quantity:
+            line = found.setdefault(path.rpartition(".")[2], [])
+            line += [(time / 1e9, value) for time, value in points]
+            line.append((points[-1][0] / 1e9, math.nan))
+    return {name: tuple(zip(*sorted(line, key=lambda point: point[0]), strict=True)) for name, line in found.items()}  # type: ignore[misc]
 
 
 def _name_modes(run: Run, axes: Axes, group: ModeGroup) -> None:

@@ -33,6 +33,7 @@ class Recorder:
 
     def __init__(self, on_activity: Callable[[int], None] | None = None) -> None:
         self.communications: list[Communication] = []
+        self.variables: dict[str, list[tuple[int, float]]] = {}
         self.finished: list[Activity] = []
         self.running: dict[str, Activity] = {}
         self._on_activity = on_activity
@@ -40,6 +41,10 @@ class Recorder:
     def communication(self, time: int, channel: str, value: object, writer: str, reader: str) -> None:
         """A value passed through a channel or an external port."""
         self.communications.append(Communication(time, channel, value, writer, reader))
+
+    def variable_written(self, time: int, name: str, value: float) -> None:
+        """A probed variable was given a value."""
+        self.variables.setdefault(name, []).append((time, value))
 
     def process_started(self, time: int, path: str, kind: str) -> None:
         """A process of class ``kind`` begins."""

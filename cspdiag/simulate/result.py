@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from cspdiag.model.types import BoolType, EnumType, IntType, RealType, TimeType, Type
 from cspdiag.network.ir import Environment, Network
-from cspdiag.simulate.recorder import Activity, Communication
+from cspdiag.simulate.recorder import Activity, Communication, Recorder
 
 if TYPE_CHECKING:
     import numpy
@@ -38,14 +38,14 @@ class Run:
         network: Network,
         environment: Environment | None,
         outcome: Outcome,
-        communications: Sequence[Communication],
-        activities: Sequence[Activity],
+        recorder: Recorder,
     ) -> None:
         self.network = network
         self.environment = environment
         self.outcome = outcome
-        self.communications = communications
-        self.activities = activities
+        self.communications: Sequence[Communication] = recorder.communications
+        self.activities: Sequence[Activity] = recorder.activities
+        self.variables: Mapping[str, Sequence[tuple[int, float]]] = recorder.variables
 
     @cached_property
     def types(self) -> Mapping[str, Type]:

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from cspdiag.network.ir import ProcessClass
 from cspdiag.simulate.modes import mode_groups
 
 if TYPE_CHECKING:
+    from cspdiag.runtime import Outcome
     from cspdiag.simulate.result import Run
 
 
@@ -29,13 +29,18 @@ def _lines(run: Run) -> Iterator[str]:
     outcome = run.outcome
     where = f" in {run.environment.name}" if run.environment is not None else ""
     yield f"{run.network.top}{where}: {_ending(run)}"
-    ratio = outcome.time / 1e9 / outcome.wall_time if outcome.wall_time > 0 else 0.0
-    yield f"  simulated {seconds(outcome.time)} in {outcome.wall_time:.3g} s, {ratio:.3g} times real time"
+    yield f"  simulated {seconds(outcome.time)} in {outcome.wall_time:.3g} s{_speed(outcome)}"
     yield from _process_lines(run)
     missed = {port: count for port, count in outcome.missed.items() if count}
     yield "  missed samples: " + (", ".join(f"{port} {count}" for port, count in missed.items()) or "none")
     for period, jitter in outcome.jitter.items():
-        yield f"  jitter of {period}: {jitter}"
+        yield f"  jitter of the {seconds(period)} period: {jitter}"
+
+
+def _speed(outcome: Outcome) -> str:
+    if outcome.time == 0 or outcome.wall_time == 0:
+        return ""
+    return f", {outcome.time / 1e9 / outcome.wall_time:.3g} times real time"
 
 
 def _ending(run: Run) -> str:
@@ -54,18 +59,18 @@ def _ending(run: Run) -> str:
             return f"ended unsuccessfully {at}: {outcome.error}"
 
 
+_SHOWN = 8
+"""More processes than this in one group are counted, not listed."""
+
+
 def _process_lines(run: Run) -> Iterator[str]:
-    processes = {
-        instance.path for instance in run.network.instances
-        if isinstance(run.network.class_named(instance.class_name), ProcessClass)
-    }  # fmt: skip
     ends = {activity.path: activity.end for activity in run.activities}
     for group in mode_groups(run.network):
-        shown = []
-        for path, name in group.modes.items():
-            if path not in ends or (path not in processes and "." not in path):
-                continue
-            end = ends[path]
-            shown.append(f"{name} running" if end is None else f"{name} until {seconds(end)}")
-        if shown:
+        run_ = [(name, ends[path]) for path, name in group.modes.items() if path in ends]
+        if 0 < len(run_) <= _SHOWN:
+            shown = (f"{name} running" if end is None else f"{name} until {seconds(end)}" for name, end in run_)
             yield f"  {group.name}: {', '.join(shown)}"
+        elif run_:
+            ended = [end for _, end in run_ if end is not None]
+            last = f", the last at {seconds(max(ended))}" if ended else ""
+            yield f"  {group.name}: {len(ended)} of {len(run_)} processes ended{last}"

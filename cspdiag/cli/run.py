@@ -1,0 +1,154 @@
+"""``cspdiag run``: run a program against an environment."""
+
+from __future__ import annotations
+
+import sys
+from argparse import ArgumentParser, Namespace
+from collections.abc import Callable
+from contextlib import nullcontext
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from cspdiag.cli.failure import FINE, INTERRUPTED, UNSUCCESSFUL, UsageError
+from cspdiag.cli.terminal import show_diagnostics
+from cspdiag.sources import read_source
+
+if TYPE_CHECKING:
+    from cspdiag.network.ir import Network
+    from cspdiag.simulate.result import Run
+
+EXAMPLE = (
+    "cspdiag run models/jiwy/jiwy.csp --for 20s --plot jiwy.svg --record jiwy.csv\n"
+    "cspdiag run models/jiwy/jiwy.csp --set Tsh=10ms --set pan.inertia=2e-3"
+)
+
+_SUFFIXES = {
+    "record": (".csv", ".npz"),
+    "trace": (".json", ".jsonl"),
+    "plot": (".svg", ".png", ".pdf"),
+}
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Declare the options."""
+    parser.add_argument("file", metavar="FILE", help="a program; - reads standard input")
+    parser.add_argument("--environment", metavar="NAME", help="the environment to run in (default: the first)")
+    parser.add_argument("--for", dest="until", metavar="TIME", help="end after this time, such as 20s or 500ms")
+    parser.add_argument("--real-time", action="store_true", help="run against the clock instead of in virtual time")
+    parser.add_argument(
+        "--set", action="append", default=[], metavar="NAME=VALUE", dest="settings",
+        help="a constant (Tsh=10ms) or an instance's parameter (pan.inertia=2e-3); may be given again",
+    )  # fmt: skip
+    parser.add_argument("--target", choices=("python",), default="python", help="what to run it on (default: python)")
+    parser.add_argument("--record", type=Path, metavar="FILE", help="the external ports over time, as .csv or .npz")
+    parser.add_argument(
+        "--trace", type=Path, metavar="FILE", help="Chrome trace events as .json, or the plain trace as .jsonl"
+    )
+    parser.add_argument("--plot", type=Path, metavar="FILE", help="a figure, as .svg, .png or .pdf")
+    parser.add_argument("--quiet", action="store_true", help="no summary and no progress")
+
+
+def run(arguments: Namespace) -> int:
+    """Compile, run, record; the exit code says how the run ended."""
+    for option in _SUFFIXES:
+        _check_output(option, getattr(arguments, option))
+    if arguments.plot is not None:
+        _require_matplotlib()
+    from cspdiag.settings import SettingError, parse_duration
+
+    try:
+        until = None if arguments.until is None else parse_duration(arguments.until)
+        network = _network(arguments)
+    except SettingError as problem:
+        raise UsageError(str(problem)) from None
+    if network is None:
+        return UNSUCCESSFUL
+    result = _simulate(arguments, network, until)
+    return _conclude(arguments, result)
+
+
+def _check_output(option: str, path: Path | None) -> None:
+    """Refuse an output that could not be written before the run, not after it."""
+    if path is None:
+        return
+    if path.suffix not in _SUFFIXES[option]:
+        raise UsageError(f"--{option} {path}: the name must end in {' or '.join(_SUFFIXES[option])}")
+    if path.is_dir():
+        raise UsageError(f"--{option} {path}: is a directory")
+    if not path.parent.is_dir():
+        raise UsageError(f"--{option} {path}: there is no folder {path.parent}")
+
+
+def _require_matplotlib() -> None:
+    from importlib.util import find_spec
+
+    if find_spec("matplotlib") is None:
+        raise UsageError('--plot needs matplotlib: pip install "cspdiag[plot]"')
+
+
+def _network(arguments: Namespace) -> Network | None:
+    from cspdiag import pipeline
+    from cspdiag.settings import split_setting
+
+    settings = dict(split_setting(setting) for setting in arguments.settings)
+    built = pipeline.build(
+        read_source(arguments.file), read_source, environment=arguments.environment, settings=settings
+    )
+    show_diagnostics(built.checked.report.diagnostics, arguments.color)
+    return built.network
+
+
+def _simulate(arguments: Namespace, network: Network, until: int | None) -> Run:
+    from cspdiag import pipeline
+    from cspdiag.cli.progress import Progress
+    from cspdiag.simulate.execute import NoEnvironmentError, simulate
+    from cspdiag.simulate.modes import mode_groups
+    from cspdiag.simulate.recorder import Recorder
+
+    files = pipeline.generate(network, read_source)
+    recorder = Recorder()
+    progress = None
+    if not arguments.quiet and sys.stderr.isatty():
+        progress = Progress(recorder, mode_groups(network))
+    try:
+        with progress or nullcontext():
+            return simulate(
+                network,
+                files,
+                environment=arguments.environment,
+                until=until,
+                real_time=arguments.real_time,
+                recorder=recorder,
+                probe_variables=arguments.plot is not None,
+                on_start=progress.attach if progress is not None else None,
+            )
+    except NoEnvironmentError as problem:
+        raise UsageError(str(problem)) from None
+
+
+def _conclude(arguments: Namespace, result: Run) -> int:
+    written: list[str] = []
+
+    def write(path: Path | None, writer: Callable[[Path], object]) -> None:
+        if path is not None:
+            writer(path)
+            written.append(str(path))
+
+    write(arguments.record, result.to_npz if str(arguments.record).endswith(".npz") else result.to_csv)
+    write(arguments.trace, result.to_trace)
+    write(arguments.plot, result.plot)
+    if result.outcome.deadlock is not None:
+        sys.stderr.write(f"{result.outcome.deadlock.text}\n")
+    if not arguments.quiet:
+        sys.stderr.write(f"{result.summary()}\n")
+        if written:
+            sys.stderr.write(f"  wrote {', '.join(written)}\n")
+    elif result.outcome.ended == "failed":
+        sys.stderr.write(f"cspdiag: {result.outcome.error}\n")
+    match result.outcome.ended:
+        case "terminated" | "time limit":
+            return FINE
+        case "stopped":
+            return INTERRUPTED
+        case _:
+            return UNSUCCESSFUL

@@ -1,0 +1,54 @@
+"""Notes what is written to variables, which is no communication and so in no trace, for the plot."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from cspdiag.model.types import RealType
+from cspdiag.network.ir import Network
+
+if TYPE_CHECKING:
+    from cspdiag.runtime import Network as RunningNetwork
+    from cspdiag.runtime import Process, Variable
+    from cspdiag.simulate.recorder import Recorder
+
+
+def probe(running: RunningNetwork, network: Network, recorder: Recorder) -> None:
+    """Let every variable with a unit report its writes to ``recorder``, from now on."""
+    from cspdiag.runtime import Variable
+
+    wanted = {
+        net.path for net in network.nets if net.kind == "var" and isinstance(net.type, RealType) and net.type.unit.text
+    }
+
+    class ProbedVariable(Variable[float]):
+        """Reports its writes; a class of its own for each run, because variables have no room for a recorder."""
+
+        __slots__ = ()
+
+        def __setattr__(self, name: str, value: float) -> None:
+            super().__setattr__(name, value)
+            recorder.variable_written(running.now, self.name, value)
+
+    for variable in _variables(running.process):
+        if variable.name in wanted:
+            variable.__class__ = ProbedVariable
+
+
+def _variables(process: Process) -> Iterator[Variable[float]]:
+    from cspdiag.runtime import Process, Variable
+
+    pending: list[object] = [process]
+    seen: set[int] = set()
+    while pending:
+        item = pending.pop()
+        if id(item) in seen:
+            continue
+        seen.add(id(item))
+        if isinstance(item, Variable):
+            yield item
+        elif isinstance(item, list | tuple):
+            pending += item
+        elif isinstance(item, Process):
+            pending += vars(item).values()

@@ -1,0 +1,95 @@
+"""``cspdiag run``."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from cspdiag.cli.main import main
+
+MODELS = Path(__file__).parents[2] / "models"
+
+
+def test_run_writes_what_was_asked_for_and_says_so(heater: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = heater.parent
+    outputs = {"record": "out.csv", "trace": "out.jsonl", "plot": "out.png"}
+    options = [part for option, name in outputs.items() for part in (f"--{option}", str(folder / name))]
+    assert main(["run", str(heater), *options]) == 0
+    shown = capsys.readouterr()
+    assert shown.out == ""
+    assert "ended by itself at 480 ms" in shown.err
+    for name in outputs.values():
+        assert str(folder / name) in shown.err
+        assert (folder / name).stat().st_size > 0
+    assert json.loads((folder / "out.jsonl").read_text().splitlines()[0])["channel"] == "Oven.temperature"
+
+
+def test_quiet_run_says_nothing(heater: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["run", str(heater), "--quiet"]) == 0
+    assert capsys.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize(
+    ("options", "reason"),
+    [
+        (["--record", "out.xls"], "the name must end in .csv or .npz"),
+        (["--plot", "nowhere/out.svg"], "there is no folder nowhere"),
+        (["--environment", "Banch"], "no environment `Banch`"),
+        (["--for", "soon"], "soon"),
+        (["--set", "chamber"], "a setting is NAME=VALUE"),
+        (["--set", "chamber.ambiant=3"], "ambient"),
+        (["--target", "c"], "invalid choice"),
+    ],
+)
+def test_wrong_use_is_one_line(
+    heater: Path, options: list[str], reason: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["run", str(heater), *options]) == 2
+    shown = capsys.readouterr().err
+    assert reason in shown
+    assert shown.count("\n") == 1
+
+
+def test_program_without_environment_says_what_is_missing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "open.csp"
+    path.write_text("process Open {\n  in level : int @ 1 ms\n  communication { var x : int = 0 }\n  composition { mu level ? x }\n}\n")
+    assert main(["run", str(path)]) == 2
+    assert "`Open` has no environment to run in" in capsys.readouterr().err
+
+
+def test_errors_of_the_program_end_with_1(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "wrong.csp"
+    path.write_text("process Open { composition { nobody } }\n")
+    assert main(["run", str(path)]) == 1
+    assert "nobody" in capsys.readouterr().err
+
+
+def test_deadlock_is_reported_with_its_cycle(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["run", str(MODELS / "dining" / "deadlock.csp")]) == 1
+    shown = capsys.readouterr().err
+    assert "deadlock at 10 ms" in shown
+    for number in range(5):
+        assert f"SymmetricTable.philosopher[{number}]" in shown
+    assert "table.csp:" in shown
+
+
+def test_ctrl_c_releases_outputs_and_closes_recordings(heater: Path) -> None:
+    """In real time the run lasts 480 ms; it is interrupted in the middle."""
+    record = heater.parent / "out.csv"
+    command = [sys.executable, "-m", "cspdiag", "run", str(heater), "--real-time", "--record", str(record)]
+    child = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, env={**os.environ, "PYTHONUNBUFFERED": "1"})
+    # The program itself ends after 480 ms, so the signal has to come between start-up and that moment: the environment is held back below.
+    deadline = time.monotonic() + 30
+    while child.poll() is None and time.monotonic() < deadline:
+        time.sleep(0.05)
+        child.send_signal(signal.SIGINT)
+    error = child.communicate(timeout=30)[1]
+    assert child.returncode == 130
+    assert "Traceback" not in error

@@ -1,0 +1,129 @@
+"""Recordings, traces and the result of a run."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from pathlib import Path
+
+import numpy
+import pytest
+
+import cspdiag
+from cspdiag.simulate.chrome_trace import chrome_trace_text
+from cspdiag.simulate.files import csv_text, plain_trace_text, write_whole
+from cspdiag.simulate.result import Run
+
+
+@pytest.fixture
+def run(heater: Path) -> Run:
+    return cspdiag.load(str(heater)).run("Bench", until="2 s")
+
+
+def test_run_ends_when_the_program_ends(run: Run) -> None:
+    assert run.outcome.ended == "terminated"
+    # The button changes at the first grid instant after 400 ms; 25 ms of cooling follow, and the log listens until 480 ms.
+    assert run.outcome.time == 480_000_000
+
+
+def test_signals_are_arrays_by_the_names_of_the_ports(run: Run) -> None:
+    assert list(run.signals)[:3] == ["temperature", "button", "power"]
+    assert run.time("temperature")[:3] == pytest.approx([0.01, 0.02, 0.03])
+    assert run["button"].tolist() == [1]
+    assert run.time("button").tolist() == pytest.approx([0.405])
+    with pytest.raises(KeyError, match="there are: temperature, button, power"):
+        run["temprature"]
+
+
+def test_output_reaches_the_plant_one_period_later(run: Run) -> None:
+    assert run["power"][0] == 50.0
+    assert run.time("power")[0] == pytest.approx(0.02)
+
+
+def test_closed_loop_follows_the_differential_equation(run: Run) -> None:
+    # From 20 ms on the chamber is driven by 50 W: t = 290 + 1000 (1 - exp(-(time - 0.02)/1 s)).
+    time, temperature = run.time("temperature"), run["temperature"]
+    heating = (time > 0.02) & (temperature < 309)
+    expected = 290 + 1000 * (1 - numpy.exp(-(time[heating] - 0.02)))
+    assert heating.sum() >= 1
+    assert temperature[heating] == pytest.approx(expected, rel=1e-9)
+
+
+def test_recording_holds_values_between_communications(run: Run) -> None:
+    rows = list(csv.DictReader(io.StringIO(csv_text(run))))
+    assert list(rows[0]) == ["time", "temperature", "button", "power"]
+    assert rows[0]["time"] == "0.01"
+    assert rows[0]["power"] == ""
+    assert float(rows[1]["power"]) == 50.0
+    pressed = [row for row in rows if row["button"]]
+    assert float(pressed[0]["time"]) == pytest.approx(0.405)
+    assert len({row["time"] for row in rows}) == len(rows)
+
+
+def test_plain_trace_has_every_communication_in_order(run: Run) -> None:
+    events = [json.loads(line) for line in plain_trace_text(run).splitlines()]
+    assert [event["t"] for event in events] == sorted(event["t"] for event in events)
+    assert events[0] == {"t": 10_000_000, "channel": "Oven.temperature", "value": 290.0}
+    assert {"t": 10_000_000, "channel": "Oven.demand", "value": "high"} in events
+    assert not any(event["channel"].endswith(".now") for event in events)
+
+
+def test_two_runs_give_the_same_trace(run: Run, heater: Path) -> None:
+    again = cspdiag.load(str(heater)).run("Bench", until="2 s")
+    assert plain_trace_text(run) == plain_trace_text(again)
+
+
+def test_archive_has_instants_beside_values(run: Run, tmp_path: Path) -> None:
+    run.to_npz(tmp_path / "out.npz")
+    with numpy.load(tmp_path / "out.npz") as archive:
+        assert set(archive) == {name + tail for name in ("temperature", "button", "power") for tail in ("", ".time")}
+        assert archive["power"].tolist() == run["power"].tolist()
+        assert archive["power.time"].tolist() == run.time("power").tolist()
+
+
+def test_chrome_trace_has_tracks_flows_and_counters(run: Run) -> None:
+    events = json.loads(chrome_trace_text(run))["traceEvents"]
+    tracks = {event["args"]["name"]: event["tid"] for event in events if event["name"] == "thread_name"}
+    assert {"Oven", "Oven.heat", "Oven.log", "Oven.cool", "Oven.work"} <= set(tracks)
+    starts = {event["id"]: event for event in events if event["ph"] == "s"}
+    finishes = {event["id"]: event for event in events if event["ph"] == "f"}
+    assert starts.keys() == finishes.keys() != set()
+    assert {event["tid"] for event in starts.values()} == {tracks["Oven.heat"]}
+    assert {event["tid"] for event in finishes.values()} == {tracks["Oven.log"]}
+    counters = {event["name"] for event in events if event["ph"] == "C"}
+    assert counters == {"temperature", "button", "power"}
+    heat = next(event for event in events if event["ph"] == "X" and event["tid"] == tracks["Oven.heat"])
+    assert heat["dur"] == pytest.approx(405_000, abs=1)
+
+
+def test_summary_says_when_each_mode_ended(run: Run) -> None:
+    summary = run.summary()
+    assert "Oven in Bench: ended by itself at 480 ms" in summary
+    assert "work: heat until 405 ms, cool until 430 ms" in summary
+    assert "missed samples: none" in summary
+
+
+def test_plot_shows_signals_and_modes(run: Run, tmp_path: Path) -> None:
+    figure = run.plot(tmp_path / "out.svg")
+    labels = {line.get_label() for axes in figure.axes for line in axes.lines}
+    assert {"temperature", "power"} <= labels
+    texts = {text.get_text() for axes in figure.axes for text in axes.texts}
+    assert {"heat", "cool"} <= texts
+    assert (tmp_path / "out.svg").read_text().startswith("<?xml")
+    assert "<svg" in run._repr_svg_()
+
+
+def test_file_that_cannot_be_written_leaves_nothing(tmp_path: Path) -> None:
+    target = tmp_path / "out"
+    target.mkdir()
+    with pytest.raises(OSError, match="out"):
+        write_whole(target, b"data")
+    assert [path.name for path in tmp_path.iterdir()] == ["out"]
+
+
+def test_time_limit_and_settings(heater: Path) -> None:
+    run = cspdiag.load(str(heater)).run(until="100 ms", set={"chamber.ambient": "320<K>"})
+    assert run.outcome.ended == "time limit"
+    assert run["temperature"][0] == 320.0
+    assert set(run["power"]) == {5.0}
