@@ -3,8 +3,25 @@
 from __future__ import annotations
 
 from cspdiag.diagnostics import Report
+from cspdiag.model.check_compositions import check_compositions
+from cspdiag.model.check_constants import check_constants
+from cspdiag.model.check_environments import check_environments
+from cspdiag.model.check_equations import check_equations
+from cspdiag.model.check_ports import check_ports
+from cspdiag.model.check_relationships import check_relationships
 from cspdiag.model.program import Program
+
+CHECKS = (
+    check_constants,
+    check_ports,
+    check_relationships,
+    check_compositions,
+    check_equations,
+    check_environments,
+)
 
 
 def check(program: Program, report: Report) -> None:
     """Report everything that is wrong with the definitions of a program, each by itself."""
+    for family in CHECKS:
+        family(program, report)

@@ -1,0 +1,181 @@
+"""Communication relationships: directions, and one type and unit at all ends."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from cspdiag.diagnostics import Label, Report
+from cspdiag.model.check_ports import check_duration
+from cspdiag.model.coercion import same
+from cspdiag.model.diagnostics_constants import NotPositive
+from cspdiag.model.diagnostics_ports import DifferentEnds, WrongSink, WrongSource
+from cspdiag.model.evaluate import evaluate
+from cspdiag.model.program import EndLabelSymbol, PortSymbol, Program
+from cspdiag.model.symbols import declared_at, described
+from cspdiag.model.types import UNKNOWN, Type
+from cspdiag.syntax import ast
+
+
+def check_relationships(program: Program, report: Report) -> None:
+    """Check every relationship of processes and environments."""
+    for definition in program.definitions.values():
+        if isinstance(definition, ast.ProcessDefinition) and definition.communication is not None:
+            _check_all(program, definition.communication.declarations, report, in_environment=False)
+        elif isinstance(definition, ast.EnvironmentDefinition):
+            _check_all(program, definition.declarations, report, in_environment=True)
+            if definition.step is not None:
+                check_duration(program, definition.step, "the step", report, zero_allowed=False)
+
+
+def _check_all(
+    program: Program, declarations: Iterable[ast.Declaration], report: Report, *, in_environment: bool
+) -> None:
+    pending = list(declarations)[::-1]
+    while pending:
+        item = pending.pop()
+        match item:
+            case ast.RepeatedDeclarations():
+                pending += reversed(item.declarations)
+            case ast.Connection():
+                _check_directions(program, item, report, in_environment=in_environment)
+                _check_types(program, item, report)
+                _check_capacity(program, item.kind, report)
+            case ast.Channel():
+                _check_capacity(program, item.kind, report)
+            case _:
+                pass
+
+
+def _check_capacity(program: Program, kind: ast.Kind | None, report: Report) -> None:
+    if kind is None or kind.capacity is None:
+        return
+    value = evaluate(program, kind.capacity, {}, report)
+    if isinstance(value, int) and value < 1:
+        what = f"the capacity of a channel of kind {kind.name}"
+        report.add(NotPositive(kind.capacity.span, what=what, value=str(value), zero_allowed=False))
+        program.poisoned.add(kind.capacity)
+
+
+def _check_directions(program: Program, connection: ast.Connection, report: Report, *, in_environment: bool) -> None:
+    inside, outside = ("out", "in") if in_environment else ("in", "out")
+    for source in connection.sources:
+        wrong = _port_of_direction(program, source, own=outside, inner="in")
+        if wrong is not None:
+            advice = _source_advice(program, connection, source, wrong, inside)
+            kind = _kind(source, wrong, in_environment)
+            refused = WrongSource(
+                source.span, name=source.span.text, kind=kind, advice=advice, declared=declared_at(wrong)
+            )
+            _refuse(program, report, refused, connection, source)
+    for sink in connection.sinks:
+        if not isinstance(sink, ast.Reference):
+            continue
+        wrong = _port_of_direction(program, sink, own=inside, inner="out")
+        if wrong is not None:
+            advice = _sink_advice(program, connection, sink, wrong)
+            kind = _kind(sink, wrong, in_environment)
+            refused_sink = WrongSink(
+                sink.span, name=sink.span.text, kind=kind, advice=advice, declared=declared_at(wrong)
+            )
+            _refuse(program, report, refused_sink, connection, sink)
+
+
+def _refuse(
+    program: Program, report: Report, refused: WrongSource | WrongSink, connection: ast.Connection, end: ast.Reference
+) -> None:
+    report.add(refused)
+    program.poisoned.update((connection, end))
+
+
+def _port_of_direction(program: Program, end: ast.Reference, *, own: str, inner: str) -> PortSymbol | None:
+    """The port at an end, if it is one of this process with direction ``own`` or one of an instance with direction ``inner``."""
+    if end in program.poisoned:
+        return None
+    member, symbol = program.members.get(end), program.bindings.get(end)
+    if isinstance(member, PortSymbol):
+        return member if member.declaration.direction == inner else None
+    if isinstance(symbol, PortSymbol) and end.member is None:
+        return symbol if symbol.declaration.direction == own else None
+    return None
+
+
+def _kind(end: ast.Reference, port: PortSymbol, in_environment: bool) -> str:
+    if end.member is not None:
+        return f"{described(port)} of an instance"
+    return f"{described(port)} of the program" if in_environment else f"{described(port)} of this process"
+
+
+def _source_advice(
+    program: Program, connection: ast.Connection, source: ast.Reference, port: PortSymbol, inside: str
+) -> str:
+    sinks = [sink for sink in connection.sinks if isinstance(sink, ast.Reference)]
+    for sink in sinks:
+        member = program.members.get(sink)
+        if isinstance(member, PortSymbol) and member.declaration.direction == "out":
+            return f"turn the arrow around: `{sink.span.text} -> {source.span.text}`"
+    if source.member is not None:
+        return f"an arrow begins at an out port of an instance or at an {inside} port of this process"
+    turned = "in" if port.declaration.direction == "out" else "out"
+    return f"begin at an out port of an instance, or declare `{turned} {port.name} : {port.type}`"
+
+
+def _sink_advice(program: Program, connection: ast.Connection, sink: ast.Reference, port: PortSymbol) -> str:
+    for source in connection.sources:
+        symbol = program.members.get(source) or program.bindings.get(source)
+        if isinstance(symbol, PortSymbol) and symbol.declaration.direction != port.declaration.direction:
+            continue
+        if isinstance(symbol, PortSymbol) and sink.member is not None and source.member is None:
+            return f"turn the arrow around: `{sink.span.text} -> {source.span.text}`"
+    if sink.member is not None:
+        return "an arrow ends at an in port of an instance or at an out port of this process"
+    turned = "in" if port.declaration.direction == "out" else "out"
+    return f"end at an in port of an instance, or declare `{turned} {port.name} : {port.type}`"
+
+
+def _check_types(program: Program, connection: ast.Connection, report: Report) -> None:
+    """Compare every end with the label's type, or with the first end where that has none."""
+    ends = [*connection.sources, *(sink for sink in connection.sinks if isinstance(sink, ast.Reference))]
+    known = [(end, program.types.get(end, UNKNOWN)) for end in ends if end not in program.poisoned]
+    known = [(end, found) for end, found in known if found is not UNKNOWN]
+    if connection.type is not None:
+        wanted = program.types.get(connection.type, UNKNOWN)
+        name = connection.label.text if connection.label is not None else "the arrow"
+        place = Label(connection.type.span, f"the arrow is declared to carry {wanted}")
+        for end, found in known:
+            if not same(found, wanted):
+                notes = (_declaration(program, end, found), place)
+                report.add(_different(end, found, name, wanted, notes))
+        return
+    if not known:
+        return
+    first, expected = known[0]
+    for end, found in known[1:]:
+        if not same(found, expected):
+            notes = (_declaration(program, first, expected), _declaration(program, end, found))
+            report.add(_different(end, found, first.span.text, expected, notes, turned=True))
+
+
+def _different(
+    end: ast.Reference,
+    found: Type,
+    other: str,
+    other_type: Type,
+    notes: tuple[Label, Label],
+    *,
+    turned: bool = False,
+) -> DifferentEnds:
+    if turned:
+        return DifferentEnds(end.span, other, other_type, end.span.text, found, notes)
+    return DifferentEnds(end.span, end.span.text, found, other, other_type, notes)
+
+
+def _declaration(program: Program, end: ast.Reference, found: Type) -> Label:
+    symbol = program.members.get(end) or program.bindings.get(end)
+    place = end.span
+    if isinstance(symbol, PortSymbol):
+        place = symbol.declaration.span
+    elif isinstance(symbol, ast.Variable | ast.Channel):
+        place = symbol.span
+    elif isinstance(symbol, EndLabelSymbol):
+        place = symbol.connection.span
+    return Label(place, f"`{end.span.text}` is declared as {found}")
