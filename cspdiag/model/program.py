@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from typing import TypeAlias
 
 from cspdiag.diagnostics import Span
@@ -68,36 +67,36 @@ Symbol: TypeAlias = (
 )
 
 
-@dataclass(eq=False)
 class Scope:
     """What the names inside a process, submodel, driver or environment mean; ``ports`` are in text order."""
 
-    ports: dict[str, PortSymbol] = field(default_factory=dict)
-    names: dict[str, Symbol] = field(default_factory=dict)
+    def __init__(self) -> None:
+        self.ports: dict[str, PortSymbol] = {}
+        self.names: dict[str, Symbol] = {}
 
 
-@dataclass(eq=False)
 class Program:
     """A program after names and types were resolved.
 
     ``bindings``: ast.Name, ast.Reference (its first name), ast.Identifier (of definitions used, members, callees) to what they mean.
     ``members``: ast.Reference or ast.Member with a member, to the port, literal or field meant.
-    ``types``: of every expression; sizes that depend on parameters are None.
+    ``types``: of expressions, parameters, variables, channels, states, lets, constants, fields and type names; sizes that
+    depend on parameters are None.
+    ``time_uses``: submodels whose own equations use ``time``, and where.
     ``poisoned``: nodes about which something was reported; later passes are silent about them.
     ``overrides``: values of constants given from outside (``--set``).
     """
 
-    main: ast.SourceTree
-    trees: tuple[ast.SourceTree, ...]
-    definitions: dict[str, ast.Definition] = field(default_factory=dict)
-    assertions: list[ast.Assertion] = field(default_factory=list)
-    scopes: dict[ast.Node, Scope] = field(default_factory=dict)
-    bindings: dict[ast.Node, Symbol] = field(default_factory=dict)
-    members: dict[ast.Node, PortSymbol | EnumLiteralSymbol | str] = field(default_factory=dict)
-    types: dict[ast.Node, Type] = field(default_factory=dict)
-    """Of expressions, parameters, variables, channels, states, lets, constants, fields and type names."""
-    constants: dict[ast.Constant, Value] = field(default_factory=dict)
-    time_uses: dict[ast.Node, Span] = field(default_factory=dict)
-    """Submodels whose own equations use ``time``, and where."""
-    poisoned: set[ast.Node] = field(default_factory=set)
-    overrides: dict[str, Value] = field(default_factory=dict)
+    def __init__(self, main: ast.SourceTree, trees: tuple[ast.SourceTree, ...], overrides: dict[str, Value]) -> None:
+        self.main = main
+        self.trees = trees
+        self.definitions: dict[str, ast.Definition] = {}
+        self.assertions: list[ast.Assertion] = []
+        self.scopes: dict[ast.Node, Scope] = {}
+        self.bindings: dict[ast.Node, Symbol] = {}
+        self.members: dict[ast.Node, PortSymbol | EnumLiteralSymbol | str] = {}
+        self.types: dict[ast.Node, Type] = {}
+        self.constants: dict[ast.Constant, Value] = {}
+        self.time_uses: dict[ast.Node, Span] = {}
+        self.poisoned: set[ast.Node] = set()
+        self.overrides = overrides
