@@ -1,0 +1,170 @@
+"""The layout of expressions, types and arguments."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TypeVar, assert_never
+
+from cspdiag.syntax import ast
+from cspdiag.syntax.layout import NOTHING, SPACE, Break
+from cspdiag.syntax.writer import Writer
+
+T = TypeVar("T")
+
+_LEVELS = (["or"], ["and"], ["==", "!=", "<", "<=", ">", ">="], ["+", "-"], ["*", "/", "%"], ["^"])
+_PRECEDENCE = {operator: level for level, operators in enumerate(_LEVELS) for operator in operators}
+
+
+class ExpressionFormatter:
+    """Writes expressions; every method takes exactly the tokens of its node.
+
+    ``before`` is what separates a node from the token before it.
+    """
+
+    def __init__(self, writer: Writer) -> None:
+        self.writer = writer
+
+    def token(self, before: str | Break = "") -> None:
+        """The next token as it is."""
+        self.writer.take(before)
+
+    def expression(self, node: ast.Expression, before: str | Break = "") -> None:
+        """An expression with its parentheses."""
+        if not node.parenthesized:
+            self._bare(node, before)
+            return
+        self.writer.take(before)
+        with self.writer.group():
+            with self.writer.indented():
+                self._bare(node, NOTHING)
+                self.writer.comments()
+            self.token(NOTHING)
+
+    def _bare(self, node: ast.Expression, before: str | Break) -> None:
+        match node:
+            case ast.Number() | ast.Duration() | ast.Boolean() | ast.Text() | ast.Name():
+                self.token(before)
+            case ast.Member(value=value):
+                self.expression(value, before)
+                self.token()
+                self.token()
+            case ast.Index(value=value, index=index):
+                self.expression(value, before)
+                self.token()
+                self.expression(index)
+                self.token()
+            case ast.Unary(operator=operator, operand=operand):
+                self.token(before)
+                self.expression(operand, " " if operator == "not" else "")
+            case ast.Binary():
+                self._binary(node, before)
+            case ast.Conditional(condition=condition, then=then, otherwise=otherwise):
+                with self.writer.group(before), self.writer.indented():
+                    self.token()
+                    self.expression(condition, " ")
+                    self.token(SPACE)
+                    self.expression(then, " ")
+                    self.token(SPACE)
+                    self.expression(otherwise, " ")
+            case ast.Call(arguments=arguments):
+                self.token(before)
+                self.arguments(arguments)
+            case ast.ArrayValue(elements=elements):
+                self.token(before)
+                self._bracketed(elements, self.expression)
+            case _:
+                assert_never(node)
+
+    def _binary(self, node: ast.Binary, before: str | Break) -> None:
+        """A chain of operators of one precedence, which break together."""
+        precedence = _PRECEDENCE[node.operator]
+        chain = [node]
+        first: ast.Expression = node.left
+        while isinstance(first, ast.Binary) and not first.parenthesized and _PRECEDENCE[first.operator] == precedence:
+            chain.append(first)
+            first = first.left
+        if node.operator == "^":
+            self.expression(node.left, before)
+            self.token()
+            self.expression(node.right)
+            return
+        with self.writer.group(before), self.writer.indented():
+            self.expression(first)
+            for link in reversed(chain):
+                self.token(SPACE)
+                self.expression(link.right, " ")
+
+    def arguments(self, arguments: Sequence[ast.Argument]) -> None:
+        """Arguments in parentheses."""
+        self.token()
+        self._bracketed(arguments, self._argument)
+
+    def _argument(self, node: ast.Argument, before: str | Break) -> None:
+        if node.name is None:
+            self.expression(node.value, before)
+            return
+        self.token(before)
+        self.token(" ")
+        self.expression(node.value, " ")
+
+    def _bracketed(self, items: Sequence[T], write: Callable[[T, str | Break], None]) -> None:
+        """A list up to its closing bracket, one item a line if it does not fit."""
+        with self.writer.group():
+            with self.writer.indented():
+                for position, item in enumerate(items):
+                    if position:
+                        self.token()
+                    write(item, SPACE if position else NOTHING)
+                self.writer.comments()
+            self.token(NOTHING if items else "")
+
+    def listed(self, items: Sequence[T], write: Callable[[T, str | Break], None], before: str | Break = "") -> None:
+        """Items with commas between them."""
+        for position, item in enumerate(items):
+            if position:
+                self.token()
+            write(item, SPACE if position else before)
+
+    def type_name(self, node: ast.TypeName, before: str | Break = "") -> None:
+        """A type with its unit and dimensions."""
+        self.token(before)
+        if node.unit is not None:
+            self.writer.take_unit()
+        self.indexes(node.dimensions)
+
+    def indexes(self, indexes: Sequence[ast.Expression]) -> None:
+        """``[i][j]``."""
+        for index in indexes:
+            self.token()
+            self.expression(index)
+            self.token()
+
+    def replicator(self, node: ast.Replicator, before: str | Break = "") -> None:
+        """``i < N``."""
+        self.token(before)
+        self.token(" ")
+        self.expression(node.count, " ")
+
+    def reference(self, node: ast.Reference | ast.Discard, before: str | Break = "") -> None:
+        """``cell[i].out[j]`` or ``_``."""
+        self.token(before)
+        if isinstance(node, ast.Discard):
+            return
+        self.indexes(node.indexes)
+        if node.member is not None:
+            self.token()
+            self.token()
+            self.indexes(node.member_indexes)
+
+    def parameters(self, parameters: Sequence[ast.Parameter]) -> None:
+        """Parameters in parentheses."""
+        self.token()
+        self._bracketed(parameters, self._parameter)
+
+    def _parameter(self, node: ast.Parameter, before: str | Break) -> None:
+        self.token(before)
+        self.token()
+        self.type_name(node.type, " ")
+        if node.default is not None:
+            self.token(" ")
+            self.expression(node.default, " ")

@@ -1,0 +1,204 @@
+"""The one style of programs: four spaces, lines of 120 characters.
+
+The formatter changes the space between tokens and nothing else; parentheses, order and comments stay as they are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import assert_never
+
+from cspdiag.syntax import ast
+from cspdiag.syntax.format_communication import CommunicationFormatter
+from cspdiag.syntax.format_composition import CompositionFormatter
+from cspdiag.syntax.layout import SPACE, TWO_SPACES, Mark, render
+from cspdiag.syntax.writer import Writer
+
+
+def format_tree(tree: ast.SourceTree) -> str:
+    """The text of a file in the one style; the file must be without syntax errors."""
+    writer = Writer(tree.source.text)
+    _Formatter(writer).file(tree)
+    return render(writer.pieces)
+
+
+_BLOCKS = (ast.ProcessDefinition, ast.SubmodelDefinition, ast.DriverDefinition, ast.EnvironmentDefinition)
+
+
+class _Formatter(CommunicationFormatter, CompositionFormatter):
+    def file(self, tree: ast.SourceTree) -> None:
+        """All items; definitions with a block have empty lines around them."""
+        previous: ast.Item | None = None
+        for item in tree.items:
+            apart = previous is not None and (isinstance(item, _BLOCKS) or isinstance(previous, _BLOCKS))
+            self.writer.begin_line(blank=True if apart else None)
+            self._item(item)
+            previous = item
+        self.writer.begin_line()
+
+    def _item(self, node: ast.Item) -> None:
+        match node:
+            case ast.Import(library=library):
+                self.token()
+                self.token(" ")
+                if library is not None:
+                    for _ in range(2 * library.count(".")):
+                        self.token()
+            case ast.Constant(type=constant_type, value=value):
+                self.token()
+                self.token(" ")
+                if constant_type is not None:
+                    self.token(" ")
+                    self.type_name(constant_type, " ")
+                self.token(" ")
+                self.expression(value, " ")
+            case ast.TypeAliasDefinition(type=meant):
+                self.token()
+                self.token(" ")
+                self.token(" ")
+                self.type_name(meant, " ")
+            case ast.EnumDefinition(literals=literals):
+                self._enum(literals)
+            case ast.StructDefinition(fields=fields):
+                self._struct(fields)
+            case ast.ExceptionDefinition():
+                self.token()
+                self.token(" ")
+            case ast.Assertion():
+                self._assertion(node)
+            case ast.ProcessDefinition():
+                self._process(node)
+            case ast.SubmodelDefinition():
+                self._submodel(node)
+            case ast.DriverDefinition(parameters=parameters, ports=ports):
+                self._head(parameters)
+                self._clauses({})
+                with self.writer.block():
+                    self.ports(ports)
+            case ast.EnvironmentDefinition():
+                self._environment(node)
+            case _:
+                assert_never(node)
+
+    def _enum(self, literals: Sequence[ast.Identifier]) -> None:
+        self.token()
+        self.token(" ")
+        self.token(" ")
+        with self.writer.group():
+            self._keep_broken()
+            with self.writer.indented():
+                self.listed(literals, lambda literal, before: self.token(before), SPACE)
+                self.writer.comments()
+            self.token(SPACE)
+
+    def _struct(self, fields: Sequence[ast.Field]) -> None:
+        self.token()
+        self.token(" ")
+        self.token(" ")
+        with self.writer.group():
+            self._keep_broken()
+            with self.writer.indented():
+                for position, field in enumerate(fields):
+                    self.token(TWO_SPACES if position else SPACE)
+                    self.token()
+                    self.type_name(field.type, " ")
+                self.writer.comments()
+            self.token(SPACE)
+
+    def _keep_broken(self) -> None:
+        """What was broken after its opening brace stays so."""
+        if self.writer.new_line_before_next():
+            self.writer.pieces.append(Mark.BROKEN)
+
+    def _assertion(self, node: ast.Assertion) -> None:
+        self.token()
+        self.token(" ")
+        self.token(" ")
+        if node.property in {"deadlock free", "livelock free", "refines"}:
+            self.token(" ")
+        if self.writer.next == "in" and node.model == "failures":
+            self.token(" ")
+            self.token(" ")
+
+    def _head(self, parameters: Sequence[ast.Parameter]) -> None:
+        """Up to the opening brace."""
+        self.token()
+        self.token(" ")
+        if self.writer.next == "(":
+            self.parameters(parameters)
+
+    def _clauses(self, clauses: Mapping[str, ast.Expression | None]) -> None:
+        """The clauses of a head, in the order in which they stand."""
+        while self.writer.next != "{":
+            clause = clauses.get(self.writer.next)
+            # Otherwise `method = tustin`, `on miss count` or `python "file.py:Class"`.
+            words = 3 if self.writer.next in {"method", "on"} else 2
+            self.token(" ")
+            if clause is not None:
+                self.expression(clause, " ")
+                continue
+            self.token(" ")
+            if words == 3:
+                self.token(" ")
+
+    def _process(self, node: ast.ProcessDefinition) -> None:
+        self._head(node.parameters)
+        self._clauses({"wcet": node.wcet})
+        with self.writer.block():
+            self.ports(node.ports)
+            has_parts = bool(node.ports)
+            if node.communication is not None:
+                self.writer.begin_line(blank=has_parts)
+                self.token()
+                with self.writer.block():
+                    self.declarations(node.communication.declarations)
+                has_parts = True
+            if node.composition is not None:
+                self.writer.begin_line(blank=has_parts)
+                self.token()
+                with self.writer.block():
+                    self.writer.begin_line()
+                    self.composition(node.composition)
+
+    def _submodel(self, node: ast.SubmodelDefinition) -> None:
+        self._head(node.parameters)
+        self._clauses({"wcet": node.wcet, "step": node.step})
+        with self.writer.block():
+            self.ports(node.ports)
+            for position, item in enumerate(node.items):
+                self.writer.begin_line(blank=True if position == 0 and node.ports else None)
+                self._equation(item)
+
+    def _equation(self, node: ast.SubmodelItem) -> None:
+        match node:
+            case ast.Instance():
+                self.instance(node)
+            case ast.State(type=state_type, initial=initial):
+                self.token()
+                self.token(" ")
+                self.token(" ")
+                self.type_name(state_type, " ")
+                self.token(" ")
+                self.expression(initial, " ")
+            case ast.Let(value=value) | ast.Next(value=value) | ast.Derivative(value=value):
+                self.token()
+                self.token(" ")
+                self.token(" ")
+                self.expression(value, " ")
+            case ast.Equation(target=target, value=value):
+                self.reference(target)
+                self.token(" ")
+                self.expression(value, " ")
+            case _:
+                assert_never(node)
+
+    def _environment(self, node: ast.EnvironmentDefinition) -> None:
+        self.token()
+        self.token(" ")
+        self.token(" ")
+        self.token(" ")
+        if self.writer.next == "(":
+            self.arguments(node.arguments)
+        self._clauses({"step": node.step})
+        with self.writer.block():
+            self.declarations(node.declarations)

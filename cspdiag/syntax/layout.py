@@ -1,0 +1,182 @@
+"""Text with places where lines may break, and the choice of where they do.
+
+The pieces form a flat list. A group is kept on one line if it fits and holds no ``NewLine``; otherwise each ``Break`` that is
+directly in it becomes a new line (Oppen, "Prettyprinting", 1980; Wadler, "A prettier printer", 1998).
+"""
+
+from __future__ import annotations
+
+from enum import Enum, auto
+from typing import TypeAlias
+
+WIDTH = 120
+_INDENT = 4
+
+
+class Mark(Enum):
+    """Pieces without text of their own."""
+
+    OPEN = auto()
+    """A group begins."""
+    CLOSE = auto()
+    INDENT = auto()
+    DEDENT = auto()
+    BROKEN = auto()
+    """The group is broken, whatever fits."""
+    NEW_LINE = auto()
+    """A new line, whatever fits; nothing at the beginning of a line."""
+    BLANK_LINE = auto()
+    """A new line with an empty line before."""
+
+
+class Break:
+    """A new line in a group that is broken, ``flat`` in one that is not."""
+
+    def __init__(self, flat: str) -> None:
+        self.flat = flat
+
+
+class Padding:
+    """Spaces that align columns; their number is known only when all rows were written."""
+
+    def __init__(self) -> None:
+        self.width = 0
+
+
+Piece: TypeAlias = str | Mark | Break | Padding
+
+_BREAKING = (Mark.BROKEN, Mark.NEW_LINE, Mark.BLANK_LINE)
+
+SPACE = Break(" ")
+TWO_SPACES = Break("  ")
+NOTHING = Break("")
+
+
+def flat_width(pieces: list[Piece]) -> int | None:
+    """How wide the pieces are on one line; None if they cannot be on one line."""
+    width = 0
+    for piece in pieces:
+        if isinstance(piece, str):
+            if "\n" in piece:
+                return None
+            width += len(piece)
+        elif isinstance(piece, Break):
+            width += len(piece.flat)
+        elif isinstance(piece, Padding):
+            width += piece.width
+        elif piece in _BREAKING:
+            return None
+    return width
+
+
+def render(pieces: list[Piece]) -> str:
+    """The text, with one new line at its end."""
+    return _Renderer(pieces).run()
+
+
+class _Renderer:
+    def __init__(self, pieces: list[Piece]) -> None:
+        self._pieces = pieces
+        self._widths = _group_widths(pieces)
+        self._lines: list[str] = []
+        self._line = ""
+        self._indent = 0
+        self._at_start = True
+
+    def run(self) -> str:
+        broken = [True]
+        for position, piece in enumerate(self._pieces):
+            if isinstance(piece, str):
+                self._write(piece)
+            elif isinstance(piece, Padding):
+                self._write(" " * piece.width)
+            elif isinstance(piece, Break):
+                if broken[-1]:
+                    self._end_line()
+                else:
+                    self._write(piece.flat)
+            else:
+                match piece:
+                    case Mark.OPEN:
+                        broken.append(broken[-1] and not self._fits(self._widths[position]))
+                    case Mark.CLOSE:
+                        broken.pop()
+                    case Mark.INDENT:
+                        self._indent += 1
+                    case Mark.DEDENT:
+                        self._indent -= 1
+                    case Mark.BROKEN:
+                        pass
+                    case Mark.NEW_LINE:
+                        self._end_line()
+                    case Mark.BLANK_LINE:
+                        self._end_line()
+                        if self._lines and self._lines[-1]:
+                            self._lines.append("")
+        self._end_line()
+        return "\n".join(self._lines) + "\n" if self._lines else ""
+
+    def _fits(self, width: int | None) -> bool:
+        column = self._indent * _INDENT if self._at_start else len(self._line)
+        return width is not None and column + width <= WIDTH
+
+    def _write(self, text: str) -> None:
+        if self._at_start:
+            text = text.lstrip(" ")
+            if not text:
+                return
+            self._line = " " * (self._indent * _INDENT)
+            self._at_start = False
+        *whole, rest = text.split("\n")
+        for part in whole:
+            self._lines.append((self._line + part).rstrip())
+            self._line = ""
+        self._line += rest
+
+    def _end_line(self) -> None:
+        if not self._at_start:
+            self._lines.append(self._line.rstrip())
+            self._line = ""
+            self._at_start = True
+
+
+def _group_widths(pieces: list[Piece]) -> dict[int, int | None]:
+    """For each opening mark the width of its group on one line, with the text that follows up to the next possible break.
+
+    None for a group that cannot be on one line.
+    """
+    widths: dict[int, int | None] = {}
+    opened: list[int] = []
+    unbreakable: set[int] = set()
+    # `total[i]`: the width of all pieces before i; `next_break[i]`: the first break at or after i.
+    totals = [0]
+    for position, piece in enumerate(pieces):
+        width = 0
+        if isinstance(piece, str):
+            width = len(piece)
+        elif isinstance(piece, Break):
+            width = len(piece.flat)
+        elif isinstance(piece, Padding):
+            width = piece.width
+        totals.append(totals[-1] + width)
+        if piece is Mark.OPEN:
+            opened.append(position)
+        elif piece is Mark.CLOSE:
+            begin = opened.pop()
+            if begin in unbreakable and opened:
+                unbreakable.add(opened[-1])
+            widths[begin] = None if begin in unbreakable else position
+        elif opened and (piece in _BREAKING or (isinstance(piece, str) and "\n" in piece)):
+            unbreakable.add(opened[-1])
+    following = len(pieces)
+    following_break = [0] * (len(pieces) + 1)
+    following_break[len(pieces)] = following
+    for position in range(len(pieces) - 1, -1, -1):
+        piece = pieces[position]
+        if isinstance(piece, Break) or piece is Mark.NEW_LINE or piece is Mark.BLANK_LINE:
+            following = position
+        following_break[position] = following
+    for begin, end in widths.items():
+        if end is not None:
+            widths[begin] = totals[following_break[end]] - totals[begin]
+    return widths
