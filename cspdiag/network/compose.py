@@ -257,7 +257,7 @@ class _Composer:
         def lower_name(node: ast.Name | ast.Member | ast.Reference) -> Expression | None:
             return None if isinstance(node, ast.Member) else self._value_of(node, values)
 
-        known = {key: value for key, value in values.items() if isinstance(key, ast.Replicator)}
+        known: dict[ast.Node, Value] = {key: value for key, value in values.items() if isinstance(key, ast.Replicator)}
         return lower_expression(self.program, expression, LoweringContext(values=known, lower_name=lower_name))
 
     def _value_of(self, name: ast.Name | ast.Reference, values: Values) -> Expression | None:

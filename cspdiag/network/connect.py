@@ -156,10 +156,7 @@ class _Connector:
             else:
                 found.append(ends)
         if not resolved or item in self.program.poisoned:
-            for end in (end for ends, _ in found for end in ends if isinstance(end, InstancePort)):
-                end.instance.attachments.setdefault(end.element, Attached(target=Unresolved(), span=end.span))
-            for end in (end for ends, _ in found for end in ends if isinstance(end, ProcessPort)):
-                self.shape.port_spans.setdefault(end.key, end.span)
+            self._give_up([end for ends, _ in found for end in ends])
             return
         if not any(whole for _, whole in found):
             self._connect(item, [ends[0] for ends, _ in found], values, None)
@@ -179,8 +176,17 @@ class _Connector:
                 span=largest[0][0].span, size=len(largest[0]), other=other[0][0].span, other_size=len(other[0])
             )
         )
-        for end in (end for ends, _ in found for end in ends if isinstance(end, InstancePort)):
-            end.instance.attachments.setdefault(end.element, Attached(target=Unresolved(), span=end.span))
+        self._give_up([end for ends, _ in found for end in ends])
+
+    def _give_up(self, ends: list[Endpoint]) -> None:
+        """What a relationship that was reported touches counts as connected."""
+        for end in ends:
+            if isinstance(end, InstancePort):
+                end.instance.attachments.setdefault(end.element, Attached(target=Unresolved(), span=end.span))
+            elif isinstance(end, ProcessPort):
+                self.shape.port_spans.setdefault(end.key, end.span)
+            else:
+                end.channel.excused = True
 
     def _connect(self, item: ast.Connection, ends: list[Endpoint], values: Values, index: int | None) -> None:
         sorted_ends = _Ends(
@@ -221,13 +227,14 @@ class _Connector:
         return OwnPort(place.key)
 
     def _report_joined(self, ends: _Ends) -> None:
-        places = [*ends.ports.items(), *ends.channels.items()]
-        (first, first_place), (second, second_place) = places[:2]
+        places: list[tuple[str, Span]] = [(key, place.span) for key, place in ends.ports.items()]
+        places += [(name, place.span) for name, place in ends.channels.items()]
+        (first, first_span), (second, second_span) = places[:2]
         ports = [place.port for place in ends.ports.values()]
         if len(ports) > 1 and ports[0].direction != ports[1].direction and not ends.instances:
-            self.report.add(PortToPort(span=second_place.span, source=first, sink=second, first=first_place.span))
+            self.report.add(PortToPort(span=second_span, source=first, sink=second, first=first_span))
             return
-        self.report.add(JoinsTwoObjects(span=second_place.span, one=first, other=second, first=first_place.span))
+        self.report.add(JoinsTwoObjects(span=second_span, one=first, other=second, first=first_span))
 
     def _label_name(self, item: ast.Connection, values: Values, index: int | None) -> str:
         assert item.label is not None

@@ -42,7 +42,7 @@ class Elaboration:
 
     def root(self, definition: ast.ProcessDefinition, values: Mapping[str, Value], overrides: Overrides) -> Shape:
         """The shape of an outermost process with the given values of parameters, and those of everything inside."""
-        parameters = {p: values[p.name.text] for p in definition.parameters if p.name.text in values}
+        parameters: dict[ast.Node, Value] = {p: values[p.name.text] for p in definition.parameters if p.name.text in values}
         shape = self.shape(definition, parameters, overrides)
         while self._pending:
             self._fill(self._pending.pop())
@@ -51,11 +51,11 @@ class Elaboration:
     def shape(self, definition: Instantiable, parameters: Values, overrides: Overrides) -> Shape:
         """The shape for these values of the structural parameters; only its ports are there at once."""
         structural = self.definitions.structural(definition)
-        own = {p: parameters[p] for p in definition.parameters if p.name.text in structural and p in parameters}
+        own: dict[ast.Node, Value] = {p: parameters[p] for p in definition.parameters if p.name.text in structural and p in parameters}
         key = (definition, tuple(own.items()), tuple(sorted(overrides.items())))
         known = self._known.get(key)
         if known is None:
-            known = self._known[key] = Shape(definition, dict(own), overrides)
+            known = self._known[key] = Shape(definition, own, overrides)
             self._ports(known)
             self.shapes.append(known)
             if isinstance(definition, ast.ProcessDefinition):
@@ -193,14 +193,11 @@ class _Declarations:
             self.shape.incomplete = True
             return
         name = item.name.text
-        match item.size:
-            case None:
-                self._element(item, definition, name, prefix, values)
-                return
-            case ast.Replicator() as replicator:
-                expression = replicator.count
-            case expression:
-                replicator = None
+        if item.size is None:
+            self._element(item, definition, name, prefix, values)
+            return
+        replicator = item.size if isinstance(item.size, ast.Replicator) else None
+        expression = item.size.count if isinstance(item.size, ast.Replicator) else item.size
         count = self.elaboration.size(expression, f"the array of instances `{name}`", values)
         if count is None:
             self.shape.incomplete = True

@@ -23,7 +23,6 @@ from cspdiag.network.ir import (
     Connection,
     ConstantEnd,
     DiscardEnd,
-    ExternalBody,
     InstanceOf,
     LocalChannel,
     Port,
@@ -47,6 +46,7 @@ from cspdiag.network.shapes import (
     Unresolved,
     element_name,
 )
+from cspdiag.network.submodel_inline import external_body
 from cspdiag.syntax import ast
 
 
@@ -141,8 +141,7 @@ class _Sketch:
                 for name, instance in self.shape.instances.items()
             ),
             body=None if body is None else with_ends(body, self.classes.ends(self.shape)),
-            external=external
-            and ExternalBody(language=external.language.text, target=external.target, span=external.target_span),
+            external=None if external is None else external_body(external),
             wcet=self._wcet(definition.wcet),
         )
 

@@ -108,7 +108,8 @@ class Occurrences:
         key = (definition, tuple(values.items()), sample)
         if key not in self._laws:
             flattened = flatten(self.program, definition, _by_name(values), sample, self.report)
-            self._laws[key] = flattened and LawOccurrence(flattened=flattened, values=values)
+            law = None if flattened is None else LawOccurrence(flattened=flattened, values=values)
+            self._laws[key] = law
         return self._laws[key]
 
 

@@ -38,15 +38,15 @@ def net_rates(shape: Shape, inside: Mapping[Shape, Rates], report: Report) -> Ra
         if not theirs:
             continue
         for element, attached in instance.attachments.items():
-            key, rate = attached_key(attached), theirs.get(element_name(*element))
-            if key is None or rate is None:
+            net, rate = attached_key(attached), theirs.get(element_name(*element))
+            if net is None or rate is None:
                 continue
-            known = rates.setdefault(key, rate)
+            known = rates.setdefault(net, rate)
             if known.period != rate.period:
                 report.add(
                     PeriodsDisagree(
                         span=attached.span,
-                        net=key,
+                        net=net,
                         one=known.period,
                         one_span=known.said,
                         other=rate.period,

@@ -159,7 +159,7 @@ class Places:
         self, reference: ast.Reference, symbol: PortSymbol, values: Values
     ) -> tuple[list[Endpoint], bool] | None:
         port = self.shape.ports.get(symbol.name)
-        elements = port and self._port_elements(reference, reference.indexes, port, values)
+        elements = None if port is None else self._port_elements(reference, reference.indexes, port, values)
         if port is None or elements is None:
             return None
         whole = port.size is not None and not reference.indexes
@@ -176,7 +176,8 @@ class Places:
         ends: list[Endpoint] = []
         for instance in instances:
             port = instance.shape.ports.get(member.name)
-            elements = port and self._port_elements(reference, reference.member_indexes, port, values)
+            indexes = reference.member_indexes
+            elements = None if port is None else self._port_elements(reference, indexes, port, values)
             if port is None or elements is None:
                 return None
             if whole and len(elements) > 1 and not reference.member_indexes:

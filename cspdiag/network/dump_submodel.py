@@ -1,0 +1,52 @@
+"""Control laws and the systems of environments as text."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from cspdiag.network.dump_expression import duration, expression_text
+from cspdiag.network.ir import ExternalBody, ExternalCall, Port, SubmodelClass, SubmodelEquation
+
+
+def external_text(external: ExternalBody) -> str:
+    """``python "plant.py:Joint"``."""
+    return f'{external.language} "{external.target}"'
+
+
+def port_text(port: Port) -> str:
+    """``in feedback : double<rad> @ T``."""
+    size = "" if port.size is None else f"[{port.size}]"
+    period = "" if port.period is None else f" @ {expression_text(port.period)}"
+    return f"{port.direction} {port.name}{size} : {port.type}{period}"
+
+
+def submodel_body(law: SubmodelClass) -> Iterator[str]:
+    """The lines inside the braces of a submodel class."""
+    for port in law.ports:
+        yield port_text(port)
+    for constant in law.constants:
+        yield f"constant {_equation(constant)}"
+    for state in law.states:
+        kind = "continuous" if state.continuous else "discrete"
+        yield f"state {state.name} : {state.type} = {expression_text(state.initial)} {kind}"
+    for equation in law.equations:
+        yield _equation(equation)
+    for name, value in law.next_values:
+        yield f"next {name} = {expression_text(value)}"
+    for equation in law.derivative_equations:
+        yield f"during the sample {_equation(equation)}"
+    for name, value in law.derivatives:
+        yield f"der {name} = {expression_text(value)}"
+    if law.derivatives:
+        step = "" if law.step is None else f" in steps of at most {duration(law.step)}"
+        yield f"integrated by {law.method}{step}"
+
+
+def _equation(equation: SubmodelEquation | ExternalCall) -> str:
+    if isinstance(equation, SubmodelEquation):
+        return f"{equation.name} : {equation.type} = {expression_text(equation.value)}"
+    arguments = ", ".join(f"{name} = {expression_text(value)}" for name, value in equation.arguments)
+    inputs = ", ".join(f"{name} = {expression_text(value)}" for name, value in equation.inputs)
+    outputs = ", ".join(f"{name} : {kind}" for _, name, kind in equation.outputs)
+    body = external_text(equation.external)
+    return f"{outputs} = call {equation.name} : {equation.definition}({arguments}) {body} with {inputs}"
