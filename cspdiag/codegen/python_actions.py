@@ -34,6 +34,7 @@ from cspdiag.network.actions import (
     Branch,
     CatchException,
     Choice,
+    End,
     Event,
     Group,
     IfElse,
@@ -50,6 +51,7 @@ from cspdiag.network.actions import (
     SequentialSteps,
     SkipEvent,
     SkipStep,
+    Step,
     StopStep,
     Target,
     WaitStep,
@@ -94,7 +96,7 @@ class Composition:
             case AssignValue(target=target, value=value):
                 return (self._set(target, self.printer.print(value), self._place(action)),)
             case ReadValue(source=source, target=target):
-                return (self._set(target, Prefix("await ", self._call(self.members.source(source), "read"))),)
+                return (self._read(action, source, target),)
             case RaiseException(exception=exception):
                 return (Line("raise ", Atom(self.imports.exception(exception))),)
             case ResetInstance(instance=instance):
@@ -203,10 +205,10 @@ class Composition:
         """A guard that is waited for by itself is the communication that it stands for."""
         match event:
             case InputEvent(source=source, target=target):
-                return (self._set(target, Prefix("await ", self._call(self.members.source(source), "read"))),)
+                return (self._read(event, source, target),)
             case OutputEvent(sink=sink, value=value):
                 written = self._call(self.members.sink(sink), "write", self.printer.print(value))
-                return (run(Prefix("await ", written)),)
+                return (run(Prefix("await ", written), self._place(event)),)
             case AfterEvent(duration=duration):
                 waited = call(self.imports.runtime("wait"), self.printer.print(duration))
                 return (run(Prefix("await ", waited)),)
@@ -232,12 +234,12 @@ class Composition:
         selected = Prefix("await ", Call(f"{attribute}.select", tuple(self._select_arguments(branches))))
         taken = [(*self._taken(branch.event, attribute), *self.statements(branch.body)) for branch in branches]
         if len(branches) == 1:
-            return (run(selected), *taken[0])
+            return (run(selected, self._place(choice)), *taken[0])
         cases = [
             Block(Line(f"case {number}:", comment=_one_line(branch.event.span.text) or None), body)
             for number, (branch, body) in enumerate(zip(branches, taken, strict=True))
         ]
-        return (Block(Line("match ", selected, ":"), tuple(cases)),)
+        return (Block(Line("match ", selected, ":", self._place(choice)), tuple(cases)),)
 
     def _guard(self, event: Event, printer: Printer) -> Code:
         match event:
@@ -297,6 +299,10 @@ class Composition:
             return interrupting
         return Parenthesized(Conditional(interrupting, at_least(self.printer.print(branch.condition), OR), interrupted))
 
+    def _read(self, step: Step, source: End, target: Target) -> Line:
+        value = Prefix("await ", self._call(self.members.source(source), "read"))
+        return self._set(target, value, self._place(step))
+
     def _set(self, target: Target, value: Code, comment: str | None = None) -> Line:
         variable = f"{self.members.channel(target.channel)}.value"
         if not target.indexes:
@@ -307,11 +313,11 @@ class Composition:
     def _call(self, owner: str, method: str, *arguments: Code) -> Call:
         return call(f"{owner}.{method}", *arguments)
 
-    def _place(self, action: Action) -> str:
+    def _place(self, action: Step) -> str:
         return self.imports.names.place(action.span.file, action.span.line)
 
     def _checked_place(self, action: Action) -> str | None:
-        return self._place(action) if isinstance(action, WriteValue) else None
+        return self._place(action) if isinstance(action, WriteValue | StopStep) else None
 
 
 def coroutine_name(action: Action) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from math import pi
 from typing import assert_never
 
 from cspdiag.codegen.python_code import (
@@ -18,6 +19,7 @@ from cspdiag.codegen.python_code import (
     Atom,
     Code,
     Conditional,
+    Parenthesized,
     Postfix,
     Prefix,
     at_least,
@@ -79,6 +81,8 @@ class Printer:
                 constant = self.imports.constant(name) if name is not None else None
                 if constant is not None:
                     return Atom(constant)
+                if value == pi and isinstance(expression.type, RealType):
+                    return Atom(self.imports.standard("math", "pi"))
                 return literal(value, expression.type, self.imports, expression.span)
             case ParameterValue(name=name):
                 return self.parameter(name)
@@ -133,6 +137,8 @@ class Printer:
             ):
                 holds = bool(expression.right.value) == (operator == "==")
                 return left if holds else Prefix("not ", at_least(left, NOT))
+        if operator == "or":  # `and` binds tighter, but readers should not need to know
+            left, right = (Parenthesized(code) if code.precedence == AND else code for code in (left, right))
         return self._checked(expression, infix(operator, _PRECEDENCE[operator], left, right))
 
     def _checked(self, expression: Expression, code: Code) -> Code:

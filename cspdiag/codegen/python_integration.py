@@ -70,9 +70,10 @@ class Integration:
     def loop(self, steps: Code | None) -> tuple[Statement, ...]:
         """The statements that move the states, which are local variables, over ``steps`` sub-steps of ``h`` seconds."""
         body = self._euler() if self.class_.method == "euler" else self._runge_kutta()
+        fractions = () if self.class_.method == "euler" else (assign("half", _part(2)), assign("sixth", _part(6)))
         if steps is None:
-            return body
-        return (Block(Line("for _ in ", Call("range", (Argument(steps),)), ":"), body),)
+            return (*fractions, *body)
+        return (*fractions, Block(Line("for _ in ", Call("range", (Argument(steps),)), ":"), body))
 
     def _euler(self) -> tuple[Statement, ...]:
         slopes = self._slopes("slope")
@@ -85,11 +86,11 @@ class Integration:
         stages = [self._slopes(f"k{stage}") for stage in (1, 2, 3, 4)]
         statements: list[Statement] = []
         for stage, slopes in enumerate(stages):
-            fraction = ("", "h / 2", "h / 2", "h")[stage]
+            fraction = ("", "half", "half", "h")[stage]
             if fraction:
                 before = stages[stage - 1]
                 at = [_plus(state, fraction, slope) for state, slope in zip(states, before, strict=True)]
-                time = infix("+", SUM, Atom("time"), Atom(fraction, SUM if "/" not in fraction else PRODUCT))
+                time = infix("+", SUM, Atom("time"), Atom(fraction))
                 statements.append(self._evaluated(slopes, at, time))
             else:
                 statements.append(self._evaluated(slopes, [Atom(state) for state in states], Atom("time")))
@@ -97,8 +98,7 @@ class Integration:
             k1, k2, k3, k4 = (slopes[position] for slopes in stages)
             total = infix("+", SUM, Atom(k1), _times("2", k2))
             total = infix("+", SUM, infix("+", SUM, total, _times("2", k3)), Atom(k4))
-            step = infix("/", PRODUCT, Atom("h"), Atom("6"))
-            statements.append(Line(f"{state} += ", infix("*", PRODUCT, step, total)))
+            statements.append(Line(f"{state} += ", infix("*", PRODUCT, Atom("sixth"), total)))
         return (*statements, *self._clock())
 
     def _slopes(self, prefix: str) -> list[str]:
@@ -117,13 +117,13 @@ class Integration:
         return (Line("time += ", Atom("h")),) if self.timed else ()
 
 
+def _part(count: int) -> Code:
+    return infix("/", PRODUCT, Atom("h"), Atom(str(count)))
+
+
 def _times(factor: str, name: str) -> Code:
     return infix("*", PRODUCT, Atom(factor), Atom(name))
 
 
 def _plus(state: str, fraction: str, slope: str) -> Code:
-    factors = fraction.split(" / ")
-    step: Code = Atom(factors[0])
-    if len(factors) == 2:
-        step = infix("/", PRODUCT, step, Atom(factors[1]))
-    return infix("+", SUM, Atom(state), infix("*", PRODUCT, step, Atom(slope)))
+    return infix("+", SUM, Atom(state), _times(fraction, slope))

@@ -10,11 +10,11 @@ from cspdiag.network.expressions import Expression, VariableValue
 
 
 def parts(item: object) -> Iterator[object]:
-    """Every record in a record, itself first, in the order of the text; places and types are left out."""
+    """Every record in a record or in a tuple or list of them, itself first, in the order of the text; places and types are left out."""
     pending: list[object] = [item]
     while pending:
         part = pending.pop()
-        if isinstance(part, tuple):
+        if isinstance(part, tuple | list):
             pending.extend(reversed(part))
         elif is_record(part):
             yield part

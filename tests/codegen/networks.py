@@ -481,4 +481,4 @@ def _bench() -> Environment:
     return Environment(name="Bench", doc="A motor on a table.", span=at(80), system=system, drivers=(), step=1_000_000)
 
 
-ALL = {"commstime": commstime, "joint": joint}
+ALL = {"hand_commstime": commstime, "hand_joint": joint}
