@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 
 from cspdiag.diagnostics import Span
 from cspdiag.diagnostics.record import node
@@ -31,36 +30,48 @@ class LinearOperator:
     span: Span
 
 
-@dataclass(eq=False)
 class Draft:
-    """What is known of a system so far.
+    """What is known of a system so far. Names are unique over parameters, inputs, equations and states.
 
-    ``concrete``: the arguments are all known, as for an instance; else this is a check of a definition by itself. ``closed``: nothing is left to be given by an instance, so that derived parameters are constants (an environment).
-    Names are unique over parameters, inputs, equations and states.
+    ``owner`` is the place of what the compiler adds; ``sample`` the period in nanoseconds, if it is known; ``arguments`` the values of the
+    parameters. ``concrete``: the arguments are all known, as for an instance; else this is a check of a definition by itself. ``closed``:
+    nothing is left to be given by an instance, so that derived parameters are constants (an environment). ``overrides``: values of
+    parameters of nested instances from outside, by path (``pan.inertia``).
     """
 
-    owner: Span
-    sample: int | None
-    arguments: Mapping[str, Value]
-    concrete: bool = True
-    closed: bool = False
-    names: set[str] = field(default_factory=set)
-    parameters: dict[str, ClassParameter] = field(default_factory=dict)
-    derived: dict[str, Value] = field(default_factory=dict)
-    equations: dict[str, SubmodelEquation | ExternalCall] = field(default_factory=dict)
-    states: dict[str, SubmodelState] = field(default_factory=dict)
-    next_values: dict[str, Expression] = field(default_factory=dict)
-    derivatives: dict[str, Expression] = field(default_factory=dict)
-    held: set[str] = field(default_factory=set)
-    """Outputs of discrete operators, which keep their value over the sub-steps of an integration."""
-    linear_operators: list[LinearOperator] = field(default_factory=list)
-    methods: list[str] = field(default_factory=list)
-    steps: list[int] = field(default_factory=list)
-    kept: set[str] = field(default_factory=set)
-    """Signals of a closed system that are kept although nothing needs them."""
-    complete: bool = True
-    """Whether every definition met was without reported errors."""
-    _values: dict[str, Value | None] = field(default_factory=dict)
+    def __init__(
+        self,
+        *,
+        owner: Span,
+        sample: int | None,
+        arguments: Mapping[str, Value],
+        concrete: bool = True,
+        closed: bool = False,
+        overrides: Mapping[str, Value] | None = None,
+    ) -> None:
+        self.owner = owner
+        self.sample = sample
+        self.arguments = arguments
+        self.concrete = concrete
+        self.closed = closed
+        self.overrides = overrides or {}
+        self.names: set[str] = set()
+        self.parameters: dict[str, ClassParameter] = {}
+        self.derived: dict[str, Value] = {}
+        self.equations: dict[str, SubmodelEquation | ExternalCall] = {}
+        self.states: dict[str, SubmodelState] = {}
+        self.next_values: dict[str, Expression] = {}
+        self.derivatives: dict[str, Expression] = {}
+        self.linear_operators: list[LinearOperator] = []
+        self.held: set[str] = set()
+        """Outputs of discrete operators, which keep their value over the sub-steps of an integration."""
+        self.kept: set[str] = set()
+        """Signals of a closed system that are kept although nothing needs them."""
+        self.methods: list[str] = []
+        self.steps: list[int] = []
+        self.complete = True
+        """Whether every definition met was without reported errors."""
+        self._values: dict[str, Value | None] = {}
 
     def unique(self, name: str) -> str:
         """``name``, or with a number behind it if it is taken; it is taken from now on."""

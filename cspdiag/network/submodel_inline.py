@@ -6,6 +6,7 @@ name itself, which then stands in its place.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from typing import get_args
 
@@ -125,12 +126,9 @@ class Inlining:
 
     def elements(self, symbol: PortSymbol) -> list[str]:
         """Names of the ports of an array of ports, or of the one port."""
-        sizes = [self.size(dimension) for dimension in symbol.port.dimensions]
-        if not sizes:
+        if not symbol.port.dimensions:
             return [symbol.name]
-        total = 1
-        for size in sizes:
-            total *= size
+        total = math.prod(self.size(dimension) for dimension in symbol.port.dimensions)
         return [f"{symbol.name}[{index}]" for index in range(total)]
 
     def size(self, expression: ast.Expression) -> int:
@@ -225,7 +223,13 @@ class Inlining:
         if symbol is None:
             self.draft.complete = False
             return
-        key = owner.prefix + port + "".join(f"[{self._index(index)}]" for index in indexes)
+        key = owner.prefix + port
+        if indexes:
+            # Elements of an array of ports are counted through, the last index running fastest.
+            flat = 0
+            for index, dimension in zip(indexes, symbol.port.dimensions, strict=False):
+                flat = flat * owner.size(dimension) + self._index(index)
+            key += f"[{flat}]"
         kind = owner.declared(symbol.declaration.type, symbol.type)
         self.draft.equation(key, self.value(item.value, key), item.span, symbol.declaration.doc, kind)
 
@@ -330,10 +334,15 @@ class Inlining:
 
     def _port(self, symbol: PortSymbol, span: Span) -> Expression:
         kind = self.declared(symbol.declaration.type, symbol.type)
-        signals = tuple(SignalValue(type=kind, name=self.prefix + name, span=span) for name in self.elements(symbol))
-        if not symbol.port.dimensions:
-            return signals[0]
-        return ArrayElements(type=ArrayType(kind, len(signals)), values=signals, span=span)
+        signals: list[Expression] = [
+            SignalValue(type=kind, name=self.prefix + name, span=span) for name in self.elements(symbol)
+        ]
+        for dimension in reversed(symbol.port.dimensions):
+            size = self.size(dimension)
+            kind = ArrayType(kind, size)
+            rows = [tuple(signals[start : start + size]) for start in range(0, len(signals), size)]
+            signals = [ArrayElements(type=kind, values=row, span=span) for row in rows]
+        return signals[0]
 
     def _port_of_instance(self, use: ast.Member) -> Expression | None:
         symbol = self.program.members.get(use)
@@ -411,9 +420,13 @@ def nested(
     result = Inlining(program, draft, definition, report, surroundings, f"{name}.")
     complete = dict(arguments)
     for parameter in definition.parameters:
-        if parameter in complete:
+        override = draft.overrides.get(f"{name}.{parameter.name.text}")
+        if override is not None:
+            kind = program.types.get(parameter, SECONDS)
+            complete[parameter] = LiteralValue(type=kind, value=override)
+        elif parameter in complete:
             continue
-        if parameter.default is None:
+        elif parameter.default is None:
             draft.complete = False
         else:
             complete[parameter] = result.constant(parameter.default)

@@ -1,0 +1,567 @@
+"""What can be wrong with an environment."""
+
+from __future__ import annotations
+
+from cspdiag.diagnostics import Diagnostic, Label, Span
+from cspdiag.diagnostics.record import record
+from cspdiag.network.ir import Direction
+
+
+def _listed(names: list[str]) -> str:
+    """``a``, ``a and b``, ``a, b and c``, in backticks."""
+    quoted = [f"`{name}`" for name in names]
+    return quoted[0] if len(quoted) == 1 else f"{', '.join(quoted[:-1])} and {quoted[-1]}"
+
+
+@record
+class IncompleteEnvironment(Diagnostic):
+    """An environment leaves ports of its process unconnected.
+
+    The process would wait for samples that never come, or write to nowhere. An output that nobody needs goes to ``_``.
+
+    Refused::
+
+        process Blink {
+          in  button : int
+          out lamp   : bool @ 10 ms
+
+          communication { var pressed : int = 0 }
+          composition { mu (button ? pressed ; lamp ! pressed == 1) }
+        }
+
+        submodel Finger {
+          out button : int
+          button = if time < 1 s then 0 else 1
+        }
+
+        environment Bench for Blink {
+          finger : Finger
+          finger.button -> button
+        }
+
+    Mended::
+
+        process Blink {
+          in  button : int
+          out lamp   : bool @ 10 ms
+
+          communication { var pressed : int = 0 }
+          composition { mu (button ? pressed ; lamp ! pressed == 1) }
+        }
+
+        submodel Finger {
+          out button : int
+          button = if time < 1 s then 0 else 1
+        }
+
+        environment Bench for Blink {
+          finger : Finger
+          finger.button -> button
+          lamp          -> _
+        }
+    """
+
+    code = "E0801"
+    title = "an incomplete environment"
+
+    environment: str
+    process: str
+    ports: tuple[tuple[str, Direction, Span], ...]
+
+    @property
+    def message(self) -> str:
+        names = _listed([name for name, _, _ in self.ports])
+        verb = "is" if len(self.ports) == 1 else "are"
+        return f"{names} of the process `{self.process}` {verb} not connected in the environment `{self.environment}`"
+
+    @property
+    def help(self) -> str:
+        lines = [f"{name} -> _" if direction == "out" else f"... -> {name}" for name, direction, _ in self.ports]
+        return (
+            "connect it: " + " or ".join(f"`{line}`" for line in lines) if len(lines) == 1 else "add " + _listed(lines)
+        )
+
+    @property
+    def labels(self) -> tuple[Label, ...]:
+        return tuple(Label(span, f"`{name}` is declared here") for name, _, span in self.ports)
+
+
+@record
+class UnconnectedInputs(Diagnostic):
+    """A submodel or a driver of an environment has an input that nothing drives.
+
+    Its equations would have no value to compute with. Connect the input, or give its port a default value.
+
+    Refused::
+
+        process Sink {
+          in  x : double @ 10 ms
+          communication { var last : double = 0 }
+          composition { mu x ? last }
+        }
+
+        submodel Sum {
+          in  a, b : double
+          out y    : double
+          y = a + b
+        }
+
+        submodel One {
+          out y : double
+          y = 1
+        }
+
+        environment Bench for Sink {
+          one : One
+          sum : Sum
+
+          one.y -> sum.a
+          sum.y -> x
+        }
+
+    Mended::
+
+        process Sink {
+          in  x : double @ 10 ms
+          communication { var last : double = 0 }
+          composition { mu x ? last }
+        }
+
+        submodel Sum {
+          in  a, b : double
+          out y    : double
+          y = a + b
+        }
+
+        submodel One {
+          out y : double
+          y = 1
+        }
+
+        environment Bench for Sink {
+          one : One
+          sum : Sum
+
+          one.y -> sum.a, sum.b
+          sum.y -> x
+        }
+    """
+
+    code = "E0802"
+    title = "an input of the environment that nothing drives"
+
+    member: str
+    ports: tuple[tuple[str, Span], ...]
+
+    @property
+    def message(self) -> str:
+        return f"nothing drives {_listed([f'{self.member}.{name}' for name, _ in self.ports])}"
+
+    @property
+    def help(self) -> str:
+        return f"connect it, `... -> {self.member}.{self.ports[0][0]}`, or give the port a default value"
+
+    @property
+    def labels(self) -> tuple[Label, ...]:
+        return tuple(Label(span, f"`{name}` is declared here") for name, span in self.ports)
+
+
+@record
+class WrongDirection(Diagnostic):
+    """A relationship of an environment goes against the direction of a port.
+
+    An environment sees the process from outside: outputs of the process are sources, its inputs are sinks. Submodels and drivers give at their
+    outputs and take at their inputs.
+
+    Refused::
+
+        process Sink {
+          in  x : double @ 10 ms
+          communication { var last : double = 0 }
+          composition { mu x ? last }
+        }
+
+        submodel One {
+          out y : double
+          y = 1
+        }
+
+        environment Bench for Sink {
+          one : One
+          x -> one.y
+        }
+
+    Mended::
+
+        process Sink {
+          in  x : double @ 10 ms
+          communication { var last : double = 0 }
+          composition { mu x ? last }
+        }
+
+        submodel One {
+          out y : double
+          y = 1
+        }
+
+        environment Bench for Sink {
+          one : One
+          one.y -> x
+        }
+    """
+
+    code = "E0803"
+    title = "a relationship against the direction of a port"
+
+    reference: str
+    direction: Direction
+    is_member: bool
+    declared: Span
+
+    @property
+    def message(self) -> str:
+        owner = "" if self.is_member else " of the process"
+        role = "source" if self.direction == "in" else "sink"
+        return f"`{self.reference}` is an {self.direction} port{owner} and cannot be a {role} in the environment"
+
+    @property
+    def help(self) -> str:
+        return "turn the arrow round"
+
+    @property
+    def labels(self) -> tuple[Label, ...]:
+        return (Label(self.declared, f"declared as `{self.direction}` here"),)
+
+
+@record
+class TwoSources(Diagnostic):
+    """Two relationships of an environment drive the same port.
+
+    A port of the plant or an input of the process has one value at an instant, from one source.
+
+    Refused::
+
+        process Sink {
+          in  x : double @ 10 ms
+          communication { var last : double = 0 }
+          composition { mu x ? last }
+        }
+
+        submodel One {
+          out y : double
+          y = 1
+        }
+
+        environment Bench for Sink {
+          first  : One
+          second : One
+          first.y  -> x
+          second.y -> x
+        }
+
+    Mended::
+
+        process Sink {
+          in  x : double @ 10 ms
+          communication { var last : double = 0 }
+          composition { mu x ? last }
+        }
+
+        submodel One {
+          out y : double
+          y = 1
+        }
+
+        environment Bench for Sink {
+          first : One
+          first.y -> x
+        }
+    """
+
+    code = "E0804"
+    title = "two sources for one port"
+
+    sink: str
+    first: str
+    second: str
+    first_span: Span
+
+    @property
+    def message(self) -> str:
+        return f"`{self.sink}` is driven by both `{self.first}` and `{self.second}`"
+
+    @property
+    def help(self) -> str:
+        return "keep one of them, or combine them in a submodel"
+
+    @property
+    def labels(self) -> tuple[Label, ...]:
+        return (Label(self.first_span, f"driven by `{self.first}` here"),)
+
+
+@record
+class DriverToSubmodel(Diagnostic):
+    """A driver and a submodel of an environment are connected to each other.
+
+    Drivers belong to ports of the process: they are read and written when the process communicates. The simulated plant sees what passes
+    those ports.
+
+    Refused::
+
+        driver Stick python "stick.py:Stick" {
+          out x : double
+        }
+
+        process Follow {
+          in  angle : double @ 10 ms
+          communication { var last : double = 0 }
+          composition { mu angle ? last }
+        }
+
+        submodel Arm {
+          in  force : double
+          out angle : double
+          angle = 2 * force
+        }
+
+        environment Bench for Follow {
+          stick : Stick
+          arm   : Arm
+          stick.x   -> arm.force
+          arm.angle -> angle
+        }
+
+    Mended::
+
+        driver Stick python "stick.py:Stick" {
+          out x : double
+        }
+
+        process Follow {
+          in  angle : double @ 10 ms
+          communication { var last : double = 0 }
+          composition { mu angle ? last }
+        }
+
+        environment Bench for Follow {
+          stick : Stick
+          stick.x -> angle
+        }
+    """
+
+    code = "E0805"
+    title = "a driver connected to a submodel"
+
+    driver: str
+    source: str
+    sink: str
+
+    @property
+    def message(self) -> str:
+        return f"the driver `{self.driver}` is connected to a submodel: `{self.source} -> {self.sink}`"
+
+    @property
+    def help(self) -> str:
+        return "connect drivers to ports of the process"
+
+
+@record
+class SharedPort(Diagnostic):
+    """A port of the process is connected both to the simulated system and to a driver, or to two drivers.
+
+    Each port of the process has one counterpart that takes or gives its values.
+
+    Refused::
+
+        driver Amplifier python "amplifier.py:Amplifier" {
+          in voltage : double<V>
+        }
+
+        process Constant {
+          out voltage : double<V> @ 10 ms
+          composition { mu voltage ! 1<V> }
+        }
+
+        environment Bench for Constant {
+          left  : Amplifier
+          right : Amplifier
+          voltage -> left.voltage, right.voltage
+        }
+
+    Mended::
+
+        driver Amplifier python "amplifier.py:Amplifier" {
+          in voltage : double<V>
+        }
+
+        process Constant {
+          out voltage : double<V> @ 10 ms
+          composition { mu voltage ! 1<V> }
+        }
+
+        environment Bench for Constant {
+          left : Amplifier
+          voltage -> left.voltage
+        }
+    """
+
+    code = "E0806"
+    title = "a port with two counterparts"
+
+    port: str
+    first: str
+    second: str
+    first_span: Span
+
+    @property
+    def message(self) -> str:
+        owners = [f"the driver `{name}`" if name else "the simulated system" for name in (self.first, self.second)]
+        return f"`{self.port}` of the process is connected to both {owners[0]} and {owners[1]}"
+
+    @property
+    def help(self) -> str:
+        return "write an environment for each, or one driver that does both"
+
+    @property
+    def labels(self) -> tuple[Label, ...]:
+        return (Label(self.first_span, "the other relationship"),)
+
+
+@record
+class NotInEnvironment(Diagnostic):
+    """An environment declares something that only processes have.
+
+    Variables, channels, labels at the end of an arrow and kinds of channels belong to the communication diagram of a process. In an environment
+    relationships are signals: a sink always has the present value of its source.
+
+    Refused::
+
+        process Sink {
+          in  x : double @ 10 ms
+          communication { var last : double = 0 }
+          composition { mu x ? last }
+        }
+
+        submodel One {
+          out y : double
+          y = 1
+        }
+
+        environment Bench for Sink {
+          one : One
+          var scale : double = 2
+          one.y -> x
+        }
+
+    Mended::
+
+        process Sink {
+          in  x : double @ 10 ms
+          communication { var last : double = 0 }
+          composition { mu x ? last }
+        }
+
+        submodel One {
+          out y : double
+          y = 1
+        }
+
+        environment Bench for Sink {
+          one : One
+          one.y -> x
+        }
+    """
+
+    code = "E0807"
+    title = "not in an environment"
+
+    what: str
+
+    @property
+    def message(self) -> str:
+        return f"an environment has no place for {self.what}"
+
+    @property
+    def help(self) -> str:
+        return "compute in submodels, and connect their ports"
+
+
+@record
+class StepNotPositive(Diagnostic):
+    """The step of an environment is zero or negative.
+
+    ``step`` is the grid on which the environment is evaluated besides the sample instants.
+
+    Refused::
+
+        process Constant {
+          out voltage : double<V> @ 10 ms
+          composition { mu voltage ! 1<V> }
+        }
+
+        environment Bench for Constant step 0 ms {
+          voltage -> _
+        }
+
+    Mended::
+
+        process Constant {
+          out voltage : double<V> @ 10 ms
+          composition { mu voltage ! 1<V> }
+        }
+
+        environment Bench for Constant step 1 ms {
+          voltage -> _
+        }
+    """
+
+    code = "E0808"
+    title = "a step that is not positive"
+
+    @property
+    def message(self) -> str:
+        return "the step of an environment must be positive"
+
+
+@record
+class UnknownMissPolicy(Diagnostic):
+    """``on miss`` names something that cannot be done about a missed sample.
+
+    A sample that was not taken before the next one came is a missed deadline: ``timeout`` raises ``Timeout`` in the reader (the default), ``count`` counts
+    and goes on.
+
+    Refused::
+
+        process Constant {
+          out voltage : double<V> @ 10 ms
+          composition { mu voltage ! 1<V> }
+        }
+
+        environment Bench for Constant on miss ignore {
+          voltage -> _
+        }
+
+    Mended::
+
+        process Constant {
+          out voltage : double<V> @ 10 ms
+          composition { mu voltage ! 1<V> }
+        }
+
+        environment Bench for Constant on miss count {
+          voltage -> _
+        }
+    """
+
+    code = "E0809"
+    title = "an unknown answer to a missed sample"
+
+    name: str
+
+    @property
+    def message(self) -> str:
+        return f"a missed sample cannot be answered by `{self.name}`"
+
+    @property
+    def help(self) -> str:
+        return "write `on miss timeout` or `on miss count`"

@@ -1,0 +1,278 @@
+"""Environments: the plant and the operator as one system, devices beside it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Literal
+
+from cspdiag.diagnostics import Report
+from cspdiag.model.evaluate import evaluate
+from cspdiag.model.program import PortSymbol, Program, Scope, Value
+from cspdiag.network.definitions import arguments_of
+from cspdiag.network.diagnostics_environments import (
+    IncompleteEnvironment,
+    StepNotPositive,
+    UnconnectedInputs,
+    UnknownMissPolicy,
+)
+from cspdiag.network.environment_wiring import Member, Wiring, elements_of, wiring
+from cspdiag.network.expressions import Expression, SignalValue
+from cspdiag.network.ir import DriverInstance, Environment, ExternalPort, Port, SubmodelClass
+from cspdiag.network.lower_expression import LoweringContext, lower_expression
+from cspdiag.network.submodel_draft import SECONDS, Draft
+from cspdiag.network.submodel_inline import Inlining, Surroundings, external_body, nested
+from cspdiag.network.submodel_system import complete
+from cspdiag.network.syntax_walk import nodes
+from cspdiag.syntax import ast
+
+MILLISECOND = 1_000_000
+
+
+def check(program: Program, definition: ast.EnvironmentDefinition, report: Report) -> None:
+    """Report what is wrong with an environment: what is not connected or twice, and loops through its submodels."""
+    process = program.bindings.get(definition.process)
+    if definition in program.poisoned or not isinstance(process, ast.ProcessDefinition):
+        return
+    values = _process_values(program, process, definition, report)
+    drawn = wiring(program, definition, values, report)
+    step = _step(program, definition, (), report)
+    _miss_policy(definition, report)
+    _refuse_gaps(program, definition, process, drawn, values, report)
+    if not report.has_errors:
+        ports = _open_ports(program, process, values, report)
+        _system(program, definition, drawn, ports, step, {}, report, concrete=False)
+
+
+def lower_environment(
+    program: Program,
+    definition: ast.EnvironmentDefinition,
+    external_ports: tuple[ExternalPort, ...],
+    overrides: Mapping[str, Value],
+    report: Report,
+) -> Environment | None:
+    """The environment of a checked program, None where something is wrong that was reported.
+
+    ``external_ports`` are those of its process; ``overrides`` are values of parameters by path: ``pan.inertia``, ``pan.friction.coulomb``.
+    """
+    process = program.bindings.get(definition.process)
+    if not isinstance(process, ast.ProcessDefinition):
+        return None
+    values = _process_values(program, process, definition, report)
+    drawn = wiring(program, definition, values, report)
+    step = _step(program, definition, external_ports, report)
+    system = _system(program, definition, drawn, external_ports, step, overrides, report, concrete=True)
+    drivers = tuple(
+        _driver(program, member, drawn, overrides, report) for member in drawn.members.values() if member.is_driver
+    )
+    if report.has_errors:
+        return None
+    return Environment(
+        name=definition.name.text,
+        doc=definition.doc,
+        span=definition.name.span,
+        system=system,
+        drivers=drivers,
+        step=step,
+        on_miss=_miss_policy(definition, report),
+    )
+
+
+def _process_values(
+    program: Program, process: ast.ProcessDefinition, definition: ast.EnvironmentDefinition, report: Report
+) -> dict[ast.Node, Value]:
+    """Values of the parameters of the process, as far as they have one."""
+    given = dict(arguments_of(process.parameters, definition.arguments))
+    values: dict[ast.Node, Value] = {}
+    for parameter in process.parameters:
+        expression = given.get(parameter, parameter.default)
+        value = evaluate(program, expression, values, report) if expression is not None else None
+        if value is not None:
+            values[parameter] = value
+    return values
+
+
+def _open_ports(
+    program: Program, process: ast.ProcessDefinition, values: Mapping[ast.Node, Value], report: Report
+) -> tuple[ExternalPort, ...]:
+    """The ports of the process as far as they are known without elaborating it."""
+    scope = program.scopes.get(process, Scope())
+    return tuple(
+        ExternalPort(name=name, span=symbol.port.span, direction=symbol.declaration.direction, type=symbol.type)
+        for symbol in scope.ports.values()
+        for name in elements_of(program, symbol, values, report)
+    )
+
+
+def _step(
+    program: Program, definition: ast.EnvironmentDefinition, ports: tuple[ExternalPort, ...], report: Report
+) -> int:
+    """The grid in nanoseconds: what is said, else the greatest common divisor of the periods, else a millisecond."""
+    if definition.step is not None:
+        step = evaluate(program, definition.step, {}, report)
+        if isinstance(step, int) and step > 0:
+            return step
+        if isinstance(step, int):
+            report.add(StepNotPositive(definition.step.span))
+    return math.gcd(*(port.period for port in ports if port.period)) or MILLISECOND
+
+
+def _miss_policy(definition: ast.EnvironmentDefinition, report: Report) -> Literal["timeout", "count"]:
+    if definition.on_miss is None or definition.on_miss.text == "timeout":
+        return "timeout"
+    if definition.on_miss.text != "count":
+        report.add(UnknownMissPolicy(definition.on_miss.span, definition.on_miss.text))
+    return "count"
+
+
+def _refuse_gaps(
+    program: Program,
+    definition: ast.EnvironmentDefinition,
+    process: ast.ProcessDefinition,
+    drawn: Wiring,
+    values: Mapping[ast.Node, Value],
+    report: Report,
+) -> None:
+    """Every port of the process is connected, and every input of a member; silent where relationships are in doubt."""
+    doubtful = any(item in program.poisoned for item in _references(definition)) or report.has_errors
+    if doubtful:
+        return
+    connected = {terminal.name for wire in drawn.wires for terminal in (wire.source, wire.sink)} | drawn.discarded
+
+    def gaps(ports: Scope, prefix: str, around: Mapping[ast.Node, Value], *, both: bool) -> list[PortSymbol]:
+        return [
+            symbol
+            for symbol in ports.ports.values()
+            if (both or symbol.declaration.direction == "in")
+            and symbol.declaration.default is None
+            and any(prefix + name not in connected for name in elements_of(program, symbol, around, report))
+        ]
+
+    missing = gaps(program.scopes.get(process, Scope()), "", values, both=True)
+    if missing:
+        names = tuple((symbol.name, symbol.declaration.direction, symbol.port.span) for symbol in missing)
+        report.add(IncompleteEnvironment(definition.name.span, definition.name.text, process.name.text, names))
+    for member in drawn.members.values():
+        scope = program.scopes.get(member.definition, Scope())
+        inner = {**member.values, **_argument_values(program, member, {}, report)}
+        unconnected = gaps(scope, f"{member.name}.", inner, both=False)
+        if unconnected:
+            ports = tuple((symbol.name, symbol.port.span) for symbol in unconnected)
+            report.add(UnconnectedInputs(member.declaration.name.span, member.name, ports))
+
+
+def _references(definition: ast.EnvironmentDefinition) -> list[ast.Node]:
+    return [item for item in nodes(*definition.declarations) if isinstance(item, ast.Reference | ast.Instance)]
+
+
+def _argument_values(
+    program: Program, member: Member, overrides: Mapping[str, Value], report: Report
+) -> dict[ast.Node, Value]:
+    """Values of the parameters of a member."""
+    given = dict(arguments_of(member.definition.parameters, member.declaration.arguments))
+    values: dict[ast.Node, Value] = {}
+    for parameter in member.definition.parameters:
+        value = overrides.get(f"{member.name}.{parameter.name.text}")
+        expression = given.get(parameter)
+        if value is None and expression is not None:
+            value = evaluate(program, expression, member.values, report)
+        elif value is None and parameter.default is not None:
+            value = evaluate(program, parameter.default, values, report)
+        if value is not None:
+            values[parameter] = value
+    return values
+
+
+def _system(
+    program: Program,
+    definition: ast.EnvironmentDefinition,
+    drawn: Wiring,
+    external_ports: tuple[ExternalPort, ...],
+    step: int,
+    overrides: Mapping[str, Value],
+    report: Report,
+    *,
+    concrete: bool,
+) -> SubmodelClass | None:
+    """All submodels and the relationships between them; None where there are none, or something was reported."""
+    draft = Draft(
+        owner=definition.name.span, sample=step, arguments={}, concrete=concrete, closed=True, overrides=overrides
+    )
+    inner = {
+        member.name: _inlined(program, draft, member, report)
+        for member in drawn.members.values()
+        if not member.is_driver
+    }
+    drivers = {member.name for member in drawn.members.values() if member.is_driver}
+    types = {port.name: port.type for port in external_ports}
+    for name, inlining in inner.items():
+        for _, key, kind in (*inlining.ports("in"), *inlining.ports("out")):
+            types[key] = kind
+        draft.kept.update(key for _, key, _ in inlining.ports("out"))
+        inlining.run()
+        draft.names.add(name)
+    used: set[str] = set()
+    for wire in drawn.wires:
+        if drivers & {wire.source.member, wire.sink.member} or wire.sink.name not in types:
+            continue
+        source = SignalValue(type=types.get(wire.source.name, SECONDS), name=wire.source.name, span=wire.span)
+        draft.equation(wire.sink.name, source, wire.span, kind=types[wire.sink.name])
+        used.update(terminal.port for terminal in (wire.source, wire.sink) if not terminal.member)
+    for name, inlining in inner.items():
+        inlining.close(name)
+    if not inner and not used:
+        return None
+    ports = tuple(
+        Port(
+            name=port.name,
+            doc=port.doc,
+            span=port.span,
+            direction="in" if port.direction == "out" else "out",
+            type=port.type,
+        )
+        for port in external_ports
+        if port.name in used
+    )
+    system = SubmodelClass(
+        name=definition.name.text,
+        definition=definition.name.text,
+        doc=definition.doc,
+        span=definition.name.span,
+        ports=ports,
+    )
+    return complete(system, draft, report)
+
+
+def _inlined(program: Program, draft: Draft, member: Member, report: Report) -> Inlining:
+    definition = member.definition
+    assert isinstance(definition, ast.SubmodelDefinition)
+    context = LoweringContext(values=member.values)
+    arguments: dict[ast.Parameter, Expression] = {
+        parameter: lower_expression(program, argument, context)
+        for parameter, argument in arguments_of(definition.parameters, member.declaration.arguments)
+    }
+    surroundings = Surroundings(path=(), environment=True)
+    return nested(program, draft, definition, report, surroundings, member.name, arguments)
+
+
+def _driver(
+    program: Program, member: Member, drawn: Wiring, overrides: Mapping[str, Value], report: Report
+) -> DriverInstance:
+    definition = member.definition
+    assert isinstance(definition, ast.DriverDefinition)
+    assert definition.external is not None
+    values = _argument_values(program, member, overrides, report)
+    connections = []
+    for wire in drawn.wires:
+        for own, other in ((wire.source, wire.sink), (wire.sink, wire.source)):
+            if own.member == member.name:
+                connections.append((own.port, other.port))
+    return DriverInstance(
+        name=member.name,
+        doc=member.declaration.doc or definition.doc,
+        span=member.declaration.name.span,
+        definition=definition.name.text,
+        external=external_body(definition.external),
+        arguments=tuple((p.name.text, values[p]) for p in definition.parameters if p in values),
+        connections=tuple(connections),
+    )

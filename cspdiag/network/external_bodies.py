@@ -1,0 +1,74 @@
+"""Bodies in other languages: which there are, and whether their names make sense. Whether files exist is for who reads files to say."""
+
+from __future__ import annotations
+
+import re
+
+from cspdiag.diagnostics import Report
+from cspdiag.diagnostics.record import record
+from cspdiag.model.program import Program
+from cspdiag.network.diagnostics_external import DriverWithoutBody, MalformedTarget, MixedBody, UnsupportedLanguage
+from cspdiag.network.ir import ExternalBody
+from cspdiag.network.submodel_inline import external_body
+from cspdiag.syntax import ast
+
+_TARGETS = {
+    "python": re.compile(r"(?P<file>[^:*?\"<>|]+):(?P<name>[A-Za-z_][A-Za-z0-9_]*)"),
+    "c": re.compile(r"(?P<file>[^:*?\"<>|]+\.c)"),
+}
+Owner = ast.ProcessDefinition | ast.SubmodelDefinition | ast.DriverDefinition
+
+
+@record
+class NamedBody:
+    """The external body of a definition. ``file`` is the file or, without an ending, the module that was named; ``name`` the class in it."""
+
+    definition: str
+    body: ExternalBody
+    file: str
+    name: str | None
+
+
+def external_bodies(program: Program) -> list[NamedBody]:
+    """All external bodies that are named as they should, in the order of the definitions."""
+    found: list[NamedBody] = []
+    for definition in program.definitions.values():
+        if not isinstance(definition, Owner) or definition.external is None:
+            continue
+        pattern = _TARGETS.get(definition.external.language.text)
+        match = pattern.fullmatch(definition.external.target) if pattern else None
+        if match:
+            parts = match.groupdict()
+            found.append(
+                NamedBody(definition.name.text, external_body(definition.external), parts["file"], parts.get("name"))
+            )
+    return found
+
+
+def check(program: Program, report: Report) -> None:
+    """Report bodies in languages that cannot be called, malformed names, and drivers without a body."""
+    for definition in program.definitions.values():
+        if not isinstance(definition, Owner) or definition in program.poisoned:
+            continue
+        external = definition.external
+        if external is None:
+            if isinstance(definition, ast.DriverDefinition):
+                report.add(DriverWithoutBody(definition.name.span, definition.name.text))
+            continue
+        kind = {ast.ProcessDefinition: "process", ast.SubmodelDefinition: "submodel"}.get(type(definition), "driver")
+        language = external.language.text
+        pattern = _TARGETS.get(language)
+        if pattern is None or (kind == "driver" and language != "python"):
+            report.add(UnsupportedLanguage(external.language.span, language, kind))
+        elif not pattern.fullmatch(external.target):
+            report.add(MalformedTarget(external.target_span, language, external.target))
+        if _has_own_body(definition):
+            report.add(MixedBody(external.span, definition.name.text))
+
+
+def _has_own_body(definition: Owner) -> bool:
+    if isinstance(definition, ast.SubmodelDefinition):
+        return bool(definition.items)
+    return isinstance(definition, ast.ProcessDefinition) and not (
+        definition.communication is None and definition.composition is None
+    )
