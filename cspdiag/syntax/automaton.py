@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import lru_cache
 
 from cspdiag.syntax import tables
-from cspdiag.syntax.lexer import Scanner
+from cspdiag.syntax.lexer import WORDS_OF_THEIR_PLACE, Scanner
 
 _REPEATABLE = frozenset(
     ["item", "ports", "declaration", "equation", "field", "communication_block", "composition_block"]
@@ -30,6 +30,7 @@ class Automaton:
         self.scanner = Scanner(loaded)
         self.valued = frozenset(loaded.valued)
         self.levels = [1 if rule.build in _NESTING else 0 for rule in loaded.rules]
+        self.words_of_their_place = frozenset(loaded.words[word] for word in WORDS_OF_THEIR_PLACE)
         self.terminal_texts = {terminal: text for text, terminal in loaded.words.items()}
 
     def restartable(self, state: int) -> bool:

@@ -7,7 +7,7 @@ from typing import assert_never
 
 from cspdiag.syntax import ast
 from cspdiag.syntax.format_expressions import ExpressionFormatter
-from cspdiag.syntax.layout import NOTHING, SPACE, Break, Mark
+from cspdiag.syntax.layout import SPACE, Break, Mark
 
 
 class CompositionFormatter(ExpressionFormatter):
@@ -22,12 +22,17 @@ class CompositionFormatter(ExpressionFormatter):
         if not node.parenthesized:
             self._bare_composition(node, before)
             return
-        self.token(before)
-        with self.writer.group():
-            with self.writer.indented():
-                self._bare_composition(node, NOTHING)
-                self.writer.comments()
-            self.token(NOTHING)
+        match node:
+            case ast.Sequence(processes=(first, *_)) | ast.Parallel(processes=(first, *_)):
+                end = first.span.start
+            case ast.Alternative(branches=(first, *_)):
+                end = first.span.start
+            case ast.Catch(process=first) | ast.Interrupt(process=first):
+                end = first.span.start
+            case _:
+                end = node.span.end
+        pairs = self.writer.parentheses_before(end)
+        self.enclosed(pairs, lambda separator: self._bare_composition(node, separator), before)
 
     def _bare_composition(self, node: ast.Composition, before: str | Break) -> None:
         match node:

@@ -33,10 +33,22 @@ class ExpressionFormatter:
         if not node.parenthesized:
             self._bare(node, before)
             return
-        self.writer.take(before)
+        match node:
+            case ast.Binary(left=first) | ast.Member(value=first) | ast.Index(value=first):
+                pairs = self.writer.parentheses_before(first.span.start)
+            case _:
+                pairs = self.writer.parentheses_before(node.span.end)
+        self.enclosed(pairs, lambda separator: self._bare(node, separator), before)
+
+    def enclosed(self, pairs: int, write: Callable[[str | Break], None], before: str | Break) -> None:
+        """What stands within so many pairs of parentheses."""
+        if pairs == 0:
+            write(before)
+            return
+        self.token(before)
         with self.writer.group():
             with self.writer.indented():
-                self._bare(node, NOTHING)
+                self.enclosed(pairs - 1, write, NOTHING)
                 self.writer.comments()
             self.token(NOTHING)
 

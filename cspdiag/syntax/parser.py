@@ -89,6 +89,9 @@ class Parser:
         self.states.append(state)
         self._taken_to = lexer.end
         lexer.advance(self.automaton.tables.actions[state])
+        if lexer.kind in self.automaton.words_of_their_place and not self.automaton.accepts(self.states, lexer.kind):
+            # The row of a state also has terminals that only follow elsewhere.
+            lexer.kind = "NAME"
         if len(self.states) > _MOST_STATES:
             self._refuse_depth()
 

@@ -78,6 +78,19 @@ class Writer:
         """The text of the next token; empty at the end."""
         return self._next
 
+    def parentheses_before(self, offset: int) -> int:
+        """How many opening parentheses stand between the last token and an offset, comments aside."""
+        count, at = 0, self._next_start
+        while at < offset and self._source[at] == "(":
+            count += 1
+            match = self._scan(self._source, at + 1)
+            while match is not None and match.lastgroup == "COMMENT":
+                match = self._scan(self._source, match.end())
+            if match is None or match.lastgroup is None:
+                break
+            at = match.start(match.lastgroup)
+        return count
+
     def new_line_before_next(self) -> bool:
         """Whether a new line stands between the last token and the next one."""
         return self._new_lines(self._end, self._next_start) > 0
