@@ -5,7 +5,6 @@ from __future__ import annotations
 from cspdiag.diagnostics import Report
 from cspdiag.model.check_compositions import check_compositions
 from cspdiag.model.check_constants import check_constants
-from cspdiag.model.check_environments import check_environments
 from cspdiag.model.check_equations import check_equations
 from cspdiag.model.check_ports import check_ports
 from cspdiag.model.check_relationships import check_relationships
@@ -17,7 +16,6 @@ CHECKS = (
     check_relationships,
     check_compositions,
     check_equations,
-    check_environments,
 )
 
 

@@ -35,9 +35,9 @@ def _check(program: Program, part: ast.Node, report: Report) -> None:
         case ast.Assign():
             _check_variable(program, part.target, report, None)
         case ast.Wait():
-            check_duration(program, part.duration, "the delay", report, zero_allowed=True)
+            check_duration(program, part.duration, "the delay", report)
         case ast.AfterGuard():
-            check_duration(program, part.duration, "the time-out", report, zero_allowed=True)
+            check_duration(program, part.duration, "the time-out", report)
         case ast.Reset():
             _check_reset(program, part.instance, report)
         case _:

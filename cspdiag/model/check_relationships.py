@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from cspdiag.diagnostics import Label, Report
-from cspdiag.model.check_ports import check_duration
 from cspdiag.model.coercion import same
 from cspdiag.model.diagnostics_constants import NotPositive
 from cspdiag.model.diagnostics_ports import DifferentEnds, WrongSink, WrongSource
@@ -20,15 +19,14 @@ def check_relationships(program: Program, report: Report) -> None:
     """Check every relationship of processes and environments."""
     for definition in program.definitions.values():
         if isinstance(definition, ast.ProcessDefinition) and definition.communication is not None:
-            _check_all(program, definition.communication.declarations, report, in_environment=False)
+            _check_all(program, definition.communication.declarations, report, has_directions=True)
         elif isinstance(definition, ast.EnvironmentDefinition):
-            _check_all(program, definition.declarations, report, in_environment=True)
-            if definition.step is not None:
-                check_duration(program, definition.step, "the step", report, zero_allowed=False)
+            # Directions are looked at where the environment is put together.
+            _check_all(program, definition.declarations, report, has_directions=False)
 
 
 def _check_all(
-    program: Program, declarations: Iterable[ast.Declaration], report: Report, *, in_environment: bool
+    program: Program, declarations: Iterable[ast.Declaration], report: Report, *, has_directions: bool
 ) -> None:
     pending = list(declarations)[::-1]
     while pending:
@@ -37,7 +35,8 @@ def _check_all(
             case ast.RepeatedDeclarations():
                 pending += reversed(item.declarations)
             case ast.Connection():
-                _check_directions(program, item, report, in_environment=in_environment)
+                if has_directions:
+                    _check_directions(program, item, report)
                 _check_types(program, item, report)
                 _check_capacity(program, item.kind, report)
             case ast.Channel():
@@ -56,24 +55,26 @@ def _check_capacity(program: Program, kind: ast.Kind | None, report: Report) -> 
         program.poisoned.add(kind.capacity)
 
 
-def _check_directions(program: Program, connection: ast.Connection, report: Report, *, in_environment: bool) -> None:
-    inside, outside = ("out", "in") if in_environment else ("in", "out")
+def _check_directions(program: Program, connection: ast.Connection, report: Report) -> None:
     for source in connection.sources:
-        wrong = _port_of_direction(program, source, own=outside, inner="in")
+        wrong = _port_of_direction(program, source, own="out", inner="in")
         if wrong is not None:
-            advice = _source_advice(program, connection, source, wrong, inside)
-            kind = _kind(source, wrong, in_environment)
+            advice = _source_advice(program, connection, source, wrong)
+            kind = _kind(source, wrong)
             refused = WrongSource(
                 source.span, name=source.span.text, kind=kind, advice=advice, declared=declared_at(wrong)
             )
             _refuse(program, report, refused, connection, source)
+    if connection in program.poisoned:
+        # The whole arrow stands the wrong way around, as a rule.
+        return
     for sink in connection.sinks:
         if not isinstance(sink, ast.Reference):
             continue
-        wrong = _port_of_direction(program, sink, own=inside, inner="out")
+        wrong = _port_of_direction(program, sink, own="in", inner="out")
         if wrong is not None:
             advice = _sink_advice(program, connection, sink, wrong)
-            kind = _kind(sink, wrong, in_environment)
+            kind = _kind(sink, wrong)
             refused_sink = WrongSink(
                 sink.span, name=sink.span.text, kind=kind, advice=advice, declared=declared_at(wrong)
             )
@@ -99,22 +100,20 @@ def _port_of_direction(program: Program, end: ast.Reference, *, own: str, inner:
     return None
 
 
-def _kind(end: ast.Reference, port: PortSymbol, in_environment: bool) -> str:
+def _kind(end: ast.Reference, port: PortSymbol) -> str:
     if end.member is not None:
         return f"{described(port)} of an instance"
-    return f"{described(port)} of the program" if in_environment else f"{described(port)} of this process"
+    return f"{described(port)} of this process"
 
 
-def _source_advice(
-    program: Program, connection: ast.Connection, source: ast.Reference, port: PortSymbol, inside: str
-) -> str:
+def _source_advice(program: Program, connection: ast.Connection, source: ast.Reference, port: PortSymbol) -> str:
     sinks = [sink for sink in connection.sinks if isinstance(sink, ast.Reference)]
     for sink in sinks:
         member = program.members.get(sink)
         if isinstance(member, PortSymbol) and member.declaration.direction == "out":
             return f"turn the arrow around: `{sink.span.text} -> {source.span.text}`"
     if source.member is not None:
-        return f"an arrow begins at an out port of an instance or at an {inside} port of this process"
+        return "an arrow begins at an out port of an instance or at an in port of this process"
     turned = "in" if port.declaration.direction == "out" else "out"
     return f"begin at an out port of an instance, or declare `{turned} {port.name} : {port.type}`"
 

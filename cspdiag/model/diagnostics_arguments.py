@@ -14,6 +14,8 @@ def _at(declared: Span | None, text: str) -> tuple[Label, ...]:
 class MissingArgument(Diagnostic):
     """A parameter without a default was given no value.
 
+    Parameters are constants of the drawn-out diagram. One that has no default is different for every instance, and nobody can guess it.
+
     Refused::
 
         process Sender(value: int) {
@@ -73,6 +75,8 @@ class MissingArgument(Diagnostic):
 class UnknownArgument(Diagnostic):
     """An argument is given by a name that is not among the parameters.
 
+    Each argument belongs to a parameter of the definition, or to a field of the struct; a value without a receiver is a slip.
+
     Refused::
 
         struct Pose { x: double<m> }
@@ -114,6 +118,8 @@ class UnknownArgument(Diagnostic):
 class RepeatedArgument(Diagnostic):
     """A parameter is given two values.
 
+    An argument by position takes the parameters from the left; one by name may then only name those that are left.
+
     Refused::
 
         struct Pose { x: double }
@@ -147,6 +153,8 @@ class RepeatedArgument(Diagnostic):
 @record
 class TooManyArguments(Diagnostic):
     """More arguments are given than there are parameters.
+
+    Arguments by position take the parameters from the left, and each parameter takes one.
 
     Refused::
 
@@ -219,6 +227,8 @@ class PositionalAfterNamed(Diagnostic):
 @record
 class WrongNumberOfArguments(Diagnostic):
     """A function is given too few or too many arguments.
+
+    The functions of the language take their arguments by position; only linear operators have an option, ``method``.
 
     Refused::
 

@@ -63,6 +63,8 @@ class ConstantOverflow(Diagnostic):
 class ConstantDivision(Diagnostic):
     """A division by zero, or a function outside its domain, is known before the program runs.
 
+    While the program runs this is the exception ``Fault``; what is known beforehand is refused at once.
+
     Refused::
 
         const n = 1 / 0
@@ -121,6 +123,8 @@ class IndexOutOfRange(Diagnostic):
 class BadSize(Diagnostic):
     """The size of an array or the count of a replicator is negative, or too large to be drawn out.
 
+    Arrays of instances and ports and everything that is repeated are drawn out one by one before the program runs.
+
     Refused::
 
         const n = 2
@@ -151,20 +155,22 @@ class BadSize(Diagnostic):
 
 @record
 class NotPositive(Diagnostic):
-    """A period, a step or a capacity must be positive, and a delay must not be negative.
+    """A delay is negative, or a step or a capacity is not positive.
+
+    Nothing can be waited for in the past, and a channel that holds nothing or a step of no length leads nowhere.
 
     Refused::
 
         process Main {
-          out y : int @ 0 ms
-          composition { y ! 1 }
+          out y : int
+          composition { wait 1 ms - 2 ms ; y ! 1 }
         }
 
     Mended::
 
         process Main {
-          out y : int @ 1 ms
-          composition { y ! 1 }
+          out y : int
+          composition { wait 2 ms - 1 ms ; y ! 1 }
         }
     """
 

@@ -223,6 +223,8 @@ class WrongKind(Diagnostic):
 class UnknownMember(Diagnostic):
     """What follows the point is no port, field or literal of what stands before it.
 
+    An instance has the ports of its definition, a struct its fields, an enum its literals, and nothing else.
+
     Refused::
 
         enum Mode { idle, run }

@@ -12,8 +12,7 @@ from cspdiag.model.types import IntType, RealType, Type
 class WrongSource(Diagnostic):
     """An arrow begins at something that gives no values.
 
-    A source is an ``in`` port of this process (what comes from outside), an ``out`` port of an instance, a variable or a channel. In
-    an environment the program's ``out`` ports are sources.
+    A source is an ``in`` port of this process (what comes from outside), an ``out`` port of an instance, a variable or a channel.
 
     Refused::
 
@@ -79,8 +78,7 @@ class WrongSource(Diagnostic):
 class WrongSink(Diagnostic):
     """An arrow ends at something that takes no values.
 
-    A sink is an ``out`` port of this process (what goes outside), an ``in`` port of an instance, a variable, a channel, or ``_``. In
-    an environment the program's ``in`` ports are sinks.
+    A sink is an ``out`` port of this process (what goes outside), an ``in`` port of an instance, a variable, a channel, or ``_``.
 
     Refused::
 
@@ -95,8 +93,8 @@ class WrongSink(Diagnostic):
           out y : int
           communication {
             law : Law
-            x     -> law.y
-            law.y -> y
+            x     -> law.x
+            law.y -> x
           }
           composition { law }
         }
@@ -393,10 +391,11 @@ class MisplacedPortOption(Diagnostic):
 
 
 @record
-class MissingBody(Diagnostic):
-    """A definition has no body, or two.
+class MissingComposition(Diagnostic):
+    """A process has no composition.
 
-    A process is a composition or a body in another language (``python "module.py:Class"``); a driver is always the latter.
+    The composition says what a process does and in which order its instances run; without it nothing runs. A process that is written
+    by hand has a body in another language instead: ``process P python "module.py:P" { ports }``.
 
     Refused::
 
@@ -413,51 +412,14 @@ class MissingBody(Diagnostic):
     """
 
     code = "E0236"
-    title = "a definition without its body"
+    title = "a process without a composition"
 
-    owner: str
-    problem: str
-    advice: str
+    name: str
 
     @property
     def message(self) -> str:
-        return f"{self.owner} {self.problem}"
+        return f"the process `{self.name}` has no composition"
 
     @property
     def help(self) -> str:
-        return self.advice
-
-
-@record
-class BadExternalBody(Diagnostic):
-    """A body in another language is written wrongly.
-
-    A Python body is ``python "file.py:Class"`` (or ``package.module:Class``), a C body ``c "file.c"``, and a plant may be
-    ``fmu "file.fmu"``.
-
-    Refused::
-
-        driver Stick python "stick.py" {
-          out x : double
-        }
-
-    Mended::
-
-        driver Stick python "stick.py:Stick" {
-          out x : double
-        }
-    """
-
-    code = "E0237"
-    title = "an ill-formed external body"
-
-    problem: str
-    advice: str
-
-    @property
-    def message(self) -> str:
-        return self.problem
-
-    @property
-    def help(self) -> str:
-        return self.advice
+        return "write `composition { ... }`, which says what runs and in which order"

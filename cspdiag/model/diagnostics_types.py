@@ -263,15 +263,15 @@ def _short(span: Span) -> str:
 class UnsuitableOperand(Diagnostic):
     """An operator or a function does not work on values of this type.
 
-    Arithmetic is for numbers and times, ``and``, ``or`` and ``not`` are for conditions, ``%`` is for integers and times.
+    Arithmetic is for numbers and times, ``%`` for integers and times only; order is for numbers and times, not for enums and structs.
 
     Refused::
 
-        const both = 1 and true
+        const rest = 7.5 % 2.0
 
     Mended::
 
-        const both = 1 == 1 and true
+        const rest = 7 % 2
     """
 
     code = "E0306"
@@ -328,6 +328,8 @@ class NotDimensionless(Diagnostic):
 @record
 class NotCondition(Diagnostic):
     """A condition is no bool.
+
+    Numbers are not conditions: whether zero means yes or no is left to nobody's memory but written as a comparison.
 
     Refused::
 
@@ -397,7 +399,9 @@ class UnknownUnit(Diagnostic):
 
 @record
 class UnitNotAllowed(Diagnostic):
-    """A unit is given to a type that cannot have one; only ``double`` and ``float`` carry units.
+    """A unit is given to a type that cannot have one.
+
+    Only ``double`` and ``float`` carry units: integers count, and a ``time`` is a number of nanoseconds.
 
     Refused::
 
@@ -425,6 +429,9 @@ class UnitNotAllowed(Diagnostic):
 @record
 class NotIndexed(Diagnostic):
     """Something that is no array is indexed, or an array needs an index that is not given.
+
+    An index picks one element of an array, one port of an array of ports, or one instance of an array of instances. Fields belong to
+    structs only.
 
     Refused::
 
@@ -460,7 +467,10 @@ class NotIndexed(Diagnostic):
 
 @record
 class DifferentTypes(Diagnostic):
-    """Values that must have one type have several: the two sides of a choice, the elements of an array, the arguments of a function.
+    """Values that must have one type have several.
+
+    The two sides of a choice, the elements of an array, and the arguments of ``min``, ``max`` and ``limit`` are of one type and unit,
+    because any of them may be the result.
 
     Refused::
 
@@ -525,6 +535,9 @@ class BrokenPower(Diagnostic):
 @record
 class NotConvertible(Diagnostic):
     """``convert`` is asked for a unit of another dimension, or a conversion is given something that is no number.
+
+    A conversion changes the scale or the representation of a quantity, but an angle never becomes a voltage. What relates two dimensions
+    is a factor with a unit, such as ``2<V/rad>``.
 
     Refused::
 

@@ -9,7 +9,7 @@ from typing import assert_never
 from cspdiag.diagnostics import Report
 from cspdiag.model import arithmetic
 from cspdiag.model.arithmetic import OutOfRangeError, UndefinedError
-from cspdiag.model.diagnostics_constants import ConstantDivision, ConstantOverflow, IndexOutOfRange
+from cspdiag.model.diagnostics_constants import ConstantDivision, ConstantOverflow, IndexOutOfRange, NumberTooLarge
 from cspdiag.model.program import BuiltinSymbol, EnumLiteralSymbol, Program, Value
 from cspdiag.model.symbols import CONVERSIONS
 from cspdiag.model.types import (
@@ -103,7 +103,13 @@ class _Evaluator:
         return value / 1e9 if is_stored_time and isinstance(self.type_of(expression), RealType) else value  # type: ignore[operator]
 
     def _number(self, expression: ast.Number) -> Value | None:
-        return self._checked(expression, lambda type_: arithmetic.checked(expression.value, type_))
+        """The number as its type has it; ``int`` where it was written without a point."""
+        type_ = self.type_of(expression)
+        try:
+            return arithmetic.checked(expression.value, type_)
+        except (OutOfRangeError, UndefinedError, OverflowError):
+            self.report.add(NumberTooLarge(expression.span, type=type_))
+            return None
 
     def _checked(self, expression: ast.Expression, compute: Callable[[Type], Value | None]) -> Value | None:
         """What ``compute`` gives for the expression's type; what goes wrong in it is reported at the expression."""

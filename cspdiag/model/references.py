@@ -29,34 +29,57 @@ def find(typer: Typer, reference: ast.Reference, wanted: str, kinds: tuple[type,
             names = typer.surroundings.scope.names
             suggestion = nearest(name, [other for other, found in names.items() if isinstance(found, kinds)])
             declared = declared_at(names[suggestion]) if suggestion else None
-            context.refuse(
-                UnknownName(reference.name.span, name=name, wanted=wanted, suggestion=suggestion, declared=declared),
-                reference,
+            missing = UnknownName(
+                reference.name.span,
+                name=name,
+                wanted=wanted,
+                suggestion=suggestion,
+                declared=declared,
+                advice=_advice_on_missing(name, wanted),
             )
+            context.refuse(missing, reference)
         return None
     context.program.bindings[reference] = symbol
     return symbol
+
+
+def _advice_on_missing(name: str, wanted: str) -> str | None:
+    return {
+        "sink": f"a label that ends an arrow has a type: `{name} : type`",
+        "variable": f"declare it in the communication block: `var {name} : type`",
+        "instance": f"declare it in the communication block: `{name} : Definition`",
+        "output": f"declare `out {name} : type`, or write `let {name} = ...` for a local value",
+    }.get(wanted)
+
+
+def _advice_on_kind(name: str, symbol: Symbol, wanted: str) -> str | None:
+    match symbol:
+        case ast.ProcessDefinition() | ast.SubmodelDefinition():
+            instance = f"{name[:1].lower()}{name[1:]}"
+            return f"declare an instance in the communication block, such as `{instance} : {name}`, and name that"
+        case ast.State() if wanted == "output":
+            return f"write `next {name} = ...` or `der {name} = ...`"
+        case ast.Let() if wanted == "output":
+            return "its `let` is its equation"
+        case ast.Parameter() | ast.Constant() if wanted in {"variable", "source", "sink"}:
+            return f"it has one value for ever; declare a variable that begins with it: `var value : type = {name}`"
+        case _:
+            return None
 
 
 def refuse_kind(typer: Typer, reference: ast.Reference, symbol: Symbol, wanted: str, advice: str | None = None) -> None:
     """Report that a reference names another kind of thing than is wanted."""
     name = reference.name.text
     article = "an" if wanted[0] in "aeiou" else "a"
-    if advice is None and isinstance(symbol, ast.ProcessDefinition | ast.SubmodelDefinition):
-        advice = f"declare an instance in the communication block, such as `{_lowered(name)} : {name}`, and name that"
     refused = WrongKind(
         reference.span if reference.member is None else reference.name.span,
         name=name,
         kind=described(symbol),
         wanted=f"{article} {wanted}",
-        advice=advice,
+        advice=advice or _advice_on_kind(name, symbol, wanted),
         declared=declared_at(symbol),
     )
     typer.context.refuse(refused, reference)
-
-
-def _lowered(name: str) -> str:
-    return name[:1].lower() + name[1:]
 
 
 def end_of_channel(typer: Typer, reference: ast.Reference, wanted: str) -> Type:
