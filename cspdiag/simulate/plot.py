@@ -51,7 +51,7 @@ def plot(run: Run, path: Path | None) -> Figure:
         axes = figure.subplots(max(1, len(rows)), len(groups), sharex=True, sharey="row", squeeze=False)
         for column, group in enumerate(groups):
             for row, unit in enumerate(rows):
-                _panel(run, axes[row, column], group, unit, rows[unit])
+                _panel(run, axes[row, column], group, unit, rows[unit], top=row == 0)
                 if column == 0:
                     axes[row, column].set_ylabel(unit or "value")
             _name_modes(run, axes[0, column], group)
@@ -96,10 +96,10 @@ _QUANTITIES = {
 def _quantity(kind: Type) -> str:
     if isinstance(kind, RealType) and kind.unit.text:
         return _QUANTITIES.get(kind.unit.text, f"({kind.unit.text})")
-    return "1" if isinstance(kind, RealType) else "value"
+    return "dimensionless" if isinstance(kind, RealType) else "value"
 
 
-def _panel(run: Run, axes: Axes, group: ModeGroup, unit: str, names: set[str]) -> None:
+def _panel(run: Run, axes: Axes, group: ModeGroup, unit: str, names: set[str], top: bool) -> None:
     for activity in run.activities:
         if activity.path in group.modes:
             end = run.outcome.time if activity.end is None else activity.end
@@ -119,10 +119,11 @@ def _panel(run: Run, axes: Axes, group: ModeGroup, unit: str, names: set[str]) -
         if isinstance(signal.type, IntType | BoolType | EnumType):
             for time, value in zip(signal.time, signal.value, strict=True):
                 axes.axvline(time, color="#555555", linewidth=0.7, linestyle=(0, (3, 2)))
-                axes.annotate(
-                    f"{name} = {value}", (time, 1), xycoords=("data", "axes fraction"), xytext=(2, -3),
-                    textcoords="offset points", rotation=90, va="top", fontsize=6.5, color="#555555",
-                )  # fmt: skip
+                if top:
+                    axes.annotate(
+                        f"{name} = {value}", (time, 1), xycoords=("data", "axes fraction"), xytext=(-2, -3),
+                        textcoords="offset points", rotation=90, va="top", ha="right", fontsize=6.5, color="#555555",
+                    )  # fmt: skip
     axes.margins(x=0)
     axes.grid(axis="y", linewidth=0.3, color="#bbbbbb")
     if axes.lines:
@@ -131,13 +132,16 @@ def _panel(run: Run, axes: Axes, group: ModeGroup, unit: str, names: set[str]) -
 
 def _variables(run: Run, group: ModeGroup, quantity: str) -> dict[str, tuple[list[float], list[float]]]:
     """Variables of the group's quantity; those of one name in several modes make one line, with gaps between."""
-    prefixes = tuple(f"{path}." for path in group.modes)
+    prefixes = tuple({prefix for path in group.modes for prefix in (f"{path}.", f"{path.rpartition('.')[0]}.")})
     found: dict[str, list[tuple[float, float]]] = {}
     for path, points in run.variables.items():
         if path.startswith(prefixes) and _quantity(run.types[path]) == quantity:
             line = found.setdefault(path.rpartition(".")[2], [])
             line += [(time / 1e9, value) for time, value in points]
-            line.append((points[-1][0] / 1e9, math.nan))
+            if path.startswith(tuple(f"{mode}." for mode in group.modes)):
+                line.append((points[-1][0] / 1e9, math.nan))
+            else:
+                line.append((run.outcome.time / 1e9, points[-1][1]))
     return {name: tuple(zip(*sorted(line, key=lambda point: point[0]), strict=True)) for name, line in found.items()}  # type: ignore[misc]
 
 
