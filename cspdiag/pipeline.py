@@ -42,30 +42,20 @@ def check(main: SourceFile, read: Reader, overrides: Mapping[str, Value] | None 
 
     ``overrides`` replaces the values of constants by name. Raises nothing because of what the program says.
     """
+    from cspdiag.model.check import check as check_model
+    from cspdiag.model.imports import load
+    from cspdiag.model.resolve import resolve
+    from cspdiag.network.lower import check as check_network
+
     report = Report()
-    try:
-        from cspdiag.model.imports import load
-
-        trees = load(main, read, report)
-    except ModuleNotFoundError:
-        from cspdiag.syntax.parser import parse
-
-        tree = parse(main, report)
-        trees = [tree] if tree else []
+    trees = load(main, read, report)
     if not trees or report.has_errors:
+        # What could not be read is missing in the tree: names that stand there would be reported as unknown.
         return Checked(program=None, report=report)
-    try:
-        from cspdiag.model.check import check as check_model
-        from cspdiag.model.resolve import resolve
-
-        program = resolve(trees, overrides or {}, report)
-        check_model(program, report)
-        from cspdiag.network.lower import check as check_network
-
-        check_network(program, report)
-        return Checked(program=program, report=report)
-    except ModuleNotFoundError:
-        return Checked(program=None, report=report)
+    program = resolve(trees, overrides or {}, report)
+    check_model(program, report)
+    check_network(program, report)
+    return Checked(program=program, report=report)
 
 
 def compile_network(
