@@ -9,13 +9,20 @@ from collections.abc import Mapping
 
 from cspdiag.diagnostics import Report
 from cspdiag.model.program import Program, Value
+from cspdiag.network.assignment import Flow, check_assignment
+from cspdiag.network.composition import check_progress, check_runs
 from cspdiag.network.contexts import Contexts, Placed
 from cspdiag.network.definitions import Definitions
+from cspdiag.network.diagnostics_periods import SampleUnknown
 from cspdiag.network.elaborate import Elaboration
+from cspdiag.network.guards import check_guards
 from cspdiag.network.kinds import Asked, asked_kinds, check_outermost, infer_kinds
 from cspdiag.network.periods import Rates, net_rates
 from cspdiag.network.relations import Relations
-from cspdiag.network.shapes import Overrides, Shape
+from cspdiag.network.shapes import Overrides, Shape, attached_key
+from cspdiag.network.submodels import needs_sample
+from cspdiag.network.usage import check_usage
+from cspdiag.network.waiting import Waiting
 from cspdiag.syntax import ast
 
 
@@ -31,7 +38,10 @@ class Analysis:
         self.asked: dict[Shape, Asked] = {}
         self.rates: dict[Shape, Rates] = {}
         self.contexts = Contexts(self.rates, report)
+        self.flows: dict[Shape, Flow] = {}
         self._roots: list[tuple[Shape, bool]] = []
+        self._ranks: dict[ast.Node, int] = {definition: n for n, definition in enumerate(self.definitions.order)}
+        self._needs_sample: dict[ast.SubmodelDefinition, bool] = {}
 
     def add_root(
         self, definition: ast.ProcessDefinition, values: Mapping[str, Value], overrides: Overrides, *, is_open: bool
@@ -49,16 +59,47 @@ class Analysis:
         for shape, is_open in self._roots:
             if not is_open and not shape.incomplete:
                 check_outermost(shape, self.relations.of(shape), self.asked[shape], self.report)
-        return [self.contexts.outermost(shape, is_open) for shape, is_open in self._roots]
+        outermost = [self.contexts.outermost(shape, is_open) for shape, is_open in self._roots]
+        waiting = Waiting()
+        for placed in self._inside_out_in_context():
+            waiting.process(placed)
+            check_guards(placed, self.report)
+            check_progress(placed, waiting, self.report)
+            self._check_samples(placed)
+        return outermost
 
     def inside_out(self) -> list[Shape]:
         """The shapes of processes, each after those of its instances."""
-        rank = {definition: position for position, definition in enumerate(self.definitions.order)}
-        processes = [shape for shape in self.elaboration.shapes if shape.definition in rank]
-        return sorted(processes, key=lambda shape: rank[shape.definition])  # type: ignore[index]
+        processes = [shape for shape in self.elaboration.shapes if not shape.is_submodel]
+        return sorted(processes, key=self._rank)
+
+    def _inside_out_in_context(self) -> list[Placed]:
+        return sorted(self.contexts.placed, key=lambda placed: self._rank(placed.shape))
+
+    def _rank(self, shape: Shape) -> int:
+        return self._ranks.get(shape.definition, 0)
 
     def _infer(self, shape: Shape) -> None:
         uses = self.relations.of(shape)
         self.asked[shape] = asked_kinds(shape, self.asked)
         self.rates[shape] = net_rates(shape, self.rates, self.report)
         infer_kinds(shape, uses, self.asked[shape], self.report)
+        check_runs(shape, uses, self.report)
+        check_usage(shape, uses, self.report)
+        self.flows[shape] = check_assignment(shape, uses, self.flows, self.report)
+
+    def _check_samples(self, placed: Placed) -> None:
+        """A submodel whose sample period is unknown must not need it, unless nothing is known about the nets either."""
+        for instance in placed.shape.instances.values():
+            definition = instance.shape.definition
+            if not isinstance(definition, ast.SubmodelDefinition) or instance.name in placed.samples:
+                continue
+            keys = [attached_key(attached) for attached in instance.attachments.values()]
+            if any(key is not None and placed.facts[key][0] == "open" for key in keys) or placed.shape.incomplete:
+                continue
+            if definition not in self._needs_sample:
+                self._needs_sample[definition] = needs_sample(self.program, definition)
+            if self._needs_sample[definition]:
+                self.report.add(
+                    SampleUnknown(span=instance.span, instance=instance.name, definition=instance.shape.name)
+                )

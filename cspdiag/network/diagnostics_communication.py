@@ -231,3 +231,46 @@ class ArraysDiffer(Diagnostic):
     @property
     def labels(self) -> tuple[Label, ...]:
         return (Label(self.other, "the other end"),)
+
+
+@record
+class VariableUnused(Diagnostic):
+    """W0511."""
+
+    code = "W0511"
+    title = "variable, channel or label that nobody uses"
+    severity = "warning"
+
+    name: str
+
+    @property
+    def message(self) -> str:
+        return f"nobody uses `{self.name}`"
+
+    @property
+    def help(self) -> str | None:
+        return "leave it away"
+
+
+@record
+class PortUnused(Diagnostic):
+    """W0512."""
+
+    code = "W0512"
+    title = "port that its process never uses"
+    severity = "warning"
+
+    port: str
+    process: str
+    direction: str
+
+    @property
+    def message(self) -> str:
+        verb = "reads" if self.direction == "in" else "writes"
+        return f"`{self.process}` never {verb} its port `{self.port}`"
+
+    @property
+    def help(self) -> str | None:
+        if self.direction == "in":
+            return f"use it, leave it away, or say that it is ignored with `{self.port} -> _`"
+        return "write it with `!` or connect an instance to it, or leave it away"

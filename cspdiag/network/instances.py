@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from cspdiag.diagnostics import Span
 from cspdiag.model.types import Type
+from cspdiag.network.actions import Choice as ChoiceAction
 from cspdiag.network.actions import (
     InputEvent,
     InterruptOn,
@@ -12,7 +13,6 @@ from cspdiag.network.actions import (
     ReadyEvent,
     WriteValue,
 )
-from cspdiag.network.actions import Choice as ChoiceAction
 from cspdiag.network.ends import all_actions
 from cspdiag.network.ir import ChannelKind, Direction, ExternalPort, Instantiation, Net
 from cspdiag.network.lower_classes import Classes

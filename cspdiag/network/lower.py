@@ -6,11 +6,12 @@ from collections.abc import Mapping
 
 from cspdiag.diagnostics import Report
 from cspdiag.model.program import Program, Value
-from cspdiag.network import submodels
+from cspdiag.network import environments, external_bodies, submodels
 from cspdiag.network.analyse import Analysis
 from cspdiag.network.definitions import arguments_of
 from cspdiag.network.diagnostics_composition import NoOutermostProcess, ParameterWithoutValue
 from cspdiag.network.elaborate import parameter_value
+from cspdiag.network.environments import lower_environment
 from cspdiag.network.external_ports import external_ports
 from cspdiag.network.instances import walk_instances
 from cspdiag.network.ir import Environment, ExternalPort, Network
@@ -42,10 +43,6 @@ def check(program: Program, report: Report) -> None:
     analysis.run()
     check_release(program, report)
     submodels.check(program, report)
-    try:
-        from cspdiag.network import environments, external_bodies
-    except ImportError:
-        return
     external_bodies.check(program, report)
     for environment in _environments(program):
         environments.check(program, environment, report)
@@ -180,10 +177,6 @@ def _lower_environments(
 ) -> tuple[Environment, ...]:
     """The chosen environment and, where none was asked for by name, the others that give the process the same arguments."""
     if chosen is None:
-        return ()
-    try:
-        from cspdiag.network.environments import lower_environment
-    except ImportError:
         return ()
     wanted = [chosen]
     if not only:

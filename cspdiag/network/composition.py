@@ -1,0 +1,159 @@
+"""Checks of compositions: every instance runs, never twice at once; loops let time pass; every branch can be chosen."""
+
+from __future__ import annotations
+
+from cspdiag.diagnostics import Report
+from cspdiag.network.actions import (
+    Action,
+    AfterEvent,
+    AssignValue,
+    Branch,
+    Choice,
+    Event,
+    InputEvent,
+    InterruptOn,
+    OutputEvent,
+    ReadValue,
+    ReadyEvent,
+    Repeat,
+    RunInstance,
+    SkipEvent,
+    WhileLoop,
+)
+from cspdiag.network.contexts import Placed
+from cspdiag.network.diagnostics_composition import (
+    BranchNeverChosen,
+    EndlessLoop,
+    InstanceNeverRun,
+    NoComposition,
+    RunTwiceAtOnce,
+    SamePortTwice,
+)
+from cspdiag.network.ends import all_actions
+from cspdiag.network.expressions import Expression, LiteralValue
+from cspdiag.network.relations import UsesByKey, end_key, run_key, variables_read
+from cspdiag.network.shapes import Key, Shape, attached_key
+from cspdiag.network.waiting import Waiting, is_open, read_may_wait, write_may_wait
+from cspdiag.syntax import ast
+
+
+def check_runs(shape: Shape, uses: UsesByKey, report: Report) -> None:
+    """Every instance runs somewhere, and never twice at the same time."""
+    if shape.is_external or shape.is_submodel:
+        return
+    if shape.body is None:
+        definition = shape.definition
+        assert isinstance(definition, ast.ProcessDefinition)
+        if definition.composition is None and not shape.incomplete:
+            report.add(NoComposition(span=definition.name.span, process=shape.name))
+        return
+    run = {action.instance for action in all_actions(shape.body) if isinstance(action, RunInstance)}
+    for instance in shape.instances.values():
+        use = uses.get(run_key(instance.name))
+        if instance.name not in run and not shape.incomplete:
+            report.add(InstanceNeverRun(span=instance.span, instance=instance.name, process=shape.name))
+        elif use is not None and use.parallel_writes is not None:
+            first, second = use.parallel_writes
+            report.add(RunTwiceAtOnce(span=second.span, instance=instance.name, first=first.span))
+
+
+def check_progress(placed: Placed, waiting: Waiting, report: Report) -> None:
+    """Loops in which no time can pass, and branches that can never be chosen."""
+    shape = placed.shape
+    if shape.body is None or shape.incomplete:
+        return
+    for action in all_actions(shape.body):
+        match action:
+            case Repeat():
+                _check_loop(placed, waiting, action, action.until, report)
+            case WhileLoop():
+                _check_loop(placed, waiting, action, action.condition, report)
+            case Choice():
+                _check_branches(placed, action, report)
+            case InterruptOn():
+                _check_condition(action.branch, report)
+            case _:
+                pass
+
+
+def _check_loop(
+    placed: Placed, waiting: Waiting, loop: Repeat | WhileLoop, condition: Expression | None, report: Report
+) -> None:
+    """A loop that may never wait is endless when nothing inside changes its condition."""
+    if waiting.action(placed, loop.body):
+        return
+    if condition is not None:
+        if isinstance(loop, WhileLoop) and isinstance(condition, LiteralValue) and condition.value is False:
+            return
+        if isinstance(loop, Repeat) and isinstance(condition, LiteralValue) and condition.value is True:
+            return
+        looked_at = {value.channel for value in variables_read(condition)}
+        if looked_at & _written_in(placed.shape, loop.body):
+            return
+    report.add(EndlessLoop(span=loop.span, conditional=condition is not None))
+
+
+def _written_in(shape: Shape, body: Action) -> set[Key]:
+    written: set[Key] = set()
+    for action in all_actions(body):
+        match action:
+            case AssignValue() | ReadValue():
+                written.add(action.target.channel)
+            case RunInstance():
+                attached = shape.instances[action.instance].attachments.values()
+                written.update(key for key in map(attached_key, attached) if key is not None)
+            case Choice():
+                for branch in action.branches:
+                    if isinstance(branch.event, InputEvent):
+                        written.add(branch.event.target.channel)
+            case InterruptOn():
+                if isinstance(action.branch.event, InputEvent):
+                    written.add(action.branch.event.target.channel)
+            case _:
+                pass
+    return written
+
+
+def _check_branches(placed: Placed, choice: Choice, report: Report) -> None:
+    """Behind a guard that is always ready, a prioritized alternative never goes on."""
+    always: Branch | None = None
+    seen: dict[tuple[str, Key], Branch] = {}
+    for branch in choice.branches:
+        _check_condition(branch, report)
+        if always is not None and choice.prioritized:
+            report.add(BranchNeverChosen(span=branch.event.span, earlier=always.event.span))
+            continue
+        end = _end_of(branch.event)
+        if end is not None and branch.condition is None:
+            if end in seen:
+                report.add(SamePortTwice(span=branch.event.span, port=end[1], first=seen[end].event.span))
+            else:
+                seen[end] = branch
+        if branch.condition is None and _is_always_ready(placed, branch.event):
+            always = branch
+
+
+def _check_condition(branch: Branch, report: Report) -> None:
+    condition = branch.condition
+    if isinstance(condition, LiteralValue) and condition.value is False and condition.span is not None:
+        report.add(BranchNeverChosen(span=condition.span, earlier=None))
+
+
+def _end_of(event: Event) -> tuple[str, Key] | None:
+    if isinstance(event, ReadyEvent | InputEvent):
+        return "?", end_key(event.source)
+    return ("!", end_key(event.sink)) if isinstance(event, OutputEvent) else None
+
+
+def _is_always_ready(placed: Placed, event: Event) -> bool:
+    match event:
+        case SkipEvent():
+            return True
+        case ReadyEvent() | InputEvent():
+            key = end_key(event.source)
+            return not is_open(placed, key) and not read_may_wait(placed, key)
+        case OutputEvent():
+            key = end_key(event.sink)
+            return not is_open(placed, key) and not write_may_wait(placed, key)
+        case AfterEvent():
+            return False

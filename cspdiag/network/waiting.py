@@ -1,0 +1,116 @@
+"""Which communications may wait, in a context: for checks of guards and of loops."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import assert_never
+
+from cspdiag.network.actions import (
+    Action,
+    AssignValue,
+    Branch,
+    CatchException,
+    Choice,
+    Group,
+    IfElse,
+    InterruptOn,
+    ParallelSteps,
+    RaiseException,
+    ReadValue,
+    Repeat,
+    ResetInstance,
+    RunInstance,
+    SequentialSteps,
+    SkipEvent,
+    SkipStep,
+    StopStep,
+    WaitStep,
+    WhileLoop,
+    WriteValue,
+)
+from cspdiag.network.contexts import NetKind, Placed, port_facts
+from cspdiag.network.relations import end_key
+from cspdiag.network.shapes import InstanceShape, Key, attached_key
+
+_NEVER_READ_WAITS: frozenset[NetKind] = frozenset({"var", "constant"})
+_NEVER_WRITE_WAITS: frozenset[NetKind] = frozenset({"var", "sampled", "event", "discard", "overwrite"})
+
+
+def read_may_wait(placed: Placed, key: Key) -> bool:
+    """Whether reading a port or channel may have to wait for a value."""
+    return placed.facts[key][0] not in _NEVER_READ_WAITS
+
+
+def write_may_wait(placed: Placed, key: Key) -> bool:
+    """Whether writing a port or channel may have to wait for a reader."""
+    return placed.facts[key][0] not in _NEVER_WRITE_WAITS
+
+
+def is_open(placed: Placed, key: Key) -> bool:
+    """Whether nothing is known about what is behind a port or channel."""
+    return placed.facts[key][0] == "open"
+
+
+def inputs_of(instance: InstanceShape) -> Iterator[Key | None]:
+    """What each input of an instance is attached to."""
+    for element, attached in instance.attachments.items():
+        if instance.shape.ports[element[0]].direction == "in":
+            yield attached_key(attached)
+
+
+class Waiting:
+    """Whether every run of a process in a context may wait somewhere; the contexts of instances come first."""
+
+    def __init__(self) -> None:
+        self._known: dict[Placed, bool] = {}
+
+    def process(self, placed: Placed) -> bool:
+        """Whether a run of the process waits, or may."""
+        known = self._known.get(placed)
+        if known is None:
+            body = placed.shape.body
+            known = self._known[placed] = body is None or self.action(placed, body)
+        return known
+
+    def action(self, placed: Placed, action: Action) -> bool:
+        """Whether a run of the action waits, or may: a way that never waits counts only where nothing decides against it."""
+        match action:
+            case RunInstance():
+                return self._run(placed, placed.shape.instances[action.instance])
+            case ReadValue():
+                return read_may_wait(placed, end_key(action.source))
+            case WriteValue():
+                return write_may_wait(placed, end_key(action.sink))
+            case WaitStep() | StopStep() | RaiseException():
+                return True
+            case AssignValue() | SkipStep() | ResetInstance():
+                return False
+            case SequentialSteps() | ParallelSteps():
+                return any(self.action(placed, step) for step in action.steps)
+            case Choice():
+                return all(self._branch(placed, branch) for branch in action.branches)
+            case Repeat() | WhileLoop() | Group():
+                return self.action(placed, action.body)
+            case IfElse():
+                return self.action(placed, action.then) or self.action(placed, action.otherwise)
+            case CatchException():
+                return self.action(placed, action.body)
+            case InterruptOn():
+                return self.action(placed, action.body)
+            case _:
+                assert_never(action)
+
+    def _branch(self, placed: Placed, branch: Branch) -> bool:
+        """Only ``skip -> P`` is taken without waiting for anything."""
+        if isinstance(branch.event, SkipEvent) and branch.condition is None:
+            return self.action(placed, branch.body)
+        return True
+
+    def _run(self, placed: Placed, instance: InstanceShape) -> bool:
+        if not instance.shape.is_submodel:
+            return self.process(placed.inside[instance.name])
+        facts = port_facts(placed.facts, instance)
+        return any(
+            facts[key][0] not in (_NEVER_READ_WAITS if port.direction == "in" else _NEVER_WRITE_WAITS)
+            for port, _, key in instance.shape.port_elements()
+        )
