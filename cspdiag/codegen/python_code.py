@@ -166,21 +166,35 @@ class Entry:
 
 @dataclass(frozen=True)
 class Comprehension:
-    """``[element for i in range(8)]``, or without brackets as the only argument of a call."""
+    """``[element for i in range(8)]``, or a generator in parentheses."""
 
     element: Code
     clause: str
-    bracketed: bool = True
+    brackets: Literal["[]", "()"] = "[]"
     precedence: ClassVar[int] = PRIMARY
 
     @cached_property
     def flat(self) -> str:
         """The text on one line."""
-        inside = f"{self.element.flat} {self.clause}"
-        return f"[{inside}]" if self.bracketed else inside
+        return f"{self.brackets[0]}{self.element.flat} {self.clause}{self.brackets[1]}"
 
 
-Code: TypeAlias = Atom | Call | Postfix | Prefix | Chain | Conditional | Parenthesized | Items | Entry | Comprehension
+@dataclass(frozen=True)
+class Starred:
+    """``*value`` in a list."""
+
+    value: Code
+    precedence: ClassVar[int] = PRIMARY
+
+    @property
+    def flat(self) -> str:
+        """The text on one line."""
+        return f"*{self.value.flat}"
+
+
+Code: TypeAlias = (
+    Atom | Call | Postfix | Prefix | Chain | Conditional | Parenthesized | Items | Entry | Comprehension | Starred
+)
 
 
 def call(function: str, *positional: Code, **named: Code) -> Call:

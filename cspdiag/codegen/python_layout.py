@@ -21,6 +21,7 @@ from cspdiag.codegen.python_code import (
     Parenthesized,
     Postfix,
     Prefix,
+    Starred,
 )
 
 LINE_LENGTH = 100
@@ -165,8 +166,12 @@ def _broken(indent: str, before: str, code: Code, after: str) -> list[str]:
             items = [line for item in code.items for line in _item(deeper, item)]
             return [f"{indent}{before}{code.brackets[0]}", *items, f"{indent}{code.brackets[1]}{after}"]
         case Comprehension():
-            inner = [*_inside(deeper, "", code.element, ""), f"{deeper}{code.clause}"]
-            return [f"{indent}{before}[", *inner, f"{indent}]{after}"] if code.bracketed else inner
+            inner = [f"{deeper}{code.element.flat} {code.clause}"]
+            if len(inner[0]) > LINE_LENGTH:
+                inner = [*_inside(deeper, "", code.element, ""), f"{deeper}{code.clause}"]
+            return [f"{indent}{before}{code.brackets[0]}", *inner, f"{indent}{code.brackets[1]}{after}"]
+        case Starred():
+            return _broken(indent, f"{before}*", code.value, after)
         case Parenthesized():
             return [f"{indent}{before}(", *_inside(deeper, "", code.operand, ""), f"{indent}){after}"]
         case Postfix():
@@ -228,10 +233,6 @@ def _arguments(indent: str, code: Call) -> list[str]:
     line = indent + ", ".join(argument.flat for argument in code.arguments)
     if len(line) <= LINE_LENGTH:
         return [line]
-    if len(code.arguments) == 1 and isinstance(code.arguments[0].value, Comprehension):
-        argument = code.arguments[0]
-        if not argument.value.bracketed:  # type: ignore[union-attr]
-            return _inside(indent, "", argument.value, "")
     return [line for argument in code.arguments for line in _inside(indent, argument.prefix, argument.value, ",")]
 
 

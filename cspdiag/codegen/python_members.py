@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from cspdiag.codegen.python_names import MEMBERS, Names, indexed
@@ -17,6 +17,7 @@ class Array:
 
     name: str
     elements: tuple[str, ...]
+    positions: Mapping[str, int]
 
 
 class Members:
@@ -38,6 +39,8 @@ class Members:
         }
         self.reading_ends = _reading_ends(process, network)
         self._ends = self._name_ends()
+        self.index = self.names.fresh("i")
+        """The variable of loops over elements."""
 
     def _group(self, items: Sequence[LocalChannel] | Sequence[InstanceOf]) -> None:
         grouped: dict[str, dict[int, str]] = {}
@@ -47,7 +50,8 @@ class Members:
                 grouped.setdefault(place[0], {})[place[1]] = item.name
         for base, elements in grouped.items():
             if sorted(elements) == list(range(len(elements))):
-                array = Array(self.names[base], tuple(elements[index] for index in sorted(elements)))
+                ordered = tuple(elements[index] for index in sorted(elements))
+                array = Array(self.names[base], ordered, {name: index for index, name in enumerate(ordered)})
                 self._arrays.update(dict.fromkeys(array.elements, array))
 
     def _name_ends(self) -> dict[End, str]:
@@ -72,7 +76,7 @@ class Members:
         array = self._arrays.get(name)
         if array is None:
             return f"self.{self._plain[name]}"
-        return f"self.{array.name}[{array.elements.index(name)}]"
+        return f"self.{array.name}[{array.positions[name]}]"
 
     channel = attribute
     instance = attribute

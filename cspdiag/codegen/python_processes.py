@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 
 from cspdiag.codegen.python_actions import Composition
-from cspdiag.codegen.python_code import Argument, Atom, Call, Code, Comprehension, Items, call
+from cspdiag.codegen.python_code import Argument, Atom, Call, Code, Comprehension, call
 from cspdiag.codegen.python_docs import class_doc
 from cspdiag.codegen.python_expressions import Printer
 from cspdiag.codegen.python_external import ExternalModules
@@ -13,6 +13,7 @@ from cspdiag.codegen.python_imports import Imports
 from cspdiag.codegen.python_members import Members
 from cspdiag.codegen.python_modules import ClassModule, port_annotation
 from cspdiag.codegen.python_names import MEMBERS, Names, PackageNames
+from cspdiag.codegen.python_rolling import rolled_list
 from cspdiag.codegen.python_statements import Line, Statement, assign, docstring, lines, signature
 from cspdiag.codegen.python_submodels import signal_names
 from cspdiag.codegen.python_types import annotation, quoted
@@ -156,7 +157,7 @@ class _ProcessWriter:
             elif array.name not in done:
                 done.add(array.name)
                 elements = [made[element] for element in array.elements]
-                yield assign(f"self.{array.name}", list_of(elements))
+                yield assign(f"self.{array.name}", rolled_list(elements, self.members.index))
 
     def _channel(self, channel: LocalChannel) -> Code:
         class_ = self.imports.runtime(_CHANNEL_CLASSES[channel.kind])
@@ -185,7 +186,7 @@ class _ProcessWriter:
     def _attached(self, port: Port, connections: Sequence[Connection], by_submodel: bool) -> Code:
         ordered = sorted(connections, key=lambda connection: connection.index or 0)
         values = [self._attachment(port, connection, by_submodel) for connection in ordered]
-        return list_of(values) if port.size is not None else values[0]
+        return rolled_list(values, self.members.index) if port.size is not None else values[0]
 
     def _attachment(self, port: Port, connection: Connection, by_submodel: bool) -> Code:
         attachment = connection.attachment
@@ -204,11 +205,6 @@ def keywords_of(class_: ProcessClass | SubmodelClass) -> Mapping[str, str]:
     """The keywords of a class's constructor by parameter and port."""
     names = Names(MEMBERS) if isinstance(class_, ProcessClass) else signal_names(class_)
     return {item.name: names[item.name] for item in (*class_.parameters, *class_.ports)}
-
-
-def list_of(elements: Sequence[Code]) -> Code:
-    """A list, element by element."""
-    return Items("[]", tuple(elements))
 
 
 def path(name: str) -> Code:
