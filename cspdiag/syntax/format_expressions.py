@@ -100,11 +100,12 @@ class ExpressionFormatter:
             self.token()
             self.expression(node.right)
             return
-        with self.writer.group(before), self.writer.indented():
+        with self.writer.group(before):
             self.expression(first)
-            for link in reversed(chain):
-                self.token(SPACE)
-                self.expression(link.right, " ")
+            with self.writer.indented():
+                for link in reversed(chain):
+                    self.token(SPACE)
+                    self.expression(link.right, " ")
 
     def arguments(self, arguments: Sequence[ast.Argument]) -> None:
         """Arguments in parentheses."""
