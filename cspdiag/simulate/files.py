@@ -71,7 +71,7 @@ def csv_text(run: Run) -> str:
     row = [""] * len(names)
     rows: list[str] = [",".join(["time", *names])]
     instant: int | None = None
-    for time, channel, value, _, _ in run.communications:
+    for time, channel, value in run.values_passed():
         position = column.get(channel)
         if position is None:
             continue

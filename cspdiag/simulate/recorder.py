@@ -33,6 +33,7 @@ class Recorder:
 
     def __init__(self, on_activity: Callable[[int], None] | None = None) -> None:
         self.communications: list[Communication] = []
+        self.releases: list[tuple[int, str, object]] = []
         self.variables: dict[str, list[tuple[int, float]]] = {}
         self.finished: list[Activity] = []
         self.running: dict[str, Activity] = {}
@@ -41,6 +42,10 @@ class Recorder:
     def communication(self, time: int, channel: str, value: object, writer: str, reader: str) -> None:
         """A value passed through a channel or an external port."""
         self.communications.append(Communication(time, channel, value, writer, reader))
+
+    def released(self, time: int, port: str, value: object) -> None:
+        """An output was handed its safe value at the end of the run; that is no communication."""
+        self.releases.append((time, port, value))
 
     def variable_written(self, time: int, name: str, value: float) -> None:
         """A probed variable was given a value."""

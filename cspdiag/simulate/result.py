@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
@@ -44,6 +44,7 @@ class Run:
         self.environment = environment
         self.outcome = outcome
         self.communications: Sequence[Communication] = recorder.communications
+        self.releases: Sequence[tuple[int, str, object]] = recorder.releases
         self.activities: Sequence[Activity] = recorder.activities
         self.variables: Mapping[str, Sequence[tuple[int, float]]] = recorder.variables
 
@@ -60,7 +61,7 @@ class Run:
         prefix = f"{self.network.top}."
         external = {f"{prefix}{port.name}": port for port in self.network.external_ports}
         found: dict[str, tuple[list[int], list[object]]] = {path: ([], []) for path in external}
-        for time, channel, value, _, _ in self.communications:
+        for time, channel, value in self.values_passed():
             times, values = found.setdefault(channel, ([], []))
             times.append(time)
             values.append(value)
@@ -72,6 +73,16 @@ class Run:
             name = path.removeprefix(prefix) if path in external else path
             signals[name] = Signal(numpy.array(times, dtype=float) * 1e-9, _column(values, kind), kind)
         return signals
+
+    def values_passed(self) -> Iterator[tuple[int, str, object]]:
+        """Time, channel and value of every communication, and of every safe value that changed an output at the end."""
+        last: dict[str, object] = {}
+        for time, channel, value, _, _ in self.communications:
+            last[channel] = value
+            yield time, channel, value
+        for time, channel, value in self.releases:
+            if channel in last and last[channel] != value:
+                yield time, channel, value
 
     def __getitem__(self, name: str) -> numpy.ndarray:
         """Values of a signal; KeyError with the known names if there is none of that name."""

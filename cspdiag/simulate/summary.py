@@ -56,7 +56,15 @@ def _ending(run: Run) -> str:
         case "deadlock":
             return f"deadlock {at}"
         case _:
-            return f"ended unsuccessfully {at}: {outcome.error}"
+            return f"ended unsuccessfully {at}: {_described(outcome.error)}"
+
+
+def _described(error: BaseException | None) -> str:
+    """The exception in the words of the text: its name, and what it says if it says anything."""
+    if error is None:
+        return "for no reason that is known"
+    name, text = type(error).__name__, str(error)
+    return f"{name}: {text}" if text else name
 
 
 _SHOWN = 8
