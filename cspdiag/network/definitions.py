@@ -85,10 +85,11 @@ class Definitions:
                 case ast.Variable():
                     yield from self._parameters_in(item.type.dimensions)
                 case ast.Channel():
-                    yield from self._parameters_in((*item.type.dimensions, item.kind))
+                    yield from self._parameters_in(item.type.dimensions)
+                    if item.kind is not None:
+                        yield from self._parameters_in((item.kind,))
                 case ast.Connection():
-                    dimensions = item.type.dimensions if item.type else ()
-                    yield from self._parameters_in((*item.sources, *item.sinks, item.kind, *dimensions))
+                    yield from self._parameters_in(_connection_expressions(item))
                 case ast.RepeatedDeclarations():
                     yield from self._parameters_in((item.replicator.count,))
         for part in nodes(definition.composition):
@@ -106,11 +107,13 @@ class Definitions:
         if callee is None or callee in self.recursive:
             return
         structural = self.structural(callee)
+        if not structural:
+            return
         for parameter, argument in arguments_of(callee.parameters, instance.arguments):
             if parameter.name.text in structural:
                 yield argument
 
-    def _parameters_in(self, expressions: Iterable[ast.Node | None]) -> Iterator[str]:
+    def _parameters_in(self, expressions: Iterable[ast.Node]) -> Iterator[str]:
         for name in names(expressions):
             symbol = self.program.bindings.get(name)
             if isinstance(symbol, ast.Parameter):
@@ -124,6 +127,17 @@ def _port_expressions(definition: Instantiable) -> Iterator[ast.Expression]:
             yield ports.period
         for name in ports.names:
             yield from name.dimensions
+
+
+def _connection_expressions(item: ast.Connection) -> Iterator[ast.Node]:
+    for end in (*item.sources, *item.sinks):
+        if isinstance(end, ast.Reference):
+            yield from end.indexes
+            yield from end.member_indexes
+    if item.kind is not None:
+        yield item.kind
+    if item.type is not None:
+        yield from item.type.dimensions
 
 
 def arguments_of(

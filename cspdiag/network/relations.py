@@ -8,10 +8,9 @@ An instance brings the pairs inside it along, so that the relations of a net are
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from typing import TypeAlias, assert_never
+from typing import NamedTuple, TypeAlias, assert_never
 
 from cspdiag.diagnostics import Span
-from cspdiag.diagnostics.record import record
 from cspdiag.network.actions import (
     Action,
     AfterEvent,
@@ -48,8 +47,7 @@ from cspdiag.network.expressions import Expression, VariableValue
 from cspdiag.network.shapes import InstanceShape, Key, Shape, attached_key, element_name
 
 
-@record
-class Access:
+class Access(NamedTuple):
     """One use of a channel as the diagram shows it: by an instance, or by the process itself (``instance`` is empty).
 
     ``span`` is the end of the relationship or the communication; ``run`` is where in the composition that happens.

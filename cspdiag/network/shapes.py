@@ -7,7 +7,7 @@ depend on) share one shape, so that the checks cost as much as the text, not as 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 from cspdiag.diagnostics import Span
 from cspdiag.diagnostics.record import node, record
@@ -29,6 +29,8 @@ Overrides: TypeAlias = Mapping[str, Value]
 
 def element_name(name: str, *indexes: int | None) -> str:
     """``cell[3][0]``; an index that is None is left out."""
+    if indexes == (None,):
+        return name
     return name + "".join(f"[{index}]" for index in indexes if index is not None)
 
 
@@ -89,8 +91,7 @@ class Unresolved:
 AttachmentShape: TypeAlias = OwnPort | OwnChannel | Default | Discarded | Unresolved
 
 
-@node
-class Attached:
+class Attached(NamedTuple):
     """What a port of an instance is attached to, and where the relationship says so."""
 
     target: AttachmentShape

@@ -71,7 +71,7 @@ class Inlining:
         self.report = report
         self.surroundings = surroundings
         self.prefix = prefix
-        self.parameters = parameters or {}
+        self.parameters: dict[ast.Parameter, Expression] = dict(parameters or {})
         self.scope = program.scopes.get(definition) or Scope()
         self.context = LoweringContext(values={}, lower_name=self._name, lower_call=self._call)
         self.method: Method = "tustin"
@@ -418,7 +418,8 @@ def nested(
     What is still to be done: ``run`` it, add equations for its inputs, ``close`` it.
     """
     result = Inlining(program, draft, definition, report, surroundings, f"{name}.")
-    complete = dict(arguments)
+    # Defaults may name parameters that stand before them.
+    complete = result.parameters = dict(arguments)
     for parameter in definition.parameters:
         override = draft.overrides.get(f"{name}.{parameter.name.text}")
         if override is not None:
@@ -430,7 +431,6 @@ def nested(
             draft.complete = False
         else:
             complete[parameter] = result.constant(parameter.default)
-    result.parameters = complete
     draft.names.add(name)
     return result
 
