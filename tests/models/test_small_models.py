@@ -75,12 +75,14 @@ def test_cascade_follows_the_speed_and_holds_it_under_load() -> None:
 def test_emergency_button_takes_the_voltage_and_drops_the_brake_at_the_next_tick() -> None:
     result = run("emergency/emergency.csp")
     assert result.outcome.ended == "terminated"
-    voltage, brake = result["control"], result["brake"]
-    pressed = 0.9
-    assert np.all(voltage[(result.time("control") > 0.2) & (result.time("control") <= pressed)] > 5)
-    assert voltage[-1] == 0
-    assert brake[-1]
-    assert pressed <= result.outcome.time * 1e-9 <= pressed + 0.002
+    pressed, tick = 0.9, 0.002
+    time, voltage, brake = result.time("control"), result["control"], result["brake"]
+    assert np.all(voltage[(time > 0.2) & (time <= pressed)] > 5)
+    assert np.all(voltage[time > pressed + tick / 2] == 0)
+    assert np.isclose(result.time("brake")[np.flatnonzero(brake)[0]], pressed + tick)
+    speed = result["feedback"]
+    assert np.max(speed) > 190
+    assert speed[-1] < 1
     assert list(result["halted"]) == [True]
 
 
@@ -88,7 +90,7 @@ def test_watchdog_loses_the_sensor_three_times_and_gives_up() -> None:
     result = run("watchdog/watchdog.csp")
     assert result.outcome.ended == "terminated"
     assert list(result["losses"]) == [1, 2, 3]
-    assert np.allclose(result.time("losses"), [30, 40, 50], atol=0.3)
+    assert np.allclose(result.time("losses"), [30, 40, 50], atol=0.5)
     heater, time = result["heater"], result.time("heater")
     assert all(heater[np.flatnonzero(time == lost)[-1]] == 0 for lost in result.time("losses"))
     assert heater[-1] == 0
