@@ -243,7 +243,7 @@ class Unclosed(Diagnostic):
     def message(self) -> str:
         if self.opening is None:
             return f"this `{self.bracket}` closes nothing"
-        return f"`{self.bracket}` is missing here"
+        return f"`{self.bracket}` is missing after this"
 
     @property
     def labels(self) -> tuple[Label, ...]:

@@ -60,7 +60,9 @@ class UnknownCharacter(Diagnostic):
 
 @record
 class UnterminatedString(Diagnostic):
-    """A string without closing quotes; a string ends on the line on which it begins.
+    """A string has no closing quotes.
+
+    A string ends on the line on which it begins, so that a forgotten quote does not swallow the rest of the file.
 
     Refused::
 
@@ -91,7 +93,9 @@ class UnterminatedString(Diagnostic):
 
 @record
 class UnterminatedComment(Diagnostic):
-    """A comment that begins with ``/*`` and has no ``*/``.
+    """A comment that begins with ``/*`` has no ``*/``.
+
+    Everything up to the end of the file would belong to it. Comments do not nest.
 
     Refused::
 
@@ -122,7 +126,9 @@ class UnterminatedComment(Diagnostic):
 
 @record
 class NumberOutOfRange(Diagnostic):
-    """A number that no type can hold: too large, or with too many digits.
+    """A number that no type can hold.
+
+    A ``double`` ends near 1.8e308, an ``int`` and the nanoseconds of a ``time`` at 64 bits; 64 digits are enough for any of them.
 
     Refused::
 
@@ -143,7 +149,9 @@ class NumberOutOfRange(Diagnostic):
 
 @record
 class ZeroFrequency(Diagnostic):
-    """A frequency of zero, which has no period.
+    """A frequency of zero.
+
+    A frequency stands for its period wherever a ``time`` is wanted, and zero has none.
 
     Refused::
 
@@ -201,7 +209,9 @@ class NotAnInstanceName(Diagnostic):
 
 @record
 class SourceDiscarded(Diagnostic):
-    """``_`` begins an arrow; it takes values and gives none.
+    """The discarding sink ``_`` begins an arrow.
+
+    It takes values and gives none, so it can only end an arrow.
 
     Refused::
 
@@ -296,6 +306,8 @@ class OptionNotHere(Diagnostic):
 @record
 class OptionTwice(Diagnostic):
     """A clause stands twice in the head of a definition.
+
+    One of the two would have to be forgotten, and the text does not say which.
 
     Refused::
 

@@ -41,7 +41,7 @@ _GROUPS: tuple[tuple[set[str], set[str], str], ...] = (
     ({"SKIP", "NAME", "LPAR"}, {"SKIP", "STOP", "WAIT", "RESET", "RAISE", "LPAR", "NAME"}, "a process"),
     ({"SKIP", "AFTER"}, {"SKIP", "AFTER", "WHEN", "NAME", "STOP"}, "a guard"),
     ({"NUMBER", "NAME"}, {"NUMBER", "QUANTITY", "DURATION", "STRING", "TRUE", "FALSE", "NAME", "LPAR", "LSQB", "MINUS", "NOT", "IF"}, "an expression"),
-    ({"VAR", "NAME"}, {"VAR", "CHANNEL", "FOR", "NAME"}, "a declaration"),
+    ({"VAR", "NAME"}, {"VAR", "CHANNEL", "FOR", "NAME", "UNDERSCORE"}, "a declaration"),
     ({"LET", "NAME"}, {"LET", "STATE", "NEXT", "DER", "NAME"}, "an equation"),
     ({"IN", "OUT"}, {"IN", "OUT"}, "a port"),
     ({"SYNC"}, {"SYNC", "BROADCAST", "ANY", "BUFFER", "OVERWRITE"}, "a kind of channel"),

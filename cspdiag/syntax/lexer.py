@@ -56,8 +56,8 @@ class Scanner:
         alternatives = [f"(?P<NAME>{name})", f"(?P<COMMENT>{comment})"]
         alternatives += [f"(?P<{terminal}>{pattern})" for terminal, pattern in patterns.items()]
         alternatives += [r'(?P<OPEN_STRING>"[^"\n]*)', r"(?P<OPEN_COMMENT>/\*[\s\S]*)"]
-        alternatives.append("(?P<PUNCTUATION>" + "|".join(map(re.escape, punctuation)) + ")")
         alternatives.append(f"(?P<LOOKALIKE>{'|'.join(_LOOKALIKES)})")
+        alternatives.append("(?P<PUNCTUATION>" + "|".join(map(re.escape, punctuation)) + ")")
         alternatives.append(r"(?P<UNKNOWN>[^ \t\r\n\f])")
         self.token = re.compile(r"[ \t\r\n\f]*(?:" + "|".join(alternatives) + ")")
 
@@ -97,7 +97,11 @@ class Lexer:
 
     def advance(self, accepted: dict[str, int]) -> None:
         """Go to the next token, where the parser can take the terminals ``accepted``."""
-        self.before = Previous(self.kind, self.text, self.start, self.end)
+        if self.end > self.start:
+            self.before = Previous(self.kind, self.text, self.start, self.end)
+        else:
+            # An inserted token has no place of its own.
+            self.before = self.before._replace(kind=self.kind, text="")
         match = self._match(self._text, self.end)
         while match is not None and (match.lastgroup == "COMMENT" or match.lastgroup == "UNKNOWN"):
             match = self._pass_comments(match) if match.lastgroup == "COMMENT" else self._pass_unknown(match)

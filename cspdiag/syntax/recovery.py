@@ -88,6 +88,8 @@ def _restart(automaton: Automaton, states: list[int], terminal: str) -> int | No
             return height
         elif terminal == "NAME" and automaton.restartable(state):
             return None
+        if symbol == "LBRACE" and terminal not in {"COMMUNICATION", "COMPOSITION"}:
+            return None
     return None
 
 

@@ -12,6 +12,7 @@ from cspdiag.syntax.lexer import Lexer
 
 CLOSING = {"LPAR": ")", "LSQB": "]", "LBRACE": "}"}
 """Opening brackets and the text of their closing ones."""
+_CLOSING_TERMINALS = frozenset(["RPAR", "RSQB", "RBRACE"])
 
 _BLOCKS = frozenset(
     [
@@ -75,11 +76,22 @@ class Situation(NamedTuple):
         row = self.automaton.tables.actions[self.states[-1]]
         return {terminal for terminal in row if self.automaton.accepts(self.states, terminal)}
 
+    def text_of(self, symbol: str) -> str:
+        """The text of a keyword or of punctuation; empty for other symbols."""
+        return self.automaton.terminal_texts.get(symbol, "")
+
     def open_symbols(self) -> Iterator[tuple[str, int]]:
-        """What is begun and not finished, innermost first: symbols and their offsets."""
+        """What is begun and not finished, innermost first: symbols and their offsets, without what is within closed brackets."""
         symbols = self.automaton.tables.symbols
+        closed = 0
         for height in range(len(self.starts) - 1, -1, -1):
-            yield symbols[self.states[height + 1]], self.starts[height]
+            symbol = symbols[self.states[height + 1]]
+            if symbol in _CLOSING_TERMINALS:
+                closed += 1
+            elif symbol in CLOSING and closed:
+                closed -= 1
+            elif not closed:
+                yield symbol, self.starts[height]
 
     def open_bracket(self) -> tuple[str, Span] | None:
         """The innermost open bracket: its terminal and place."""

@@ -103,9 +103,9 @@ def _unit(situation: Situation) -> Finding | None:
 
 def _direction(situation: Situation) -> Finding | None:
     wanted = _DIRECTIONS.get(situation.text)
-    if wanted is not None and situation.can(wanted):
-        finding = WrongOperator(situation.span, situation.text, wanted, "the direction of a port")
-        return finding, Repair("replace", situation.terminal(wanted))
+    if wanted is not None and situation.lexer.next_character().isalpha():
+        repair = Repair("replace", situation.terminal(wanted)) if situation.can(wanted) else None
+        return WrongOperator(situation.span, situation.text, wanted, "the direction of a port"), repair
     before = situation.lexer.before
     wanted = _DIRECTIONS.get(before.text)
     if wanted is not None and situation.kind == "NAME" and situation.block() in {"SUBMODEL", "PROCESS", "DRIVER"}:

@@ -68,8 +68,10 @@ def missing_arrow_end(situation: Situation) -> Finding | None:
     if situation.lexer.before.text == "->" and (situation.kind != "NAME") and situation.can("_"):
         if situation.kind.isalpha() and situation.text.isidentifier() and not begins_part(situation):
             return None
+        if situation.text == "->" and not situation.lexer.first_on_line():
+            return ArrowWithoutEnd(situation.previous, "sink"), Repair("remove")
         return ArrowWithoutEnd(situation.previous, "sink"), Repair("insert", situation.terminal("_"))
-    if situation.text == "->" and situation.automaton.restartable(situation.states[-1]):
+    if situation.text == "->" and situation.can("VAR"):
         return ArrowWithoutEnd(situation.span, "source"), None
     return None
 
@@ -124,7 +126,7 @@ def operators_without_parentheses(situation: Situation) -> Finding | None:
         advice = f"put what `mu` repeats in parentheses: `mu ({situation.text} ...) until ...`"
         return ParenthesesNeeded(situation.span, situation.text, "mu", situation.previous, advice), None
     for symbol, start in situation.since_bracket():
-        word = situation.automaton.terminal_texts.get(symbol, "")
+        word = situation.text_of(symbol)
         other = Span(situation.source, start, start + len(word))
         if symbol in _PREFIXES and situation.kind in _POSTFIXES:
             advice = f"put what comes before in parentheses: `({word} ...) {situation.text} ...`"
@@ -138,9 +140,9 @@ def operators_without_parentheses(situation: Situation) -> Finding | None:
 def _mixed_operators(situation: Situation) -> Finding | None:
     symbols = list(situation.since_bracket())
     for position, (symbol, start) in enumerate(symbols):
-        operator = situation.automaton.terminal_texts.get(symbol, "")
-        if operator not in _OPERATORS and not symbol.startswith("__composition"):
+        if not symbol.startswith("__composition") and situation.text_of(symbol) not in _OPERATORS:
             continue
+        # The list of a chain begins with its first operator.
         operator = next((text for text in _OPERATORS if situation.source.text.startswith(text, start)), "")
         if not operator or operator == situation.text or position + 1 >= len(symbols):
             return None
@@ -148,6 +150,5 @@ def _mixed_operators(situation: Situation) -> Finding | None:
         before = situation.source.text[symbols[position + 1][1] : situation.lexer.before.end]
         shown = before if len(before) <= 60 and "\n" not in before else f"... {operator} ..."
         advice = f"put parentheses around one of them, for example `({shown}) {situation.text} ...`"
-        diagnostic = ParenthesesNeeded(situation.span, situation.text, operator, other, advice)
-        return diagnostic, Repair("replace", situation.terminal(operator))
+        return ParenthesesNeeded(situation.span, situation.text, operator, other, advice), None
     return None
