@@ -31,7 +31,8 @@ _STYLE = {
     "axes.linewidth": 0.6,
     "axes.titlesize": 10,
     "lines.linewidth": 1.1,
-    "legend.frameon": False,
+    "legend.framealpha": 0.7,
+    "legend.edgecolor": "none",
     "legend.fontsize": 8,
     "svg.hashsalt": "cspdiag",
 }
@@ -113,7 +114,7 @@ def _panel(run: Run, axes: Axes, group: ModeGroup, unit: str, names: set[str], t
             signal = run.signals[name]
             axes.plot(signal.time, signal.value.astype(float), drawstyle="steps-post", label=name, color=next(color))
     for name, (times, values) in _variables(run, group, unit).items():
-        axes.plot(times, values, drawstyle="steps-post", label=name, color=next(color), linestyle=(0, (4, 1.5)))
+        axes.plot(times, values, drawstyle="steps-post", label=name, color=next(color), linewidth=0.9, zorder=1.5)
     for name in group.ports:
         signal = run.signals[name]
         if isinstance(signal.type, IntType | BoolType | EnumType):
