@@ -127,7 +127,9 @@ def _check_same(program: Program, channel: ast.Reference, target: ast.Reference,
             for end, found in ((channel, carried), (target, kept))
             if (place := _declaration(program, end)) is not None
         )
-        report.add(DifferentEnds(target.span, channel.span.text, carried, target.span.text, kept, notes))
+        advice = f"declare `{target.name.text}` with the type of what is read, {carried}"
+        name = channel.span.text
+        report.add(DifferentEnds(target.span, name, carried, target.span.text, kept, notes, advice))
 
 
 def _declaration(program: Program, reference: ast.Reference) -> Span | None:

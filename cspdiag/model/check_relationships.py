@@ -6,9 +6,7 @@ from collections.abc import Iterable
 
 from cspdiag.diagnostics import Label, Report
 from cspdiag.model.coercion import same
-from cspdiag.model.diagnostics_constants import NotPositive
 from cspdiag.model.diagnostics_ports import DifferentEnds, WrongSink, WrongSource
-from cspdiag.model.evaluate import evaluate
 from cspdiag.model.program import EndLabelSymbol, PortSymbol, Program
 from cspdiag.model.symbols import declared_at, described
 from cspdiag.model.types import UNKNOWN, Type
@@ -38,21 +36,8 @@ def _check_all(
                 if has_directions:
                     _check_directions(program, item, report)
                 _check_types(program, item, report)
-                _check_capacity(program, item.kind, report)
-            case ast.Channel():
-                _check_capacity(program, item.kind, report)
             case _:
                 pass
-
-
-def _check_capacity(program: Program, kind: ast.Kind | None, report: Report) -> None:
-    if kind is None or kind.capacity is None:
-        return
-    value = evaluate(program, kind.capacity, {}, report)
-    if isinstance(value, int) and value < 1:
-        what = f"the capacity of a channel of kind {kind.name}"
-        report.add(NotPositive(kind.capacity.span, what=what, value=str(value), zero_allowed=False))
-        program.poisoned.add(kind.capacity)
 
 
 def _check_directions(program: Program, connection: ast.Connection, report: Report) -> None:
@@ -73,7 +58,7 @@ def _check_directions(program: Program, connection: ast.Connection, report: Repo
             continue
         wrong = _port_of_direction(program, sink, own="in", inner="out")
         if wrong is not None:
-            advice = _sink_advice(program, connection, sink, wrong)
+            advice = _sink_advice(sink, wrong)
             kind = _kind(sink, wrong)
             refused_sink = WrongSink(
                 sink.span, name=sink.span.text, kind=kind, advice=advice, declared=declared_at(wrong)
@@ -107,28 +92,22 @@ def _kind(end: ast.Reference, port: PortSymbol) -> str:
 
 
 def _source_advice(program: Program, connection: ast.Connection, source: ast.Reference, port: PortSymbol) -> str:
-    sinks = [sink for sink in connection.sinks if isinstance(sink, ast.Reference)]
-    for sink in sinks:
-        member = program.members.get(sink)
-        if isinstance(member, PortSymbol) and member.declaration.direction == "out":
+    for sink in connection.sinks:
+        if not isinstance(sink, ast.Reference):
+            continue
+        other = program.members.get(sink) or program.bindings.get(sink)
+        wanted = "in" if sink.member is None else "out"
+        if isinstance(other, PortSymbol) and other.declaration.direction == wanted:
             return f"turn the arrow around: `{sink.span.text} -> {source.span.text}`"
     if source.member is not None:
         return "an arrow begins at an out port of an instance or at an in port of this process"
-    turned = "in" if port.declaration.direction == "out" else "out"
-    return f"begin at an out port of an instance, or declare `{turned} {port.name} : {port.type}`"
+    return f"begin at an out port of an instance, or declare `in {port.name} : {port.type}`"
 
 
-def _sink_advice(program: Program, connection: ast.Connection, sink: ast.Reference, port: PortSymbol) -> str:
-    for source in connection.sources:
-        symbol = program.members.get(source) or program.bindings.get(source)
-        if isinstance(symbol, PortSymbol) and symbol.declaration.direction != port.declaration.direction:
-            continue
-        if isinstance(symbol, PortSymbol) and sink.member is not None and source.member is None:
-            return f"turn the arrow around: `{sink.span.text} -> {source.span.text}`"
+def _sink_advice(sink: ast.Reference, port: PortSymbol) -> str:
     if sink.member is not None:
         return "an arrow ends at an in port of an instance or at an out port of this process"
-    turned = "in" if port.declaration.direction == "out" else "out"
-    return f"end at an in port of an instance, or declare `{turned} {port.name} : {port.type}`"
+    return f"end at an in port of an instance, or declare `out {port.name} : {port.type}`"
 
 
 def _check_types(program: Program, connection: ast.Connection, report: Report) -> None:
@@ -140,8 +119,10 @@ def _check_types(program: Program, connection: ast.Connection, report: Report) -
         wanted = program.types.get(connection.type, UNKNOWN)
         name = connection.label.text if connection.label is not None else "the arrow"
         place = Label(connection.type.span, f"the arrow is declared to carry {wanted}")
+        reported: set[Type] = set()
         for end, found in known:
-            if not same(found, wanted):
+            if not same(found, wanted) and found not in reported:
+                reported.add(found)
                 notes = (_declaration(program, end, found), place)
                 report.add(_different(end, found, name, wanted, notes))
         return

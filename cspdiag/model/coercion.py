@@ -46,6 +46,10 @@ def require(context: Context, expression: ast.Expression, found: Type, wanted: T
     culprit = _culprit(context, expression, wanted)
     if culprit is not None:
         return require(context, culprit, context.program.types[culprit], _element(wanted, expression), purpose)
+    if isinstance(found, IntType) and isinstance(wanted, RealType) and expression in context.literals:
+        # A number in the text becomes a double where one is wanted: what it lacks is the unit.
+        retype(context, expression, wanted)
+        found = context.program.types[expression]
     context.refuse(_mismatch(expression, found, wanted, purpose), expression)
     return UNKNOWN
 

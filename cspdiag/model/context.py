@@ -74,12 +74,12 @@ class Surroundings:
 
 
 def nearest(name: str, candidates: Iterable[str]) -> str | None:
-    """The candidate that ``name`` is most likely a slip of: at most one edit in four letters away, or None."""
+    """The candidate that ``name`` is most likely a slip of: at most one edit in three letters away, or None."""
     if len(name) > 60:
         return None
     best: tuple[int, str] | None = None
     for candidate in candidates:
-        allowed = min(max(len(name), len(candidate)) // 4 + 1, 3)
+        allowed = min(min(len(name), len(candidate)) // 3, 3)
         if best is not None:
             allowed = min(allowed, best[0] - 1)
         if candidate == name or abs(len(candidate) - len(name)) > allowed or len(candidate) < 2:

@@ -248,12 +248,8 @@ class WrongNumberOfArguments(Diagnostic):
 
     @property
     def message(self) -> str:
-        number = {0: "none", 1: "one"}.get(self.given, str(self.given))
-        return (
-            f"`{self.function}` does not take {self.given} arguments"
-            if self.given
-            else f"`{self.function}` takes arguments, but {number} are given"
-        )
+        given = {0: "no arguments", 1: "one argument"}.get(self.given, f"{self.given} arguments")
+        return f"`{self.function}` cannot be given {given}"
 
     @property
     def help(self) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cspdiag.diagnostics import Diagnostic, Label, Span
+from cspdiag.diagnostics import Diagnostic
 from cspdiag.diagnostics.record import record
 from cspdiag.model.diagnostics_types import noun
 from cspdiag.model.types import Type
@@ -154,10 +154,10 @@ class BadSize(Diagnostic):
 
 
 @record
-class NotPositive(Diagnostic):
-    """A delay is negative, or a step or a capacity is not positive.
+class NegativeDuration(Diagnostic):
+    """A delay or a time-out is negative.
 
-    Nothing can be waited for in the past, and a channel that holds nothing or a step of no length leads nowhere.
+    Nothing can be waited for in the past.
 
     Refused::
 
@@ -175,19 +175,11 @@ class NotPositive(Diagnostic):
     """
 
     code = "E0906"
-    title = "a value that must be positive"
+    title = "a negative duration"
 
     what: str
     value: str
-    zero_allowed: bool
-    declared: Span | None = None
 
     @property
     def message(self) -> str:
-        if self.zero_allowed:
-            return f"{self.what} is {self.value}; it cannot be negative"
-        return f"{self.what} is {self.value}; it must be positive"
-
-    @property
-    def labels(self) -> tuple[Label, ...]:
-        return (Label(self.declared, "declared here"),) if self.declared else ()
+        return f"{self.what} is {self.value}; it cannot be negative"

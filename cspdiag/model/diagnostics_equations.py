@@ -214,7 +214,8 @@ class StateWithTwoLaws(Diagnostic):
 
     @property
     def message(self) -> str:
-        return f"the state `{self.name}` already has {self.first_law}; it cannot have {self.second} as well"
+        second = "a second one" if self.second == self.first_law else f"{self.second} as well"
+        return f"the state `{self.name}` already has {self.first_law}; it cannot have {second}"
 
     @property
     def help(self) -> str:

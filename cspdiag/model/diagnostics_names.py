@@ -81,7 +81,7 @@ class DuplicateName(Diagnostic):
 
     @property
     def message(self) -> str:
-        return f"`{self.name}` is already {self.first_kind} of {self.where}"
+        return f"`{self.name}` is already {self.first_kind} in {self.where}"
 
     @property
     def label(self) -> str:
@@ -181,9 +181,9 @@ class WrongKind(Diagnostic):
         enum Mode { idle, run }
 
         process Main {
-          out y : int
+          out y : Mode
           communication { mode : Mode }
-          composition { y ! 1 }
+          composition { y ! Mode.run }
         }
 
     Mended::
@@ -191,9 +191,9 @@ class WrongKind(Diagnostic):
         enum Mode { idle, run }
 
         process Main {
-          out y : int
+          out y : Mode
           communication { var mode : Mode = Mode.idle }
-          composition { y ! 1 }
+          composition { y ! mode }
         }
     """
 
@@ -372,7 +372,7 @@ class NotConstant(Diagnostic):
             var x : int = 0
             var z : int = x
           }
-          composition { y ! z }
+          composition { y ! x + z }
         }
 
     Mended::
@@ -385,7 +385,7 @@ class NotConstant(Diagnostic):
             var x : int = start
             var z : int = start
           }
-          composition { y ! z }
+          composition { y ! x + z }
         }
     """
 

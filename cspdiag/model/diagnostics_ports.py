@@ -16,10 +16,10 @@ class WrongSource(Diagnostic):
 
     Refused::
 
-        process Law {
+        submodel Law {
           in  x : int
           out y : int
-          composition { skip }
+          y = x
         }
 
         process Main {
@@ -35,10 +35,10 @@ class WrongSource(Diagnostic):
 
     Mended::
 
-        process Law {
+        submodel Law {
           in  x : int
           out y : int
-          composition { skip }
+          y = x
         }
 
         process Main {
@@ -82,10 +82,10 @@ class WrongSink(Diagnostic):
 
     Refused::
 
-        process Law {
+        submodel Law {
           in  x : int
           out y : int
-          composition { skip }
+          y = x
         }
 
         process Main {
@@ -101,10 +101,10 @@ class WrongSink(Diagnostic):
 
     Mended::
 
-        process Law {
+        submodel Law {
           in  x : int
           out y : int
-          composition { skip }
+          y = x
         }
 
         process Main {
@@ -327,6 +327,7 @@ class DifferentEnds(Diagnostic):
     second: str
     second_type: Type
     places: tuple[Label, ...]
+    advice: str | None = None
 
     @property
     def message(self) -> str:
@@ -334,6 +335,8 @@ class DifferentEnds(Diagnostic):
 
     @property
     def help(self) -> str:
+        if self.advice is not None:
+            return self.advice
         first, second = self.first_type, self.second_type
         if isinstance(first, RealType) and isinstance(second, RealType) and first.bits == second.bits:
             if first.unit.exponents == second.unit.exponents and first.unit.scale != second.unit.scale:
@@ -388,38 +391,3 @@ class MisplacedPortOption(Diagnostic):
     @property
     def help(self) -> str:
         return "remove it, or turn the port around"
-
-
-@record
-class MissingComposition(Diagnostic):
-    """A process has no composition.
-
-    The composition says what a process does and in which order its instances run; without it nothing runs. A process that is written
-    by hand has a body in another language instead: ``process P python "module.py:P" { ports }``.
-
-    Refused::
-
-        process Main {
-          out y : int
-        }
-
-    Mended::
-
-        process Main {
-          out y : int
-          composition { y ! 1 }
-        }
-    """
-
-    code = "E0236"
-    title = "a process without a composition"
-
-    name: str
-
-    @property
-    def message(self) -> str:
-        return f"the process `{self.name}` has no composition"
-
-    @property
-    def help(self) -> str:
-        return "write `composition { ... }`, which says what runs and in which order"

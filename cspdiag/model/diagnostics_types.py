@@ -29,6 +29,8 @@ def conversion_help(found: Type, wanted: Type, written: str) -> str | None:
             if isinstance(found, IntType) or found.unit.is_dimensionless:
                 name = str(wanted) if isinstance(wanted, IntType) else "double" if wanted.bits == 64 else "float"
                 return f"write `{name}({shown})`"
+        case ((IntType() | RealType()), TimeType()) if written.replace(".", "", 1).isdigit():
+            return f"write it as a duration, such as `{written} s`"
         case TimeType(), RealType():
             return f"`double({shown})` is this time in seconds, a double<s>"
         case _:
@@ -416,6 +418,7 @@ class UnitNotAllowed(Diagnostic):
     title = "a unit on a type without units"
 
     name: str
+    stands_for: Type
 
     @property
     def message(self) -> str:
@@ -423,6 +426,8 @@ class UnitNotAllowed(Diagnostic):
 
     @property
     def help(self) -> str:
+        if str(self.stands_for) != self.name:
+            return f"`{self.name}` stands for {self.stands_for} already"
         return "only `double` and `float` carry units"
 
 
@@ -495,6 +500,8 @@ class DifferentTypes(Diagnostic):
 
     @property
     def help(self) -> str | None:
+        if isinstance(self.first, IntType) and isinstance(self.second, RealType):
+            return conversion_help(self.first, self.second, self.first_span.text)
         return conversion_help(self.second, self.first, self.span.text)
 
     @property

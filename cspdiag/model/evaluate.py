@@ -102,11 +102,13 @@ class _Evaluator:
         is_stored_time = isinstance(value, int) and not isinstance(value, bool)
         return value / 1e9 if is_stored_time and isinstance(self.type_of(expression), RealType) else value  # type: ignore[operator]
 
-    def _number(self, expression: ast.Number) -> Value | None:
-        """The number as its type has it; ``int`` where it was written without a point."""
+    def _number(self, expression: ast.Number, sign: int = 1) -> Value | None:
+        """A number in the text, with the minus before it: the most negative integer has no positive counterpart."""
         type_ = self.type_of(expression)
+        if isinstance(type_, UnknownType):
+            return None
         try:
-            return arithmetic.checked(expression.value, type_)
+            return arithmetic.checked(sign * expression.value, type_)
         except (OutOfRangeError, UndefinedError, OverflowError):
             self.report.add(NumberTooLarge(expression.span, type=type_))
             return None
@@ -160,8 +162,7 @@ class _Evaluator:
     def _unary(self, expression: ast.Unary) -> Value | None:
         operand = expression.operand
         if expression.operator == "-" and isinstance(operand, ast.Number):
-            # The most negative integer is written as a number that does not fit, with a minus before it.
-            return self._checked(expression, lambda type_: arithmetic.checked(-operand.value, type_))
+            return self._number(operand, -1)
         value = self.value(operand)
         if expression.operator == "not":
             return None if value is None else not value

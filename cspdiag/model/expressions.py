@@ -15,7 +15,7 @@ from cspdiag.model.diagnostics_names import (
     UnknownName,
     WrongKind,
 )
-from cspdiag.model.diagnostics_types import NotCondition, NotIndexed
+from cspdiag.model.diagnostics_types import NotCondition, NotIndexed, noun
 from cspdiag.model.functions import FUNCTIONS, call, conversion
 from cspdiag.model.operators import binary, unary, unified
 from cspdiag.model.program import BuiltinSymbol, EndLabelSymbol, EnumLiteralSymbol, PortSymbol, Symbol
@@ -273,7 +273,7 @@ class Typer:
             what = f"`{node.value.span.text}`"
             self.context.refuse(
                 NotIndexed(
-                    node.name.span, what=what, problem=f"is {owner} and has no fields", advice=None, declared=None
+                    node.name.span, what=what, problem=f"is {noun(owner)} and has no fields", advice=None, declared=None
                 ),
                 node,
             )
@@ -366,7 +366,7 @@ class Typer:
         if not isinstance(owner, ArrayType):
             what = f"`{node.value.span.text}`"
             refused = NotIndexed(
-                node.span, what=what, problem=f"is {owner} and has no elements", advice=None, declared=None
+                node.span, what=what, problem=f"is {noun(owner)} and has no elements", advice=None, declared=None
             )
             self.context.refuse(refused, node)
             return UNKNOWN

@@ -45,7 +45,12 @@ def bind_definition(typer: Typer, name: ast.Identifier, kinds: Definitions, want
         declared = definitions[suggestion].name.span if suggestion else None
         _article, kind = wanted.split(" ", 1)
         missing = UnknownName(
-            name.span, name=name.text, wanted=kind, suggestion=suggestion, declared=declared, advice=_library(name.text)
+            name.span,
+            name=name.text,
+            wanted=kind.replace(" or a ", " or "),
+            suggestion=suggestion,
+            declared=declared,
+            advice=_library(name.text),
         )
         context.refuse(missing, name)
     return None

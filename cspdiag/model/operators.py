@@ -264,12 +264,14 @@ def unified(context: Context, parts: list[ast.Expression], types: list[Type], wh
 
     A part that does not agree is reported and makes the whole unknown.
     """
-    # The first part that is not merely numbers in the text sets the type.
+    # The first part that is not merely numbers in the text sets the type, if numbers can take it.
     leader = next(
         (
             position
             for position, part in enumerate(parts)
-            if part not in context.literals and not isinstance(types[position], UnknownType) and not _is_flexible(part)
+            if part not in context.literals
+            and isinstance(types[position], IntType | RealType | TimeType | ArrayType)
+            and not isinstance(part, ast.Duration)
         ),
         0,
     )
@@ -293,7 +295,3 @@ def unified(context: Context, parts: list[ast.Expression], types: list[Type], wh
     for part in parts:
         adapt(context, part, context.program.types[part], result)
     return result
-
-
-def _is_flexible(part: ast.Expression) -> bool:
-    return isinstance(part, ast.Duration)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from cspdiag.model.coercion import Purpose
 from cspdiag.model.context import nearest
 from cspdiag.model.diagnostics_names import UnknownMember, UnknownName, WrongKind
-from cspdiag.model.diagnostics_types import NotIndexed
+from cspdiag.model.diagnostics_types import NotIndexed, noun
 from cspdiag.model.expressions import Typer, array_of_ports
 from cspdiag.model.program import EndLabelSymbol, PortSymbol, Scope, Symbol
 from cspdiag.model.symbols import declared_at, described
@@ -195,7 +195,7 @@ def _indexed(typer: Typer, reference: ast.Reference, indexes: tuple[ast.Expressi
             refused = NotIndexed(
                 index.span,
                 what=f"`{name}`",
-                problem=f"is {found} and has no elements",
+                problem=f"is {noun(found)} and has no elements",
                 advice=None,
                 declared=declared_at(symbol) if symbol is not None else None,
             )

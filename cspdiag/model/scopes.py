@@ -6,7 +6,7 @@ from cspdiag.model.context import Context
 from cspdiag.model.definitions import reserved_value
 from cspdiag.model.diagnostics_names import DuplicateName, ReservedName, ShadowedReplicator
 from cspdiag.model.expressions import Typer
-from cspdiag.model.program import PortSymbol, Scope, Symbol
+from cspdiag.model.program import EndLabelSymbol, PortSymbol, Scope, Symbol
 from cspdiag.model.symbols import declared_at, described
 from cspdiag.syntax import ast
 
@@ -29,7 +29,9 @@ def declare(context: Context, scope: Scope, name: ast.Identifier, symbol: Symbol
             name.span, name=text, where=where, kind=described(symbol), first=place, first_kind=described(first)
         )
         context.refuse(refused, name)
-        if not isinstance(symbol, PortSymbol) and isinstance(symbol, ast.Node):
+        if isinstance(symbol, EndLabelSymbol):
+            context.program.poisoned.add(symbol.connection)
+        elif isinstance(symbol, ast.Node):
             context.program.poisoned.add(symbol)
         return
     scope.names[text] = symbol
