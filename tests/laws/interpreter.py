@@ -51,7 +51,9 @@ def checked(kind: Type, value: Any) -> Any:
 class Interpreter:
     """One instance of a submodel class. ``parameters`` has values for all parameters, derived ones too."""
 
-    def __init__(self, cls: SubmodelClass, parameters: Mapping[str, Any], externals: Mapping[str, Any] | None = None) -> None:
+    def __init__(
+        self, cls: SubmodelClass, parameters: Mapping[str, Any], externals: Mapping[str, Any] | None = None
+    ) -> None:
         self.cls = cls
         self.parameters = dict(parameters)
         self.externals = dict(externals or {})
@@ -106,7 +108,9 @@ class Interpreter:
         for step in range(steps):
             t = began + step * h
 
-            def slope(shift: float, k: Mapping[str, float] | None, x: dict[str, float] = x, t: float = t) -> dict[str, float]:
+            def slope(
+                shift: float, k: Mapping[str, float] | None, x: dict[str, float] = x, t: float = t
+            ) -> dict[str, float]:
                 moved = {name: x[name] + shift * (k[name] if k else 0.0) for name in names}
                 return self._derivatives({**signals, **moved}, t + shift)
 
@@ -192,7 +196,9 @@ class Interpreter:
             case "/" | "%":
                 if right == 0:
                     raise FaultError("division by zero")
-                quotient = int(math.copysign(1, left) * math.copysign(1, right)) * (abs(left) // abs(right)) if whole else 0
+                quotient = (
+                    int(math.copysign(1, left) * math.copysign(1, right)) * (abs(left) // abs(right)) if whole else 0
+                )
                 if expression.operator == "/":
                     result = quotient if whole else left / right
                 else:
