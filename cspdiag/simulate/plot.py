@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from cspdiag.model.types import BoolType, EnumType, IntType, RealType, Type
-from cspdiag.simulate.files import write_whole
+from cspdiag.simulate.files import readable, write_whole
 from cspdiag.simulate.modes import ModeGroup, mode_groups
 
 if TYPE_CHECKING:
@@ -44,9 +44,7 @@ def plot(run: Run, path: Path | None) -> Figure:
     from matplotlib.figure import Figure
 
     with mpl.rc_context(_STYLE):  # type: ignore[arg-type]
-        groups = [group for group in mode_groups(run.network) if group.ports] or [
-            ModeGroup(run.network.top, {}, tuple(port.name for port in run.network.external_ports))
-        ]
+        groups = _columns(run)
         rows = _rows(run, groups)
         figure = Figure(figsize=(max(5.2, 4.6 * len(groups)), 1.1 + 1.75 * max(1, len(rows))), layout="constrained")
         axes = figure.subplots(max(1, len(rows)), len(groups), sharex=True, sharey="row", squeeze=False)
@@ -60,6 +58,15 @@ def plot(run: Run, path: Path | None) -> Figure:
         if path is not None:
             write_whole(path, _rendered(figure, path.suffix.lstrip(".") or "svg"))
     return figure
+
+
+def _columns(run: Run) -> Sequence[ModeGroup]:
+    """The parallel parts, if each has modes and ports of its own to show; else everything in one column."""
+    groups = mode_groups(run.network)
+    if groups and all(group.ports and len(group.modes) > 1 for group in groups):
+        return groups
+    modes = groups[0].modes if len(groups) == 1 and len(groups[0].modes) > 1 else {}
+    return [ModeGroup(run.network.top, modes, tuple(port.name for port in run.network.external_ports))]
 
 
 def svg_text(run: Run) -> str:
@@ -80,9 +87,9 @@ def _rows(run: Run, groups: Sequence[ModeGroup]) -> Mapping[str, set[str]]:
     rows: dict[str, set[str]] = {}
     for port in sorted(run.network.external_ports, key=lambda port: port.direction == "out"):
         signal = run.signals[port.name]
-        if port.name in used and port.period is not None and len(signal.time):
+        if port.name in used and port.period is not None and len(signal.time) and signal.value.dtype != object:
             rows.setdefault(_quantity(port.type), set()).add(port.name)
-    return rows or {"": set(used)}
+    return rows
 
 
 _QUANTITIES = {
@@ -122,10 +129,10 @@ def _panel(run: Run, axes: Axes, group: ModeGroup, unit: str, names: set[str], t
                 axes.axvline(time, color="#555555", linewidth=0.7, linestyle=(0, (3, 2)))
                 if top:
                     axes.annotate(
-                        f"{name} = {value}", (time, 1), xycoords=("data", "axes fraction"), xytext=(-2, -3),
+                        f"{name} = {readable(value, signal.type)}", (time, 1), xycoords=("data", "axes fraction"), xytext=(-2, -3),
                         textcoords="offset points", rotation=90, va="top", ha="right", fontsize=6.5, color="#555555",
                     )  # fmt: skip
-    axes.margins(x=0)
+    axes.set_xlim(0, max(run.outcome.time / 1e9, 1e-9))
     axes.grid(axis="y", linewidth=0.3, color="#bbbbbb")
     if axes.lines:
         axes.legend(loc="best")
@@ -134,6 +141,7 @@ def _panel(run: Run, axes: Axes, group: ModeGroup, unit: str, names: set[str], t
 def _variables(run: Run, group: ModeGroup, quantity: str) -> dict[str, tuple[list[float], list[float]]]:
     """Variables of the group's quantity; those of one name in several modes make one line, with gaps between."""
     prefixes = tuple({prefix for path in group.modes for prefix in (f"{path}.", f"{path.rpartition('.')[0]}.")})
+    prefixes = prefixes or (f"{group.name}.",)
     found: dict[str, list[tuple[float, float]]] = {}
     for path, points in run.variables.items():
         if path.startswith(prefixes) and _quantity(run.types[path]) == quantity:
