@@ -1,4 +1,7 @@
-"""What each of the small models is there to show."""
+"""What each of the small models is there to show.
+
+The last value of every output of the outermost process is the safe one that it is handed at the end.
+"""
 
 from __future__ import annotations
 
@@ -34,7 +37,8 @@ def test_one_philosopher_the_other_way_round_lets_everybody_eat() -> None:
 def test_bounded_buffer_keeps_the_order_and_its_bound() -> None:
     result = run("buffer/buffer.csp")
     assert result.outcome.ended == "terminated"
-    done = list(result["done"])
+    *done, safe = result["done"]
+    assert safe == 0
     assert sorted(done) == [100 * producer + item for producer in range(3) for item in range(20)]
     for producer in range(3):
         items = [value for value in done if value // 100 == producer]
@@ -83,14 +87,14 @@ def test_emergency_button_takes_the_voltage_and_drops_the_brake_at_the_next_tick
     speed = result["feedback"]
     assert np.max(speed) > 190
     assert speed[-1] < 1
-    assert list(result["halted"]) == [True]
+    assert list(result["halted"]) == [True, False]
 
 
 def test_watchdog_loses_the_sensor_three_times_and_gives_up() -> None:
     result = run("watchdog/watchdog.csp")
     assert result.outcome.ended == "terminated"
-    assert list(result["losses"]) == [1, 2, 3]
-    assert np.allclose(result.time("losses"), [30, 40, 50], atol=0.5)
+    assert list(result["losses"]) == [1, 2, 3, 0]
+    assert np.allclose(result.time("losses")[:3], [30, 40, 50], atol=0.5)
     heater, time = result["heater"], result.time("heater")
-    assert all(heater[np.flatnonzero(time == lost)[-1]] == 0 for lost in result.time("losses"))
+    assert all(heater[np.flatnonzero(time == lost)[-1]] == 0 for lost in result.time("losses")[:3])
     assert heater[-1] == 0
