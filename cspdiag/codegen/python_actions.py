@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import assert_never
@@ -12,6 +13,7 @@ from cspdiag.codegen.python_code import (
     Atom,
     Call,
     Code,
+    Comprehension,
     Conditional,
     Entry,
     Items,
@@ -24,9 +26,10 @@ from cspdiag.codegen.python_code import (
 from cspdiag.codegen.python_expressions import Printer
 from cspdiag.codegen.python_imports import Imports
 from cspdiag.codegen.python_members import Members
-from cspdiag.codegen.python_statements import Block, Line, Statement, assign, run
+from cspdiag.codegen.python_rolling import LEAST, rolled_steps, statements_template, template
+from cspdiag.codegen.python_statements import Block, Line, Statement, assign, lines, run
 from cspdiag.codegen.python_types import quoted
-from cspdiag.codegen.walk import instances_run, mentions_variable
+from cspdiag.codegen.walk import instances_run, mentions_variable, parts
 from cspdiag.network.actions import (
     Action,
     AfterEvent,
@@ -42,6 +45,7 @@ from cspdiag.network.actions import (
     InterruptOn,
     OutputEvent,
     ParallelSteps,
+    PortEnd,
     RaiseException,
     ReadValue,
     ReadyEvent,
@@ -67,6 +71,7 @@ class Method:
 
     name: str
     body: tuple[Statement, ...]
+    parameter: str | None = None
 
 
 @dataclass
@@ -92,7 +97,7 @@ class Composition:
             case SkipStep():
                 return ()
             case SequentialSteps(steps=steps):
-                return tuple(item for step in steps for item in self.statements(step))
+                return rolled_steps([self.statements(step) for step in steps], self.members.index)
             case AssignValue(target=target, value=value):
                 return (self._set(target, self.printer.print(value), self._place(action)),)
             case ReadValue(source=source, target=target):
@@ -142,6 +147,10 @@ class Composition:
                 return self._coroutine(action, hint or coroutine_name(action))
 
     def _branches(self, steps: Sequence[Action]) -> Iterable[Argument]:
+        alike = self._alike(steps)
+        if alike is not None:
+            yield alike
+            return
         position = 0
         while position < len(steps):
             whole = self._whole_array(steps, position)
@@ -152,6 +161,19 @@ class Composition:
                 name, count = whole
                 yield Argument(Atom(name), starred=True)
                 position += count
+
+    def _alike(self, steps: Sequence[Action]) -> Argument | None:
+        """Branches that differ only in an index, as one coroutine with that index as its parameter."""
+        if len(steps) < LEAST or isinstance(steps[0], RunInstance) or not all(map(_is_plain, steps)):
+            return None
+        index = self.members.index
+        body = statements_template([self.statements(step) for step in steps], index, 0)
+        if body is None:
+            return None
+        name = self.members.names.fresh(f"_{coroutine_name(steps[0])}")
+        self.methods.append(Method(name, body, f"{index}: int"))
+        each = Comprehension(call(f"self.{name}", Atom(index)), f"for {index} in range({len(steps)})", "()")
+        return Argument(each, starred=True)
 
     def _whole_array(self, steps: Sequence[Action], start: int) -> tuple[str, int] | None:
         first = steps[start]
@@ -226,6 +248,9 @@ class Composition:
     def _choice(self, choice: Choice, hint: str) -> tuple[Statement, ...]:
         branches = choice.branches
         attribute = f"self.{self.members.names.fresh(hint)}"
+        alike = self._choice_alike(choice, attribute)
+        if alike is not None:
+            return alike
         guards = [Argument(self._guard(branch.event, self.initial)) for branch in branches]
         if choice.prioritized and len(branches) > 1:
             guards.append(Argument(Atom("True"), "prioritized"))
@@ -240,6 +265,30 @@ class Composition:
             for number, (branch, body) in enumerate(zip(branches, taken, strict=True))
         ]
         return (Block(Line("match ", selected, ":", self._place(choice)), tuple(cases)),)
+
+    def _choice_alike(self, choice: Choice, attribute: str) -> tuple[Statement, ...] | None:
+        """An alternative whose branches differ only in an index, which is then what was chosen."""
+        branches = choice.branches
+        regular = (InputEvent, ReadyEvent)
+        if len(branches) < LEAST or not all(isinstance(b.event, regular) and _is_plain(b.body) for b in branches):
+            return None
+        index, count = self.members.index, len(branches)
+        guard = template([self._guard(branch.event, self.initial) for branch in branches], index, 0)
+        condition = template([self._condition(branch) for branch in branches], index, 0)
+        bodies = [(*self._taken(branch.event, attribute), *self.statements(branch.body)) for branch in branches]
+        body = statements_template(bodies, index, 0)
+        if guard is None or condition is None or body is None:
+            return None
+        clause = f"for {index} in range({count})"
+        guards = [Argument(Comprehension(guard, clause, "()"), starred=True)]
+        if choice.prioritized:
+            guards.append(Argument(Atom("True"), "prioritized"))
+        self.alternatives.append(assign(attribute, Call(self.imports.runtime("Alternative"), tuple(guards))))
+        enabled = [] if condition.flat == "True" else [Argument(Comprehension(condition, clause), "enabled")]
+        selected = Prefix("await ", Call(f"{attribute}.select", tuple(enabled)))
+        used = any(re.search(rf"\b{index}\b", row) for row in lines(body, ""))
+        select = assign(index, selected, self._place(choice)) if used else run(selected, self._place(choice))
+        return (select, *body)
 
     def _guard(self, event: Event, printer: Printer) -> Code:
         match event:
@@ -291,8 +340,11 @@ class Composition:
             self.alternatives.append(assign(attribute, guard))
             guard = Atom(attribute)
             taken = self._taken(branch.event, attribute)
-        name = self.members.names.fresh("_interrupted")
-        self.methods.append(Method(name, (*taken, *self.statements(branch.body))))
+        handler = (*taken, *self.statements(branch.body))
+        name = "_go_on"
+        if handler or name not in self.members.names:
+            name = self.members.names.fresh("_interrupted" if handler else name)
+            self.methods.append(Method(name, handler))
         arguments = [Argument(interrupted), Argument(guard), Argument(Atom(f"self.{name}"))]
         interrupting = Call(self.imports.runtime("interrupt"), tuple(arguments))
         if branch.condition is None:
@@ -328,12 +380,26 @@ def coroutine_name(action: Action) -> str:
     joined = "_then_".join(runs)
     if runs and isinstance(action, SequentialSteps) and len(joined) <= 40:
         return joined
-    match action:
-        case SequentialSteps(steps=(ReadValue(source=source), *_)) | ReadValue(source=source):
-            return f"read_{getattr(source, 'port', None) or getattr(source, 'channel', '')}"
-        case SequentialSteps(steps=(WriteValue(sink=sink), *_)):
-            return f"write_{getattr(sink, 'port', None) or getattr(sink, 'channel', '')}"
+    for part in parts(action):
+        match part:
+            case ReadValue(source=end):
+                return f"read_{_name_of(end)}"
+            case WriteValue(sink=end):
+                return f"write_{_name_of(end)}"
+            case Choice():
+                return "choose"
+            case WaitStep():
+                return "wait"
     return "branch"
+
+
+def _name_of(end: End) -> str:
+    return end.port if isinstance(end, PortEnd) else end.channel
+
+
+def _is_plain(action: Action) -> bool:
+    """Whether an action needs no alternative and no coroutine of its own."""
+    return not any(isinstance(part, Choice | ParallelSteps | InterruptOn | Group) for part in parts(action))
 
 
 def _one_line(text: str) -> str:

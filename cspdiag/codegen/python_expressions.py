@@ -31,6 +31,7 @@ from cspdiag.codegen.python_imports import Imports
 from cspdiag.codegen.python_names import identifier
 from cspdiag.codegen.python_types import literal
 from cspdiag.codegen.ranges import needs_check
+from cspdiag.diagnostics.record import replaced
 from cspdiag.model.types import BoolType, IntType, RealType, StructType, TimeType, Type
 from cspdiag.network.expressions import (
     ArrayElements,
@@ -93,6 +94,8 @@ class Printer:
             case PresentTime():
                 assert self.time is not None, "time is known in environments only"
                 return self.time
+            case UnaryOperation(operator="not", operand=BinaryOperation(operator="==") as equal):
+                return self.print(replaced(equal, operator="!="))
             case UnaryOperation(operator="not", operand=operand):
                 return Prefix("not ", at_least(self.print(operand), NOT))
             case UnaryOperation(operand=operand):

@@ -42,6 +42,15 @@ class Members:
         self.index = self.names.fresh("i")
         """The variable of loops over elements."""
 
+    @property
+    def list_sizes(self) -> dict[str, int]:
+        """The lists by the expression that they are reached by, with their lengths."""
+        sizes = {f"self.{array.name}": len(array.elements) for array in self._arrays.values()}
+        for port in self.process.ports:
+            if port.size is not None:
+                sizes[self.arguments[port.name]] = port.size
+        return sizes
+
     def _group(self, items: Sequence[LocalChannel] | Sequence[InstanceOf]) -> None:
         grouped: dict[str, dict[int, str]] = {}
         for item in items:

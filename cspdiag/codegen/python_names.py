@@ -32,11 +32,7 @@ BUILTINS = _words(
     """
 )
 
-MEMBERS = _words(
-    """
-    self name source run calculate reset reader inputs outputs start end path
-    """
-)
+MEMBERS = _words("self name source run runs_now execute started ended owns calculate reset")
 """What the base classes ``Process`` and ``Submodel`` define themselves."""
 
 MODULES = _words(

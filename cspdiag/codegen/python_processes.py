@@ -68,7 +68,7 @@ class _ProcessWriter:
         process = self.process
         body = self.composition.statements(process.body) if process.body is not None else ()
         functions = [self._constructor(), _function("run", body)]
-        functions += [_function(method.name, method.body) for method in self.composition.methods]
+        functions += [_function(method.name, method.body, method.parameter) for method in self.composition.methods]
         name, base = self.names.classes[process.name], self.imports.runtime("Process")
         return ClassModule(
             f"The process {process.definition}.",
@@ -186,7 +186,17 @@ class _ProcessWriter:
     def _attached(self, port: Port, connections: Sequence[Connection], by_submodel: bool) -> Code:
         ordered = sorted(connections, key=lambda connection: connection.index or 0)
         values = [self._attachment(port, connection, by_submodel) for connection in ordered]
-        return rolled_list(values, self.members.index) if port.size is not None else values[0]
+        if port.size is None:
+            return values[0]
+        whole = self._whole(values)
+        return Atom(whole) if whole is not None else rolled_list(values, self.members.index)
+
+    def _whole(self, values: Sequence[Code]) -> str | None:
+        """The list of which these are all elements in order."""
+        base = values[0].flat.removesuffix("[0]")
+        if [value.flat for value in values] != [f"{base}[{index}]" for index in range(len(values))]:
+            return None
+        return base if self.members.list_sizes.get(base) == len(values) else None
 
     def _attachment(self, port: Port, connection: Connection, by_submodel: bool) -> Code:
         attachment = connection.attachment
@@ -212,6 +222,7 @@ def path(name: str) -> Code:
     return Atom(f'f"{{name}}.{name}"')
 
 
-def _function(name: str, body: Sequence[Statement]) -> list[str]:
+def _function(name: str, body: Sequence[Statement], parameter: str | None = None) -> list[str]:
     statements = tuple(body) or (Line("pass"),)
-    return [f"    async def {name}(self) -> None:", *lines(statements, "        ")]
+    parameters = "self" if parameter is None else f"self, {parameter}"
+    return [f"    async def {name}({parameters}) -> None:", *lines(statements, "        ")]

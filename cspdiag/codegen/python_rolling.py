@@ -27,7 +27,7 @@ from cspdiag.codegen.python_code import (
     Prefix,
     Starred,
 )
-from cspdiag.codegen.python_statements import Block, Line, Statement, Unpack
+from cspdiag.codegen.python_statements import Block, Line, Statement, Unpack, lines
 
 LEAST = 3
 """Fewer elements than this stay as they are."""
@@ -97,6 +97,44 @@ def statements_template(
         return _statements(groups, Counting(variable, start, len(groups)))
     except _IrregularError:
         return None
+
+
+def rolled_steps(groups: Sequence[tuple[Statement, ...]], variable: str) -> tuple[Statement, ...]:
+    """Statements one behind the other, where at least three times the same but for an index as a loop."""
+    texts = ["\n".join(lines(group, "")) for group in groups]
+    result: list[Statement] = []
+    start = 0
+    while start < len(groups):
+        loop = _loop(groups, texts, start, variable)
+        if loop is None:
+            result += groups[start]
+            start += 1
+        else:
+            result.append(loop[0])
+            start = loop[1]
+    return tuple(result)
+
+
+_LONGEST_BODY = 4
+
+
+def _loop(
+    groups: Sequence[tuple[Statement, ...]], texts: Sequence[str], start: int, variable: str
+) -> tuple[Statement, int] | None:
+    for size in range(1, _LONGEST_BODY + 1):
+        count = (len(groups) - start) // size
+        chunks = ["\n".join(texts[start + n * size : start + (n + 1) * size]) for n in range(count)]
+        end = _run_end(chunks, 0) if count >= LEAST else 0
+        if end < LEAST or chunks[0] == chunks[1]:
+            continue
+        bodies = [
+            tuple(item for group in groups[start + n * size : start + (n + 1) * size] for item in group)
+            for n in range(end)
+        ]
+        body = statements_template(bodies, variable, 0)
+        if body is not None:
+            return Block(Line(f"for {variable} in range({end}):"), body), start + end * size
+    return None
 
 
 def _skeleton(text: str) -> str:

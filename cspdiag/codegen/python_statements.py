@@ -86,11 +86,10 @@ def signature(before: str, parameters: Sequence[str], after: str, indent: str) -
 
 
 def docstring(text: str, indent: str) -> list[str]:
-    """A docstring; its quotes stand alone at the end when there is more than one line."""
-    plain = text.replace("\\", "\\\\").replace('"""', '\\"\\"\\"').strip()
-    if plain.endswith('"'):
-        plain = f'{plain[:-1]}\\"'
+    """A docstring; its quotes stand alone at the end when there is more than one line. The text must not end in a quote."""
+    plain = text.replace('"""', "'''").strip()
+    quotes = 'r"""' if "\\" in plain else '"""'
     rows = [row.rstrip() for row in plain.split("\n")]
     if len(rows) == 1:
-        return [f'{indent}"""{rows[0]}"""']
-    return [f'{indent}"""{rows[0]}', *(f"{indent}{row}" if row else "" for row in rows[1:]), f'{indent}"""']
+        return [f'{indent}{quotes}{rows[0]}"""']
+    return [f"{indent}{quotes}{rows[0]}", *(f"{indent}{row}" if row else "" for row in rows[1:]), f'{indent}"""']
