@@ -15,7 +15,7 @@ from typing import get_args
 from cspdiag.diagnostics import Report, Span
 from cspdiag.diagnostics.record import node
 from cspdiag.model.types import ArrayType, RealType, Type
-from cspdiag.network.diagnostics_submodels import ImproperTransfer, ValueOutOfRange, WrongShape
+from cspdiag.network.diagnostics_submodels import ImproperTransfer, UnstableDiscretization, ValueOutOfRange, WrongShape
 from cspdiag.network.discretize import Method
 from cspdiag.network.expression_parts import call, entry, minus, number, of_width, over, plus, times
 from cspdiag.network.expressions import (
@@ -158,6 +158,10 @@ def _lag(draft: Draft, use: Application, report: Report) -> Expression:
         report.add(
             ValueOutOfRange(tau.span or use.span, f"a lag with a time constant of {value:g} s: it must be positive")
         )
+    elif isinstance(value, int | float) and draft.sample is not None and use.method == "euler":
+        pole = abs(1 - draft.sample / 1_000_000_000 / value)
+        if pole > 1:
+            report.add(UnstableDiscretization(use.span, f"{draft.sample / 1_000_000:g} ms", pole))
     u = _simple(draft, use, "input", use.arguments["x"])
     initial = _initial(draft, use)
     twice = times(number(2.0, tau.type), tau)

@@ -202,10 +202,12 @@ def test_speedometer_settles_at_the_slope() -> None:
 
 
 def test_dc_motor_is_its_linear_model() -> None:
-    r, l, k, j, b = 2.18, 0.24e-3, 0.0234, 1e-5, 1e-6
-    block = make("DCMotor", resistance=r, inductance=l, torqueConstant=k, inertia=j, viscous=b)
+    r, inductance, k, j, b = 2.18, 0.24e-3, 0.0234, 1e-5, 1e-6
+    block = make("DCMotor", resistance=r, inductance=inductance, torqueConstant=k, inertia=j, viscous=b)
     found = [block.sample(voltage=12.0, load=0.01)["speed"] for _ in range(100)]
-    system = control.ss([[-r / l, -k / l], [k / j, -b / j]], [[1 / l, 0], [0, -1 / j]], [[0, 1]], [[0, 0]])
+    system = control.ss(
+        [[-r / inductance, -k / inductance], [k / j, -b / j]], [[1 / inductance, 0], [0, -1 / j]], [[0, 1]], [[0, 0]]
+    )
     expected = control.forced_response(
         control.sample_system(system, T, "zoh"), U=numpy.tile([[12.0], [0.01]], 100)
     ).outputs
@@ -215,10 +217,7 @@ def test_dc_motor_is_its_linear_model() -> None:
 def test_simple_dc_motor_is_of_first_order() -> None:
     r, k, j = 2.18, 0.0234, 1e-5
     block = make("DCMotorSimple", resistance=r, torqueConstant=k, inertia=j)
-    found = [
-        block.sample(voltage=12.0, load=0.0)["speed"]
-        for _ in range(100)
-    ]
+    found = [block.sample(voltage=12.0, load=0.0)["speed"] for _ in range(100)]
     tau = r * j / k**2
     expected = [12 / k * (1 - math.exp(-T * n / tau)) for n in range(100)]
     assert found == pytest.approx(expected, rel=1e-6, abs=1e-6)
