@@ -13,17 +13,21 @@ from cspdiag.network.assignment import Flow, check_assignment
 from cspdiag.network.composition import check_progress, check_runs
 from cspdiag.network.contexts import Contexts, Placed
 from cspdiag.network.definitions import Definitions
+from cspdiag.network.diagnostics_communication import TooManyInstances
 from cspdiag.network.diagnostics_periods import SampleUnknown
 from cspdiag.network.elaborate import Elaboration
 from cspdiag.network.guards import check_guards
 from cspdiag.network.kinds import Asked, asked_kinds, check_outermost, infer_kinds
-from cspdiag.network.periods import Rates, net_rates
+from cspdiag.network.periods import Rates, check_event_ports, net_rates
 from cspdiag.network.relations import Relations
 from cspdiag.network.shapes import Overrides, Shape, attached_key
 from cspdiag.network.submodels import needs_sample
 from cspdiag.network.usage import check_usage
 from cspdiag.network.waiting import Waiting
 from cspdiag.syntax import ast
+
+LARGEST_PROGRAM = 1_000_000
+"""More instances are refused."""
 
 
 class Analysis:
@@ -39,6 +43,7 @@ class Analysis:
         self.rates: dict[Shape, Rates] = {}
         self.contexts = Contexts(self.rates, report)
         self.flows: dict[Shape, Flow] = {}
+        self._sizes: dict[Shape, int] = {}
         self._roots: list[tuple[Shape, bool]] = []
         self._ranks: dict[ast.Node, int] = {definition: n for n, definition in enumerate(self.definitions.order)}
         self._needs_sample: dict[ast.SubmodelDefinition, bool] = {}
@@ -55,10 +60,12 @@ class Analysis:
     def run(self) -> list[Placed]:
         """All passes; returns the outermost processes in their contexts."""
         for shape in self.inside_out():
+            self._count(shape)
             self._infer(shape)
         for shape, is_open in self._roots:
             if not is_open and not shape.incomplete:
                 check_outermost(shape, self.relations.of(shape), self.asked[shape], self.report)
+                check_event_ports(shape, self.rates[shape], self.report)
         outermost = [self.contexts.outermost(shape, is_open) for shape, is_open in self._roots]
         waiting = Waiting()
         for placed in self._inside_out_in_context():
@@ -79,12 +86,22 @@ class Analysis:
     def _rank(self, shape: Shape) -> int:
         return self._ranks.get(shape.definition, 0)
 
+    def _count(self, shape: Shape) -> None:
+        """The instances in a process with everything inside; too many are told where they first become so."""
+        inside = sum(self._sizes.get(instance.shape, 1) for instance in shape.instances.values())
+        if inside > LARGEST_PROGRAM:
+            what = f"the process `{shape.name}`, with everything inside it,"
+            span = shape.definition.name.span
+            self.report.add(TooManyInstances(span=span, what=what, number=inside, limit=LARGEST_PROGRAM))
+            inside = 0
+        self._sizes[shape] = 1 + inside
+
     def _infer(self, shape: Shape) -> None:
         uses = self.relations.of(shape)
         self.asked[shape] = asked_kinds(shape, self.asked)
         self.rates[shape] = net_rates(shape, self.rates, self.report)
-        infer_kinds(shape, uses, self.asked[shape], self.report)
         check_runs(shape, uses, self.report)
+        infer_kinds(shape, uses, self.asked[shape], self.report)
         check_usage(shape, uses, self.report)
         self.flows[shape] = check_assignment(shape, uses, self.flows, self.report)
 

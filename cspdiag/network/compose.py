@@ -40,7 +40,6 @@ from cspdiag.network.actions import (
     WhileLoop,
     WriteValue,
 )
-from cspdiag.network.diagnostics_communication import TooManyInstances
 from cspdiag.network.diagnostics_composition import MixedAlternative, UnguardedBranch
 from cspdiag.network.diagnostics_relations import LabelOfPortRead
 from cspdiag.network.expressions import Expression, LiteralValue, VariableValue
@@ -67,7 +66,6 @@ class _Composer:
         self.report = elaboration.report
         self.shape = shape
         self.places = places
-        self.unrolled = 0
 
     def action(self, part: ast.Composition, values: Values) -> Action:
         span = part.span
@@ -152,21 +150,11 @@ class _Composer:
             return SequentialSteps(span=part.span, steps=steps)
         return ParallelSteps(span=part.span, steps=steps, prioritized=part.operator == "pripar")
 
-    def _repeated(self, replicator: ast.Replicator, values: Values) -> Iterator[dict[ast.Node, Value]]:
-        from cspdiag.network.elaborate import LIMIT
-
-        count = self.elaboration.size(replicator.count, f"the replicator `{replicator.name.text}`", values, zero=True)
-        if count is None:
-            self.shape.incomplete = True
-            return
-        self.unrolled += count
-        if self.unrolled > LIMIT:
-            what = f"the composition of `{self.shape.name}`"
-            self.report.add(TooManyInstances(span=replicator.count.span, what=what, number=self.unrolled, limit=LIMIT))
-            self.shape.incomplete = True
-            return
-        for index in range(count):
-            yield {**values, replicator: index}
+    def _repeated(self, replicator: ast.Replicator, values: Values) -> list[dict[ast.Node, Value]]:
+        what = f"the replicator `{replicator.name.text}`"
+        repetitions = self.elaboration.repeated(replicator, what, values)
+        self.shape.incomplete = self.shape.incomplete or repetitions is None
+        return repetitions or []
 
     def _branches(self, parts: tuple[ast.Composition, ...], values: Values, prioritized: bool) -> Iterator[Branch]:
         """The branches of an alternative, replicated ones in their place."""

@@ -32,7 +32,7 @@ from cspdiag.network.diagnostics_composition import (
 from cspdiag.network.ends import all_actions
 from cspdiag.network.expressions import Expression, LiteralValue
 from cspdiag.network.relations import UsesByKey, end_key, run_key, variables_read
-from cspdiag.network.shapes import Key, Shape, attached_key
+from cspdiag.network.shapes import InstanceShape, Key, Shape, attached_key
 from cspdiag.network.waiting import Waiting, is_open, read_may_wait, write_may_wait
 from cspdiag.syntax import ast
 
@@ -52,9 +52,18 @@ def check_runs(shape: Shape, uses: UsesByKey, report: Report) -> None:
         use = uses.get(run_key(instance.name))
         if instance.name not in run and not shape.incomplete:
             report.add(InstanceNeverRun(span=instance.span, instance=instance.name, process=shape.name))
+            _excuse(shape, instance)
         elif use is not None and use.parallel_writes is not None:
             first, second = use.parallel_writes
             report.add(RunTwiceAtOnce(span=second.span, instance=instance.name, first=first.span))
+
+
+def _excuse(shape: Shape, instance: InstanceShape) -> None:
+    """Of the channels of an instance that never runs nothing more is said."""
+    for attached in instance.attachments.values():
+        key = attached_key(attached)
+        if key in shape.channels:
+            shape.channels[key].excused = True
 
 
 def check_progress(placed: Placed, waiting: Waiting, report: Report) -> None:
@@ -88,7 +97,7 @@ def _check_loop(
         if isinstance(loop, Repeat) and isinstance(condition, LiteralValue) and condition.value is True:
             return
         looked_at = {value.channel for value in variables_read(condition)}
-        if looked_at & _written_in(placed.shape, loop.body):
+        if looked_at & _written_in(placed.shape, loop.body) or any(is_open(placed, key) for key in looked_at):
             return
     report.add(EndlessLoop(span=loop.span, conditional=condition is not None))
 

@@ -73,7 +73,7 @@ class _Connector:
                 case ast.Variable() | ast.Channel():
                     self._declare(item, prefix, values)
                 case ast.RepeatedDeclarations():
-                    for index, inner in self._repeated(item, values):
+                    for index, inner in enumerate(self._repeated(item, values)):
                         self.declare(item.declarations, (*prefix, index), inner)
                 case _:
                     pass
@@ -85,7 +85,7 @@ class _Connector:
                 case ast.Connection():
                     self._relationship(item, values)
                 case ast.RepeatedDeclarations():
-                    for _, inner in self._repeated(item, values):
+                    for inner in self._repeated(item, values):
                         self.relate(item.declarations, inner)
                 case _:
                     pass
@@ -122,11 +122,8 @@ class _Connector:
             )
         )
 
-    def _repeated(self, item: ast.RepeatedDeclarations, values: Values) -> Iterable[tuple[int, dict[ast.Node, Value]]]:
-        count = self.elaboration.size(item.replicator.count, "`for`", values, zero=True)
-        if count is None:
-            self.shape.incomplete = True
-        return ((index, {**values, item.replicator: index}) for index in range(count or 0))
+    def _repeated(self, item: ast.RepeatedDeclarations, values: Values) -> list[dict[ast.Node, Value]]:
+        return self.elaboration.repeated(item.replicator, "`for`", values) or []
 
     def _declare(self, item: ast.Variable | ast.Channel, prefix: tuple[int, ...], values: Values) -> None:
         name = element_name(item.name.text, *prefix)
@@ -272,6 +269,9 @@ class _Connector:
             return
         if isinstance(before.target, Unresolved) or isinstance(target, Unresolved):
             return
+        for end in (before.target, target):
+            if isinstance(end, OwnChannel):
+                self.shape.channels[end.key].excused = True
         port = f"{instance.name}.{element_name(*element)}"
         direction = instance.shape.ports[element[0]].direction
         self.report.add(ConnectedTwice(span=span, port=port, direction=direction, first=before.span))

@@ -8,7 +8,55 @@ from cspdiag.diagnostics.record import record
 
 @record
 class NotConnected(Diagnostic):
-    """E0501."""
+    """A port of an instance is connected to nothing.
+
+    A process that reads an unconnected input would wait for ever, and what it writes to an unconnected output would be lost
+    without anybody having said so. An input may be left alone where its declaration gives a default; an output
+    that nobody needs is connected to `_`.
+
+    Refused::
+
+        process Sender {
+          out output : int
+          composition { mu output ! 1 }
+        }
+
+        process Receiver {
+          in input : int
+          communication { var last : int = 0 }
+          composition { mu input ? last }
+        }
+
+        process Main {
+          communication {
+            sender   : Sender
+            receiver : Receiver
+          }
+          composition { sender || receiver }
+        }
+
+    Mended::
+
+        process Sender {
+          out output : int
+          composition { mu output ! 1 }
+        }
+
+        process Receiver {
+          in input : int
+          communication { var last : int = 0 }
+          composition { mu input ? last }
+        }
+
+        process Main {
+          communication {
+            sender   : Sender
+            receiver : Receiver
+            sender.output -> receiver.input
+          }
+          composition { sender || receiver }
+        }
+    """
 
     code = "E0501"
     title = "port that is not connected"
@@ -40,7 +88,59 @@ class NotConnected(Diagnostic):
 
 @record
 class ConnectedTwice(Diagnostic):
-    """E0502."""
+    """A port of an instance has two relationships.
+
+    An arrow of the communication diagram is one communication object. An input that hung on two of them could not tell which one to
+    read, and an output on two of them which one to write. Several sources, or several sinks, stand on one arrow; the composition
+    then decides what kind of channel that is.
+
+    Refused::
+
+        process Sender {
+          out output : int
+          composition { mu output ! 1 }
+        }
+
+        process Receiver {
+          in input : int
+          communication { var last : int = 0 }
+          composition { mu input ? last }
+        }
+
+        process Main {
+          communication {
+            one      : Sender
+            other    : Sender
+            receiver : Receiver
+            one.output   -> receiver.input
+            other.output -> receiver.input
+          }
+          composition { one || other || receiver }
+        }
+
+    Mended::
+
+        process Sender {
+          out output : int
+          composition { mu output ! 1 }
+        }
+
+        process Receiver {
+          in input : int
+          communication { var last : int = 0 }
+          composition { mu input ? last }
+        }
+
+        process Main {
+          communication {
+            one      : Sender
+            other    : Sender
+            receiver : Receiver
+            one.output, other.output -> any -> receiver.input
+          }
+          composition { one || other || receiver }
+        }
+    """
 
     code = "E0502"
     title = "port connected twice"
@@ -66,7 +166,55 @@ class ConnectedTwice(Diagnostic):
 
 @record
 class IndexOutOfRange(Diagnostic):
-    """E0503."""
+    """An index names an element that is not there.
+
+    Elements of arrays of instances and of ports are counted from 0. All indexes are known before the program runs, so that none is
+    found out of range only then.
+
+    Refused::
+
+        process Sender {
+          out output : int
+          composition { mu output ! 1 }
+        }
+
+        process Receiver {
+          in input : int
+          communication { var last : int = 0 }
+          composition { mu input ? last }
+        }
+
+        process Main {
+          communication {
+            sender   : Sender
+            receiver[2] : Receiver
+            sender.output -> broadcast -> receiver[1].input, receiver[2].input
+          }
+          composition { sender || par i < 2 : receiver[i] }
+        }
+
+    Mended::
+
+        process Sender {
+          out output : int
+          composition { mu output ! 1 }
+        }
+
+        process Receiver {
+          in input : int
+          communication { var last : int = 0 }
+          composition { mu input ? last }
+        }
+
+        process Main {
+          communication {
+            sender   : Sender
+            receiver[2] : Receiver
+            sender.output -> broadcast -> receiver[0].input, receiver[1].input
+          }
+          composition { sender || par i < 2 : receiver[i] }
+        }
+    """
 
     code = "E0503"
     title = "index out of range"
@@ -87,7 +235,45 @@ class IndexOutOfRange(Diagnostic):
 
 @record
 class IndexMissing(Diagnostic):
-    """E0504."""
+    """The name of an array stands where one element is wanted.
+
+    What is declared inside `for` is there once for every repetition: an array. Inside the same `for` its bare name means that of the same
+    repetition; everywhere else an index chooses one.
+
+    Refused::
+
+        process Sender {
+          out output : int
+          composition { output ! 1 }
+        }
+
+        process Main {
+          communication {
+            for i < 3 {
+              cell : Sender
+              cell.output -> _
+            }
+          }
+          composition { cell }
+        }
+
+    Mended::
+
+        process Sender {
+          out output : int
+          composition { output ! 1 }
+        }
+
+        process Main {
+          communication {
+            for i < 3 {
+              cell : Sender
+              cell.output -> _
+            }
+          }
+          composition { par i < 3 : cell[i] }
+        }
+    """
 
     code = "E0504"
     title = "element of an array wanted"
@@ -105,7 +291,41 @@ class IndexMissing(Diagnostic):
 
 @record
 class SizeNotPositive(Diagnostic):
-    """E0505."""
+    """An array, a buffer or a replicator has a size that is not positive.
+
+    An array of instances or of ports has at least one element, and a buffer keeps at least one value. A replicator may
+    repeat nothing, but not less than nothing.
+
+    Refused::
+
+        process Sender {
+          out output : int
+          composition { output ! 1 }
+        }
+
+        process Main {
+          communication {
+            cell[2 - 2] : Sender
+            for i < 0 { cell[i].output -> _ }
+          }
+          composition { skip }
+        }
+
+    Mended::
+
+        process Sender {
+          out output : int
+          composition { output ! 1 }
+        }
+
+        process Main {
+          communication {
+            cell[2 - 1] : Sender
+            for i < 1 { cell[i].output -> _ }
+          }
+          composition { cell[0] }
+        }
+    """
 
     code = "E0505"
     title = "size that is not positive"
@@ -124,7 +344,49 @@ class SizeNotPositive(Diagnostic):
 
 @record
 class TooManyInstances(Diagnostic):
-    """E0506."""
+    """The program has more elements than any machine would run.
+
+    Every instance exists before the program starts. Sizes beyond a hundred thousand in one process, or a million in all, are taken for a
+    slip of the pen, and refused before they use up the memory of the compiler.
+
+    Refused::
+
+        process Sender {
+          out output : int
+          composition { output ! 1 }
+        }
+
+        process Main {
+          communication {
+            for i < 1000 {
+              for j < 1000 {
+                cell : Sender
+                cell.output -> _
+              }
+            }
+          }
+          composition { skip }
+        }
+
+    Mended::
+
+        process Sender {
+          out output : int
+          composition { output ! 1 }
+        }
+
+        process Main {
+          communication {
+            for i < 10 {
+              for j < 10 {
+                cell : Sender
+                cell.output -> _
+              }
+            }
+          }
+          composition { par i < 10 : par j < 10 : cell[i][j] }
+        }
+    """
 
     code = "E0506"
     title = "too many elements"
@@ -135,12 +397,34 @@ class TooManyInstances(Diagnostic):
 
     @property
     def message(self) -> str:
-        return f"{self.what} has {self.number} elements or more, and at most {self.limit} are possible"
+        return f"{self.what} has {self.number} elements, and at most {self.limit} are possible"
 
 
 @record
 class PortToPort(Diagnostic):
-    """E0507."""
+    """A port of the process is connected straight to another port of it.
+
+    A relationship hands a port on to an instance inside. Between two ports of one process there is no instance that would
+    carry a value from one to the other, nor a place in the composition that says when.
+
+    Refused::
+
+        process Main {
+          in  input  : int
+          out output : int
+          communication { input -> output }
+          composition { skip }
+        }
+
+    Mended::
+
+        process Main {
+          in  input  : int
+          out output : int
+          communication { var value : int = 0 }
+          composition { mu (input ? value ; output ! value) }
+        }
+    """
 
     code = "E0507"
     title = "port connected straight to a port"
@@ -164,7 +448,47 @@ class PortToPort(Diagnostic):
 
 @record
 class JoinsTwoObjects(Diagnostic):
-    """E0508."""
+    """One relationship joins two communication objects.
+
+    Ports of the process, channels and variables are communication objects of their own. Instances are attached to one of them at each
+    arrow; an arrow cannot make one object of two.
+
+    Refused::
+
+        process Receiver {
+          in input : int
+          communication { var last : int = 0 }
+          composition { mu input ? last }
+        }
+
+        process Main {
+          in one, other : int
+          communication {
+            receiver : Receiver
+            one, other -> receiver.input
+          }
+          composition { receiver }
+        }
+
+    Mended::
+
+        process Receiver {
+          in input : int
+          communication { var last : int = 0 }
+          composition { mu input ? last }
+        }
+
+        process Main {
+          in one, other : int
+          communication {
+            first  : Receiver
+            second : Receiver
+            one    -> first.input
+            other  -> second.input
+          }
+          composition { first || second }
+        }
+    """
 
     code = "E0508"
     title = "relationship with two communication objects"
@@ -188,7 +512,27 @@ class JoinsTwoObjects(Diagnostic):
 
 @record
 class PortEndsInLabel(Diagnostic):
-    """E0509."""
+    """An input of the process ends in a label.
+
+    A label that ends an arrow is a variable that an instance writes. Nothing writes the values of a port into it: that is a
+    communication, and the composition says when it takes place.
+
+    Refused::
+
+        process Main {
+          in input : int
+          communication { input -> value : int }
+          composition { mu skip until value == 1 }
+        }
+
+    Mended::
+
+        process Main {
+          in input : int
+          communication { var value : int = 0 }
+          composition { mu input ? value until value == 1 }
+        }
+    """
 
     code = "E0509"
     title = "port connected to a label"
@@ -209,7 +553,45 @@ class PortEndsInLabel(Diagnostic):
 
 @record
 class ArraysDiffer(Diagnostic):
-    """E0510."""
+    """Arrays of different sizes are connected to each other.
+
+    An array of ports that is named without an index is connected element by element, so that both ends have the same number of elements. A
+    single port is connected to one element, chosen by its index.
+
+    Refused::
+
+        process Reader(n: int) {
+          in input[n] : int
+          communication { var last : int = 0 }
+          composition { mu (alt i < n : input[i] ? last -> skip) }
+        }
+
+        process Main {
+          in request[3] : int
+          communication {
+            reader : Reader(n = 2)
+            request -> reader.input
+          }
+          composition { reader }
+        }
+
+    Mended::
+
+        process Reader(n: int) {
+          in input[n] : int
+          communication { var last : int = 0 }
+          composition { mu (alt i < n : input[i] ? last -> skip) }
+        }
+
+        process Main {
+          in request[3] : int
+          communication {
+            reader : Reader(n = 3)
+            request -> reader.input
+          }
+          composition { reader }
+        }
+    """
 
     code = "E0510"
     title = "arrays of different size connected"
@@ -235,7 +617,32 @@ class ArraysDiffer(Diagnostic):
 
 @record
 class VariableUnused(Diagnostic):
-    """W0511."""
+    """A variable or a channel is declared and never used.
+
+    It does no harm, but a reader of the diagram looks for its purpose in vain; often another name was meant where it should occur.
+
+    Refused::
+
+        process Main {
+          out output : int
+          communication {
+            var count : int = 0
+            var limit : int = 10
+          }
+          composition { mu (output ! count ; count := count + 1) until count == 10 }
+        }
+
+    Mended::
+
+        process Main {
+          out output : int
+          communication {
+            var count : int = 0
+            var limit : int = 10
+          }
+          composition { mu (output ! count ; count := count + 1) until count == limit }
+        }
+    """
 
     code = "W0511"
     title = "variable, channel or label that nobody uses"
@@ -254,7 +661,28 @@ class VariableUnused(Diagnostic):
 
 @record
 class PortUnused(Diagnostic):
-    """W0512."""
+    """A process declares a port and never uses it.
+
+    Whoever is connected to an input that nobody reads may wait there for ever; an output that nobody writes never has a value. If
+    an input is ignored on purpose, the communication block says so with `port -> _`.
+
+    Refused::
+
+        process Main {
+          in  request : int
+          out answer  : int
+          composition { mu (answer ! 1 ; wait 1 ms) }
+        }
+
+    Mended::
+
+        process Main {
+          in  request : int
+          out answer  : int
+          communication { var last : int = 0 }
+          composition { mu (request ? last ; answer ! last) }
+        }
+    """
 
     code = "W0512"
     title = "port that its process never uses"

@@ -9,7 +9,27 @@ from cspdiag.network.relations import Access
 
 @record
 class UnguardedBranch(Diagnostic):
-    """E0602."""
+    """A branch of an alternative has no guard.
+
+    An alternative waits until the guard of one of its branches is ready, and chooses that branch. For a branch without a guard
+    nothing says when it may be chosen.
+
+    Refused::
+
+        process Main {
+          in button : int
+          communication { var value : int = 0 }
+          composition { button ? value -> skip [] wait 5 ms }
+        }
+
+    Mended::
+
+        process Main {
+          in button : int
+          communication { var value : int = 0 }
+          composition { button ? value -> skip [] after 5 ms -> skip }
+        }
+    """
 
     code = "E0602"
     title = "branch without a guard"
@@ -25,7 +45,29 @@ class UnguardedBranch(Diagnostic):
 
 @record
 class MixedAlternative(Diagnostic):
-    """E0603."""
+    """A replicated alternative stands in an alternative of the other kind.
+
+    The branches of `alt` and `prialt` become branches of the alternative around them. Either all of them have priorities, in text order,
+    or none has.
+
+    Refused::
+
+        process Main {
+          in stop_button : int
+          in request[3] : int
+          communication { var value : int = 0 }
+          composition { stop_button ? value -> skip []> alt i < 3 : request[i] ? value -> skip }
+        }
+
+    Mended::
+
+        process Main {
+          in stop_button : int
+          in request[3] : int
+          communication { var value : int = 0 }
+          composition { stop_button ? value -> skip []> prialt i < 3 : request[i] ? value -> skip }
+        }
+    """
 
     code = "E0603"
     title = "replicated alternative of the other kind"
@@ -45,7 +87,11 @@ class MixedAlternative(Diagnostic):
 
 @record
 class NoOutermostProcess(Diagnostic):
-    """E0604."""
+    """There is no process to begin with.
+
+    A program is compiled from its outermost process: the one of its environment, the one named with `--top`, or the last one that no other
+    process contains. A file with definitions for others alone has none of these; it can be checked but not compiled.
+    """
 
     code = "E0604"
     title = "no process to begin with"
@@ -65,7 +111,11 @@ class NoOutermostProcess(Diagnostic):
 
 @record
 class ParameterWithoutValue(Diagnostic):
-    """E0605."""
+    """The outermost process has a parameter without a value.
+
+    Parameters are known before the program runs. Those of the outermost process are given by its environment, by defaults or
+    from outside with `--set`.
+    """
 
     code = "E0605"
     title = "outermost process without arguments"
@@ -84,7 +134,54 @@ class ParameterWithoutValue(Diagnostic):
 
 @record
 class NoComposition(Diagnostic):
-    """E0606."""
+    """A process has no composition.
+
+    The communication diagram says who exists and what flows between them. In which order or at the same time they run is said by the
+    composition diagram alone; there is no default for it.
+
+    Refused::
+
+        process Sender {
+          out output : int
+          composition { output ! 1 }
+        }
+
+        process Receiver {
+          in input : int
+          communication { var last : int = 0 }
+          composition { input ? last }
+        }
+
+        process Main {
+          communication {
+            sender   : Sender
+            receiver : Receiver
+            sender.output -> receiver.input
+          }
+        }
+
+    Mended::
+
+        process Sender {
+          out output : int
+          composition { output ! 1 }
+        }
+
+        process Receiver {
+          in input : int
+          communication { var last : int = 0 }
+          composition { input ? last }
+        }
+
+        process Main {
+          communication {
+            sender   : Sender
+            receiver : Receiver
+            sender.output -> receiver.input
+          }
+          composition { sender ; receiver }
+        }
+    """
 
     code = "E0606"
     title = "process without a composition"
@@ -102,7 +199,55 @@ class NoComposition(Diagnostic):
 
 @record
 class InstanceNeverRun(Diagnostic):
-    """E0607."""
+    """An instance is declared and never runs.
+
+    Everything that is connected to it would wait for it in vain, or use values that never come. The composition
+    names every instance of the communication diagram.
+
+    Refused::
+
+        process Sender {
+          out output : int
+          composition { output ! 1 }
+        }
+
+        process Receiver {
+          in input : int
+          communication { var last : int = 0 }
+          composition { input ? last }
+        }
+
+        process Main {
+          communication {
+            sender   : Sender
+            receiver : Receiver
+            sender.output -> receiver.input
+          }
+          composition { receiver }
+        }
+
+    Mended::
+
+        process Sender {
+          out output : int
+          composition { output ! 1 }
+        }
+
+        process Receiver {
+          in input : int
+          communication { var last : int = 0 }
+          composition { input ? last }
+        }
+
+        process Main {
+          communication {
+            sender   : Sender
+            receiver : Receiver
+            sender.output -> receiver.input
+          }
+          composition { sender || receiver }
+        }
+    """
 
     code = "E0607"
     title = "instance that never runs"
@@ -121,7 +266,43 @@ class InstanceNeverRun(Diagnostic):
 
 @record
 class RunTwiceAtOnce(Diagnostic):
-    """E0608."""
+    """An instance runs in two parallel parts.
+
+    An instance is one process with one state. It may run again later, in a loop or further on in a sequence, but not a second time
+    while it is still running; nor may it be reset then.
+
+    Refused::
+
+        process Sender {
+          out output : int
+          composition { output ! 1 }
+        }
+
+        process Main {
+          communication {
+            sender : Sender
+            sender.output -> _
+          }
+          composition { sender || sender }
+        }
+
+    Mended::
+
+        process Sender {
+          out output : int
+          composition { output ! 1 }
+        }
+
+        process Main {
+          communication {
+            sender : Sender
+            other  : Sender
+            sender.output -> _
+            other.output  -> _
+          }
+          composition { sender || other }
+        }
+    """
 
     code = "E0608"
     title = "instance that runs twice at the same time"
@@ -144,7 +325,36 @@ class RunTwiceAtOnce(Diagnostic):
 
 @record
 class ReadBeforeWrite(Diagnostic):
-    """E0609."""
+    """A value is read before anything has written it.
+
+    A variable without an initial value, and a channel between parts in sequence, have no value until they are written for the first
+    time. On every way to the reader there must be a writer: through `;` and `||`, in every branch of an alternative and of `if`, and
+    before a `while`, which may run no time at all. Of a part that can be abandoned (`interrupt`, `catch`) it is assumed that it ended.
+
+    Refused::
+
+        process Main {
+          in  ready  : bool
+          out output : int
+          communication {
+            var is_ready : bool
+            var value : int
+          }
+          composition { ready ? is_ready ; (if is_ready then value := 1) ; output ! value }
+        }
+
+    Mended::
+
+        process Main {
+          in  ready  : bool
+          out output : int
+          communication {
+            var is_ready : bool
+            var value : int
+          }
+          composition { ready ? is_ready ; (if is_ready then value := 1 else value := 2) ; output ! value }
+        }
+    """
 
     code = "E0609"
     title = "value read before it was written"
@@ -180,7 +390,48 @@ class ReadBeforeWrite(Diagnostic):
 
 @record
 class GuardNotRead(Diagnostic):
-    """E0610."""
+    """A process behind a ready guard begins with something else than the guard promises.
+
+    `port -> P` is chosen when the port is ready, because `P` begins by reading it. If `P` first waits for something else, the choice was
+    made for the wrong reason, and `P` may be stuck while other guards become ready. The published code of JIWY guarded its control law by
+    `feedback`, but read other ports first.
+
+    On every way through `P` the port is read before anything that may wait. A submodel reads all its inputs at once; beside the
+    port of the guard they may be values that are always there (`var` channels, defaults) and sampled inputs of the same
+    period that this process reads only together with that port: they are ready at the same instant.
+
+    Refused::
+
+        process Main {
+          in  feedback : int @ 1 ms
+          in  button   : int
+          out control  : int @ 1 ms
+          communication {
+            var angle  : int = 0
+            var status : int = 0
+          }
+          composition { mu (feedback -> (button ? status ; feedback ? angle ; control ! angle)) until status == 2 }
+        }
+
+    Mended::
+
+        process Main {
+          in  feedback : int @ 1 ms
+          in  button   : int
+          out control  : int @ 1 ms
+          communication {
+            var angle  : int = 0
+            var status : int = 0
+          }
+          composition {
+            mu (
+              button ? status -> skip
+              []>
+              feedback -> (feedback ? angle ; control ! angle)
+            ) until status == 2
+          }
+        }
+    """
 
     code = "E0610"
     title = "guarded process that begins with something else"
@@ -204,7 +455,27 @@ class GuardNotRead(Diagnostic):
 
 @record
 class Unreachable(Diagnostic):
-    """W0611."""
+    """A part of the composition is never reached.
+
+    What follows `stop`, `raise`, an endless `mu` or an instance that never ends is never run. It does no harm, but was surely
+    meant to happen.
+
+    Refused::
+
+        process Main {
+          out count : int @ 1 ms
+          communication { var n : int = 0 }
+          composition { mu (wait 1 ms ; n := n + 1) ; count ! n }
+        }
+
+    Mended::
+
+        process Main {
+          out count : int @ 1 ms
+          communication { var n : int = 0 }
+          composition { mu (wait 1 ms ; n := n + 1) until n == 10 ; count ! n }
+        }
+    """
 
     code = "W0611"
     title = "part that is never reached"
@@ -227,7 +498,25 @@ class Unreachable(Diagnostic):
 
 @record
 class EndlessLoop(Diagnostic):
-    """E0612."""
+    """A loop never waits, and never ends.
+
+    One process runs until it must wait. A loop that never waits for a communication or for time, and whose condition nothing in it
+    changes, keeps all others from running: time stands still.
+
+    Refused::
+
+        process Main {
+          out light : bool @ 10 ms
+          composition { mu light ! true }
+        }
+
+    Mended::
+
+        process Main {
+          out light : bool @ 10 ms
+          composition { mu (light ! true ; wait 10 ms) }
+        }
+    """
 
     code = "E0612"
     title = "loop in which no time passes"
@@ -247,7 +536,39 @@ class EndlessLoop(Diagnostic):
 
 @record
 class BranchNeverChosen(Diagnostic):
-    """W0613."""
+    """A branch of an alternative can never be chosen.
+
+    A prioritized alternative takes the first guard that is ready. Behind one that is always ready (`skip`, an output of the
+    outermost process, a value that is always there) no other gets a turn. Nor is a branch ever chosen whose condition is `false`.
+
+    Refused::
+
+        process Main {
+          in button : int
+          communication { var pressed : int = 0 }
+          composition {
+            mu (
+              skip -> wait 1 ms
+              []>
+              button ? pressed -> skip
+            ) until pressed == 1
+          }
+        }
+
+    Mended::
+
+        process Main {
+          in button : int
+          communication { var pressed : int = 0 }
+          composition {
+            mu (
+              button ? pressed -> skip
+              []>
+              skip -> wait 1 ms
+            ) until pressed == 1
+          }
+        }
+    """
 
     code = "W0613"
     title = "branch that is never chosen"
@@ -274,7 +595,33 @@ class BranchNeverChosen(Diagnostic):
 
 @record
 class SamePortTwice(Diagnostic):
-    """E0614."""
+    """Two branches of an alternative are guarded by the same port.
+
+    When the port is ready, both branches could be chosen, and nothing says which. What is to be done depends on the value: read it in one
+    branch and decide there, or let conditions with `when` exclude each other.
+
+    Refused::
+
+        process Main {
+          in  command : int
+          out output  : int
+          communication { var value : int = 0 }
+          composition {
+            command ? value -> output ! 1
+            []
+            command ? value -> output ! 2
+          }
+        }
+
+    Mended::
+
+        process Main {
+          in  command : int
+          out output  : int
+          communication { var value : int = 0 }
+          composition { command ? value -> (if value > 0 then output ! 1 else output ! 2) }
+        }
+    """
 
     code = "E0614"
     title = "one port in two branches"

@@ -16,7 +16,26 @@ def duration(nanoseconds: int) -> str:
 
 @record
 class PeriodNotPositive(Diagnostic):
-    """E0701."""
+    """A sample period is zero or negative.
+
+    Sampled ports communicate at the instants k·T, k = 1, 2, … There are such instants only for a period longer than zero.
+
+    Refused::
+
+        process Main {
+          in angle : int @ 0 ms
+          communication { var last : int = 0 }
+          composition { mu angle ? last }
+        }
+
+    Mended::
+
+        process Main {
+          in angle : int @ 1 ms
+          communication { var last : int = 0 }
+          composition { mu angle ? last }
+        }
+    """
 
     code = "E0701"
     title = "sample period that is not positive"
@@ -30,7 +49,45 @@ class PeriodNotPositive(Diagnostic):
 
 @record
 class PeriodsDisagree(Diagnostic):
-    """E0702."""
+    """Ports with different sample periods are connected to each other.
+
+    A net has one period: its values come at the instants of one clock. A port inside that says another period would wait for samples
+    that do not come, or miss those that do.
+
+    Refused::
+
+        process Reader(T: time) {
+          in angle : int @ T
+          communication { var last : int = 0 }
+          composition { mu angle ? last }
+        }
+
+        process Main {
+          in angle : int @ 1 ms
+          communication {
+            reader : Reader(T = 2 ms)
+            angle -> reader.angle
+          }
+          composition { reader }
+        }
+
+    Mended::
+
+        process Reader(T: time) {
+          in angle : int @ T
+          communication { var last : int = 0 }
+          composition { mu angle ? last }
+        }
+
+        process Main {
+          in angle : int @ 1 ms
+          communication {
+            reader : Reader(T = 1 ms)
+            angle -> reader.angle
+          }
+          composition { reader }
+        }
+    """
 
     code = "E0702"
     title = "two sample periods on one net"
@@ -59,7 +116,45 @@ class PeriodsDisagree(Diagnostic):
 
 @record
 class SampledInsideOnly(Diagnostic):
-    """E0703."""
+    """An event port of the outermost process is sampled further in.
+
+    On the outermost process a port without `@` is an event port: it is ready when the environment offers something new. A process inside
+    that expects a sample at every period would miss its deadlines.
+
+    Refused::
+
+        process Reader(T: time) {
+          in angle : int @ T
+          communication { var last : int = 0 }
+          composition { mu angle ? last }
+        }
+
+        process Main {
+          in angle : int
+          communication {
+            reader : Reader(T = 1 ms)
+            angle -> reader.angle
+          }
+          composition { reader }
+        }
+
+    Mended::
+
+        process Reader(T: time) {
+          in angle : int @ T
+          communication { var last : int = 0 }
+          composition { mu angle ? last }
+        }
+
+        process Main {
+          in angle : int @ 1 ms
+          communication {
+            reader : Reader(T = 1 ms)
+            angle -> reader.angle
+          }
+          composition { reader }
+        }
+    """
 
     code = "E0703"
     title = "event port used as a sampled one"
@@ -86,7 +181,53 @@ class SampledInsideOnly(Diagnostic):
 
 @record
 class SampleUnknown(Diagnostic):
-    """E0704."""
+    """A control law needs its sample period, and nothing tells it.
+
+    A submodel runs at the period of the nets that it is connected to: those with a port that says `@ T`, or else that of the submodel with
+    which it exchanges values. A law with derivatives, or with `sample` in its equations, means nothing without a period.
+
+    Refused::
+
+        submodel Filter {
+          in  input  : double
+          out output : double
+          state last : double = 0
+          output    = last
+          next last = input + sample / 1 s * last
+        }
+
+        process Main {
+          in  raw    : double
+          out smooth : double
+          communication {
+            filter : Filter
+            raw           -> filter.input
+            filter.output -> smooth
+          }
+          composition { mu filter }
+        }
+
+    Mended::
+
+        submodel Filter {
+          in  input  : double
+          out output : double
+          state last : double = 0
+          output    = last
+          next last = input + sample / 1 s * last
+        }
+
+        process Main {
+          in  raw    : double @ 1 ms
+          out smooth : double @ 1 ms
+          communication {
+            filter : Filter
+            raw           -> filter.input
+            filter.output -> smooth
+          }
+          composition { mu filter }
+        }
+    """
 
     code = "E0704"
     title = "sample period that cannot be inferred"
@@ -109,7 +250,61 @@ class SampleUnknown(Diagnostic):
 
 @record
 class SamplesDisagree(Diagnostic):
-    """E0705."""
+    """A control law is connected to nets of two sample periods.
+
+    One run of a submodel reads all its inputs and writes all its outputs once, so that it has one period. At the faster of
+    two it would wait for the slower input, and miss samples. A process at the boundary of two rates reads the slow value into a variable
+    when it comes, and runs the law with what it has.
+
+    Refused::
+
+        submodel Difference {
+          in  wanted, actual : double
+          out error : double
+          error = wanted - actual
+        }
+
+        process Main {
+          in  wanted : double @ 10 ms
+          in  actual : double @ 1 ms
+          out error  : double @ 1 ms
+          communication {
+            law : Difference
+            wanted    -> law.wanted
+            actual    -> law.actual
+            law.error -> error
+          }
+          composition { mu law }
+        }
+
+    Mended::
+
+        submodel Difference {
+          in  wanted, actual : double
+          out error : double
+          error = wanted - actual
+        }
+
+        process Main {
+          in  wanted : double @ 10 ms
+          in  actual : double @ 1 ms
+          out error  : double @ 1 ms
+          communication {
+            law : Difference
+            var target : double = 0
+            target    -> law.wanted
+            actual    -> law.actual
+            law.error -> error
+          }
+          composition {
+            mu (
+              wanted ? target -> skip
+              []>
+              actual -> law
+            )
+          }
+        }
+    """
 
     code = "E0705"
     title = "control law between two sample periods"

@@ -19,7 +19,27 @@ def _both(one: Access, other: Access, verbs: tuple[str, str]) -> tuple[Label, ..
 
 @record
 class Race(Diagnostic):
-    """E0520."""
+    """A variable is written in one parallel part and used in another.
+
+    A variable keeps its last value and makes nobody wait. Between parallel parts it would depend on the scheduler which value is
+    seen: a race. Parallel parts exchange values over channels, where the reader waits for the writer.
+
+    Refused::
+
+        process Main {
+          out output : int
+          communication { var value : int = 0 }
+          composition { value := 1 || output ! value }
+        }
+
+    Mended::
+
+        process Main {
+          out output : int
+          communication { var value : int = 0 }
+          composition { value := 1 ; output ! value }
+        }
+    """
 
     code = "E0520"
     title = "race on a variable"
@@ -48,7 +68,58 @@ class Race(Diagnostic):
 
 @record
 class ParallelWriters(Diagnostic):
-    """E0521."""
+    """A channel has several writers in parallel.
+
+    A rendezvous is between one writer and one reader. Where several writers are active at the same time, the order in which their
+    values come is left open, and the diagram has to say that this is meant: `any`. Writers that run one after
+    the other, or in different branches of an alternative, need nothing.
+
+    Refused::
+
+        process Sender {
+          out output : int
+          composition { mu output ! 1 }
+        }
+
+        process Receiver {
+          in input : int
+          communication { var last : int = 0 }
+          composition { mu input ? last }
+        }
+
+        process Main {
+          communication {
+            one      : Sender
+            other    : Sender
+            receiver : Receiver
+            one.output, other.output -> receiver.input
+          }
+          composition { one || other || receiver }
+        }
+
+    Mended::
+
+        process Sender {
+          out output : int
+          composition { mu output ! 1 }
+        }
+
+        process Receiver {
+          in input : int
+          communication { var last : int = 0 }
+          composition { mu input ? last }
+        }
+
+        process Main {
+          communication {
+            one      : Sender
+            other    : Sender
+            receiver : Receiver
+            one.output, other.output -> any -> receiver.input
+          }
+          composition { one || other || receiver }
+        }
+    """
 
     code = "E0521"
     title = "several writers in parallel"
@@ -78,7 +149,57 @@ class ParallelWriters(Diagnostic):
 
 @record
 class ParallelReaders(Diagnostic):
-    """E0522."""
+    """A channel has several readers in parallel.
+
+    With several readers at the same time there are two meanings, and the diagram has to say which: `broadcast` gives every value
+    to every reader, `any` gives each value to one of them.
+
+    Refused::
+
+        process Sender {
+          out output : int
+          composition { mu output ! 1 }
+        }
+
+        process Receiver {
+          in input : int
+          communication { var last : int = 0 }
+          composition { mu input ? last }
+        }
+
+        process Main {
+          communication {
+            sender : Sender
+            one    : Receiver
+            other  : Receiver
+            sender.output -> one.input, other.input
+          }
+          composition { sender || one || other }
+        }
+
+    Mended::
+
+        process Sender {
+          out output : int
+          composition { mu output ! 1 }
+        }
+
+        process Receiver {
+          in input : int
+          communication { var last : int = 0 }
+          composition { mu input ? last }
+        }
+
+        process Main {
+          communication {
+            sender : Sender
+            one    : Receiver
+            other  : Receiver
+            sender.output -> broadcast -> one.input, other.input
+          }
+          composition { sender || one || other }
+        }
+    """
 
     code = "E0522"
     title = "several readers in parallel"
@@ -104,7 +225,48 @@ class ParallelReaders(Diagnostic):
 
 @record
 class EventReadInParallel(Diagnostic):
-    """E0523."""
+    """An event from outside is read by several processes in parallel.
+
+    An event is taken by whoever reads it first. In the published code of JIWY both joints waited for the stop button in this way: one
+    joint could take the press, and the other one never stopped. Say `broadcast` if every reader must get every event, `any` if
+    one of them is enough. A sampled input needs nothing of the kind: each reader gets each sample.
+
+    Refused::
+
+        process Receiver {
+          in input : int
+          communication { var last : int = 0 }
+          composition { mu input ? last }
+        }
+
+        process Main {
+          in button : int
+          communication {
+            horizontal : Receiver
+            vertical   : Receiver
+            button -> horizontal.input, vertical.input
+          }
+          composition { horizontal || vertical }
+        }
+
+    Mended::
+
+        process Receiver {
+          in input : int
+          communication { var last : int = 0 }
+          composition { mu input ? last }
+        }
+
+        process Main {
+          in button : int
+          communication {
+            horizontal : Receiver
+            vertical   : Receiver
+            button -> broadcast -> horizontal.input, vertical.input
+          }
+          composition { horizontal || vertical }
+        }
+    """
 
     code = "E0523"
     title = "event read by several in parallel"
@@ -132,7 +294,60 @@ class EventReadInParallel(Diagnostic):
 
 @record
 class MixedRelation(Diagnostic):
-    """E0524."""
+    """A channel connects some parts that run in parallel and some that run in sequence.
+
+    Between parallel parts a value passes when both are there; between parts in sequence it has to be kept until the later one
+    comes. One channel cannot do both: the rendezvous would block the part that has no partner, the variable would lose the
+    values of the other pair.
+
+    Refused::
+
+        process Sender {
+          out output : int
+          composition { output ! 1 }
+        }
+
+        process Receiver {
+          in input : int
+          communication { var last : int = 0 }
+          composition { input ? last }
+        }
+
+        process Main {
+          communication {
+            sender : Sender
+            now    : Receiver
+            later  : Receiver
+            sender.output -> now.input, later.input
+          }
+          composition { (sender || now) ; later }
+        }
+
+    Mended::
+
+        process Sender {
+          out output : int
+          composition { output ! 1 }
+        }
+
+        process Receiver {
+          in input : int
+          communication { var last : int = 0 }
+          composition { input ? last }
+        }
+
+        process Main {
+          communication {
+            sender : Sender
+            again  : Sender
+            now    : Receiver
+            later  : Receiver
+            sender.output -> now.input
+            again.output  -> later.input
+          }
+          composition { (sender || now) ; again ; later }
+        }
+    """
 
     code = "E0524"
     title = "users of a channel both in sequence and in parallel"
@@ -167,7 +382,75 @@ class MixedRelation(Diagnostic):
 
 @record
 class KindsDisagree(Diagnostic):
-    """E0525."""
+    """One channel is said to be of two kinds.
+
+    A relationship of a process and a relationship inside one of its instances can both say the kind of the channel behind a port. It is one channel, and
+    it has one kind.
+
+    Refused::
+
+        process Sender {
+          out output : int
+          composition { mu output ! 1 }
+        }
+
+        process Receiver {
+          in input : int
+          communication { var last : int = 0 }
+          composition { mu input ? last }
+        }
+
+        process Pair {
+          in input : int
+          communication {
+            one   : Receiver
+            other : Receiver
+            input -> broadcast -> one.input, other.input
+          }
+          composition { one || other }
+        }
+
+        process Main {
+          communication {
+            sender : Sender
+            pair   : Pair
+            sender.output -> any -> pair.input
+          }
+          composition { sender || pair }
+        }
+
+    Mended::
+
+        process Sender {
+          out output : int
+          composition { mu output ! 1 }
+        }
+
+        process Receiver {
+          in input : int
+          communication { var last : int = 0 }
+          composition { mu input ? last }
+        }
+
+        process Pair {
+          in input : int
+          communication {
+            one   : Receiver
+            other : Receiver
+            input -> broadcast -> one.input, other.input
+          }
+          composition { one || other }
+        }
+
+        process Main {
+          communication {
+            sender : Sender
+            pair   : Pair
+            sender.output -> pair.input
+          }
+          composition { sender || pair }
+        }
+    """
 
     code = "E0525"
     title = "two kinds for one channel"
@@ -191,7 +474,56 @@ class KindsDisagree(Diagnostic):
 
 @record
 class RendezvousInSequence(Diagnostic):
-    """E0526."""
+    """A channel that makes its users wait for each other is asked for between parts in sequence.
+
+    With `sync`, `broadcast` and `any` the writer goes on only when a reader has taken the value. If the reader comes after the writer
+    in a sequence, the writer waits for somebody who never comes: a certain deadlock. Left alone, the channel becomes one that
+    keeps the value.
+
+    Refused::
+
+        process Sender {
+          out output : int
+          composition { output ! 1 }
+        }
+
+        process Receiver {
+          in input : int
+          communication { var last : int = 0 }
+          composition { input ? last }
+        }
+
+        process Main {
+          communication {
+            sender   : Sender
+            receiver : Receiver
+            sender.output -> sync -> receiver.input
+          }
+          composition { sender ; receiver }
+        }
+
+    Mended::
+
+        process Sender {
+          out output : int
+          composition { output ! 1 }
+        }
+
+        process Receiver {
+          in input : int
+          communication { var last : int = 0 }
+          composition { input ? last }
+        }
+
+        process Main {
+          communication {
+            sender   : Sender
+            receiver : Receiver
+            sender.output -> receiver.input
+          }
+          composition { sender ; receiver }
+        }
+    """
 
     code = "E0526"
     title = "channel that waits, between parts in sequence"
@@ -222,7 +554,57 @@ class RendezvousInSequence(Diagnostic):
 
 @record
 class BroadcastInSequence(Diagnostic):
-    """E0527."""
+    """A broadcast has readers that run in sequence.
+
+    The writer of a broadcast goes on when every reader has taken the value. A reader that has not begun yet, or has ended, never takes
+    it.
+
+    Refused::
+
+        process Sender {
+          out output : int
+          composition { mu output ! 1 }
+        }
+
+        process Receiver {
+          in input : int
+          communication { var last : int = 0 }
+          composition { input ? last }
+        }
+
+        process Main {
+          communication {
+            sender : Sender
+            one    : Receiver
+            other  : Receiver
+            sender.output -> broadcast -> one.input, other.input
+          }
+          composition { sender || (one ; other) }
+        }
+
+    Mended::
+
+        process Sender {
+          out output : int
+          composition { mu output ! 1 }
+        }
+
+        process Receiver {
+          in input : int
+          communication { var last : int = 0 }
+          composition { input ? last }
+        }
+
+        process Main {
+          communication {
+            sender : Sender
+            one    : Receiver
+            other  : Receiver
+            sender.output -> one.input, other.input
+          }
+          composition { sender || (one ; other) }
+        }
+    """
 
     code = "E0527"
     title = "broadcast to readers in sequence"
@@ -249,7 +631,48 @@ class BroadcastInSequence(Diagnostic):
 
 @record
 class KindContradicts(Diagnostic):
-    """E0528."""
+    """A port of the outermost process is given a kind that it cannot have.
+
+    The environment never waits for the program. A sampled input gives each sample to every reader; an event input keeps the latest
+    event; an output takes every value at once. So a sampled input has no kind, an event input may be `broadcast` or
+    `any`, an output `any`, and none of them a rendezvous or a buffer.
+
+    Refused::
+
+        process Receiver {
+          in input : int
+          communication { var last : int = 0 }
+          composition { mu input ? last }
+        }
+
+        process Main {
+          in angle : int @ 1 ms
+          communication {
+            one   : Receiver
+            other : Receiver
+            angle -> any -> one.input, other.input
+          }
+          composition { one || other }
+        }
+
+    Mended::
+
+        process Receiver {
+          in input : int
+          communication { var last : int = 0 }
+          composition { mu input ? last }
+        }
+
+        process Main {
+          in angle : int @ 1 ms
+          communication {
+            one   : Receiver
+            other : Receiver
+            angle -> one.input, other.input
+          }
+          composition { one || other }
+        }
+    """
 
     code = "E0528"
     title = "kind that a port of the outermost process cannot have"
@@ -283,7 +706,28 @@ class KindContradicts(Diagnostic):
 
 @record
 class ChannelOneSided(Diagnostic):
-    """E0529."""
+    """A channel is only written, or only read.
+
+    A value passes when a writer and a reader meet. With one side only, whoever uses the channel waits for ever. The published code of
+    JIWY declared two channels twice and their partners never.
+
+    Refused::
+
+        process Main {
+          communication { channel values : int }
+          composition { values ! 1 || skip }
+        }
+
+    Mended::
+
+        process Main {
+          communication {
+            channel values : int
+            var last : int = 0
+          }
+          composition { values ! 1 || values ? last }
+        }
+    """
 
     code = "E0529"
     title = "channel with one side only"
@@ -308,7 +752,55 @@ class ChannelOneSided(Diagnostic):
 
 @record
 class ChannelReadAsVariable(Diagnostic):
-    """E0530."""
+    """A condition looks at a channel that keeps no value.
+
+    Only a channel between parts in sequence keeps its last value, so that it can be looked at by its label. Between parallel parts a
+    value is gone when it has passed; there it is read, once, with `?`.
+
+    Refused::
+
+        process Sender {
+          out output : int
+          composition { mu output ! 1 }
+        }
+
+        process Receiver {
+          in input : int
+          communication { var last : int = 0 }
+          composition { mu input ? last }
+        }
+
+        process Main {
+          communication {
+            sender   : Sender
+            receiver : Receiver
+            sender.output -> level : int -> receiver.input
+          }
+          composition { mu (sender || receiver) until level > 3 }
+        }
+
+    Mended::
+
+        process Sender {
+          out output : int
+          composition { output ! 1 }
+        }
+
+        process Receiver {
+          in input : int
+          communication { var last : int = 0 }
+          composition { input ? last }
+        }
+
+        process Main {
+          communication {
+            sender   : Sender
+            receiver : Receiver
+            sender.output -> level : int -> receiver.input
+          }
+          composition { mu (sender ; wait 1 ms ; receiver) until level > 3 }
+        }
+    """
 
     code = "E0530"
     title = "value of a channel that keeps none"
@@ -332,7 +824,36 @@ class ChannelReadAsVariable(Diagnostic):
 
 @record
 class LabelOfPortRead(Diagnostic):
-    """E0531."""
+    """A condition looks at the label of a relationship at a port of the process.
+
+    Such a label names the arrow in the diagram; the communication object behind it belongs to somebody outside and is not a variable
+    of this process. Its values are had by reading the port.
+
+    Refused::
+
+        process Receiver {
+          in input : int
+          communication { var last : int = 0 }
+          composition { mu input ? last }
+        }
+
+        process Main {
+          in button : int
+          communication {
+            receiver : Receiver
+            button -> pressed : int -> receiver.input
+          }
+          composition { mu receiver until pressed == 1 }
+        }
+
+    Mended::
+
+        process Main {
+          in button : int
+          communication { var pressed : int = 0 }
+          composition { mu button ? pressed until pressed == 1 }
+        }
+    """
 
     code = "E0531"
     title = "value of a port"

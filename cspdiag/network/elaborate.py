@@ -22,8 +22,8 @@ from cspdiag.network.places import Places
 from cspdiag.network.shapes import InstanceShape, Overrides, PortShape, Shape, element_name
 from cspdiag.syntax import ast
 
-LIMIT = 1_000_000
-"""More instances, or more elements of anything, are refused."""
+LARGEST_PROCESS = 100_000
+"""More elements of anything in one process are refused."""
 
 Values = Mapping[ast.Node, Value]
 
@@ -42,7 +42,9 @@ class Elaboration:
 
     def root(self, definition: ast.ProcessDefinition, values: Mapping[str, Value], overrides: Overrides) -> Shape:
         """The shape of an outermost process with the given values of parameters, and those of everything inside."""
-        parameters: dict[ast.Node, Value] = {p: values[p.name.text] for p in definition.parameters if p.name.text in values}
+        parameters: dict[ast.Node, Value] = {
+            p: values[p.name.text] for p in definition.parameters if p.name.text in values
+        }
         shape = self.shape(definition, parameters, overrides)
         while self._pending:
             self._fill(self._pending.pop())
@@ -51,7 +53,9 @@ class Elaboration:
     def shape(self, definition: Instantiable, parameters: Values, overrides: Overrides) -> Shape:
         """The shape for these values of the structural parameters; only its ports are there at once."""
         structural = self.definitions.structural(definition)
-        own: dict[ast.Node, Value] = {p: parameters[p] for p in definition.parameters if p.name.text in structural and p in parameters}
+        own: dict[ast.Node, Value] = {
+            p: parameters[p] for p in definition.parameters if p.name.text in structural and p in parameters
+        }
         key = (definition, tuple(own.items()), tuple(sorted(overrides.items())))
         known = self._known.get(key)
         if known is None:
@@ -75,17 +79,25 @@ class Elaboration:
         return value if isinstance(value, int) and not isinstance(value, bool) else None
 
     def size(self, expression: ast.Expression, what: str, values: Values, *, zero: bool = False) -> int | None:
-        """Like ``integer`` for a number of elements, which is positive and not absurd."""
+        """Like ``integer`` for a number of elements, which is positive and, times those of all ``for`` around it, not absurd."""
         size = self.integer(expression, values)
         if size is None:
             return None
         if size < 0 or (size == 0 and not zero):
             self.report.add(SizeNotPositive(span=expression.span, what=what, size=size))
             return None
-        if size > LIMIT:
-            self.report.add(TooManyInstances(span=expression.span, what=what, number=size, limit=LIMIT))
+        total = size
+        for outer in [key for key in values if isinstance(key, ast.Replicator)]:
+            total *= self.integer(outer.count, values) or 0
+        if total > LARGEST_PROCESS:
+            self.report.add(TooManyInstances(span=expression.span, what=what, number=total, limit=LARGEST_PROCESS))
             return None
         return size
+
+    def repeated(self, replicator: ast.Replicator, what: str, values: Values) -> list[dict[ast.Node, Value]] | None:
+        """The values inside each repetition; None where their number is unknown or was reported."""
+        count = self.size(replicator.count, what, values, zero=True)
+        return None if count is None else [{**values, replicator: index} for index in range(count)]
 
     def type_of(self, declared: ast.TypeName | None, known: Type, values: Values) -> Type:
         """A type with the sizes filled in that depend on parameters."""
@@ -177,15 +189,10 @@ class _Declarations:
             if isinstance(item, ast.Instance):
                 self._instance(item, tuple(_index(values, loop) for loop in loops), values)
             elif isinstance(item, ast.RepeatedDeclarations):
-                for inner in self._repeated(item.replicator, values):
+                repetitions = self.elaboration.repeated(item.replicator, "`for`", values)
+                self.shape.incomplete = self.shape.incomplete or repetitions is None
+                for inner in repetitions or ():
                     self.instances(item.declarations, (*loops, item.replicator), inner)
-
-    def _repeated(self, replicator: ast.Replicator, values: Values) -> Iterable[dict[ast.Node, Value]]:
-        count = self.elaboration.size(replicator.count, "`for`", values, zero=True)
-        if count is None:
-            self.shape.incomplete = True
-            return ()
-        return ({**values, replicator: index} for index in range(count))
 
     def _instance(self, item: ast.Instance, prefix: tuple[int, ...], values: Values) -> None:
         definition = self.elaboration.definitions.instantiated(item)
@@ -210,13 +217,6 @@ class _Declarations:
         self, item: ast.Instance, definition: Instantiable, name: str, indexes: tuple[int, ...], values: Values
     ) -> None:
         full = element_name(name, *indexes)
-        if len(self.shape.instances) >= LIMIT:
-            total = f"the process `{self.shape.name}`"
-            self.elaboration.report.add(
-                TooManyInstances(span=item.name.span, what=total, number=LIMIT + 1, limit=LIMIT)
-            )
-            self.shape.incomplete = True
-            return
         overrides = _below(self.shape.overrides, full)
         parameters = self._arguments(item, definition, values, overrides)
         self.shape.instances[full] = InstanceShape(

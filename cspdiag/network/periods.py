@@ -11,7 +11,7 @@ from typing import TypeAlias
 
 from cspdiag.diagnostics import Report, Span
 from cspdiag.diagnostics.record import record
-from cspdiag.network.diagnostics_periods import PeriodsDisagree, SamplesDisagree
+from cspdiag.network.diagnostics_periods import PeriodsDisagree, SampledInsideOnly, SamplesDisagree
 from cspdiag.network.shapes import InstanceShape, Key, Shape, attached_key, element_name
 
 
@@ -54,6 +54,14 @@ def net_rates(shape: Shape, inside: Mapping[Shape, Rates], report: Report) -> Ra
                     )
                 )
     return rates
+
+
+def check_event_ports(shape: Shape, rates: Rates, report: Report) -> None:
+    """A port of the outermost process without a period is an event port, also to those inside."""
+    for port, _, key in shape.port_elements():
+        if port.period is None and port.symbol.declaration.period is None and key in rates:
+            rate = rates[key]
+            report.add(SampledInsideOnly(span=port.span, port=key, period=rate.period, inner=rate.said))
 
 
 class Samples:

@@ -80,7 +80,7 @@ class Places:
     def instance(self, reference: ast.Reference, values: Values) -> InstanceShape | None:
         """The one instance that a reference names."""
         symbol = self.program.bindings.get(reference)
-        if not isinstance(symbol, ast.Instance) or symbol in self.program.poisoned:
+        if not isinstance(symbol, ast.Instance) or not self.program.poisoned.isdisjoint((symbol, reference)):
             return None
         found = self._elements(reference, symbol, values)
         if found is None:

@@ -286,10 +286,13 @@ class _Walk:
         _put(uses, target.channel, Uses(writer=Access(span, span, "")), False)
 
     def _values(self, expression: Expression) -> UsesByKey:
+        """Looking at the label of an arrow is no communication: it decides nothing about the kind of its channel."""
         uses: UsesByKey = {}
         for value in variables_read(expression):
             assert value.span is not None
-            _put(uses, value.channel, Uses(reader=Access(value.span, value.span, "")), False)
+            channel = self.shape.channels.get(value.channel)
+            if channel is None or channel.is_variable or channel.asked is not None:
+                _put(uses, value.channel, Uses(reader=Access(value.span, value.span, "")), False)
         return uses
 
 
