@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import itertools
+import re
 from dataclasses import dataclass
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+import cspdiag
 from cspdiag.simulate.result import Run
-from tests.models.programs import run
+from tests.models.programs import MODELS, run
 
 REACH = 1.25
 """Angle in rad that the full stick is worth."""
@@ -188,3 +191,33 @@ def test_alignment_without_an_end_stop_releases_both_motors_and_fails() -> None:
     assert type(result.outcome.error).__name__ == "ModeFailed"
     assert result["control_horizontal"][-1] == 0
     assert result["control_vertical"][-1] == 0
+
+
+def test_a_missed_sample_leaves_with_zero_volts(tmp_path: Path) -> None:
+    for file in (MODELS / "jiwy").glob("*.csp"):
+        text = file.read_text(encoding="utf-8")
+        (tmp_path / file.name).write_text(
+            text.replace("[]> feedback -> servo)", "[]> feedback -> (servo ; wait 5 ms))"), encoding="utf-8"
+        )
+    result = cspdiag.load(tmp_path / "jiwy.csp").run(until="20 s")
+    began, ended = span_of(result, PAN, "motionControl")
+    assert ended - began < 0.02
+    assert result.outcome.ended == "failed"
+    assert type(result.outcome.error).__name__ == "ModeFailed"
+    assert result["control_horizontal"][-1] == 0
+    assert result["control_vertical"][-1] == 0
+
+
+def test_description_shows_the_program_and_its_code_as_they_are() -> None:
+    description = (MODELS / "jiwy" / "README.md").read_text(encoding="utf-8")
+    program = (MODELS / "jiwy" / "jiwy.csp").read_text(encoding="utf-8")
+    code = cspdiag.load(MODELS / "jiwy" / "jiwy.csp").compile()["jiwy/motion_control.py"]
+    (composition,) = re.findall(r"^```csp\n(.*?)^```$", description, re.MULTILINE | re.DOTALL)
+    (excerpt,) = re.findall(r"^```python\n(.*?)^```$", description, re.MULTILINE | re.DOTALL)
+    assert composition in program.replace("\n  ", "\n")
+    assert without_places(excerpt) in without_places(code)
+
+
+def without_places(code: str) -> str:
+    """Generated code without its comments, which name lines of the program."""
+    return re.sub(r"  # .*", "", code)
