@@ -144,15 +144,15 @@ class KeywordAsName(Diagnostic):
     Refused::
 
         process Main {
-          out state : int
-          composition { skip }
+          communication { var state : int = 0 }
+          composition { state := 1 }
         }
 
     Mended::
 
         process Main {
-          out state_ : int
-          composition { skip }
+          communication { var state_ : int = 0 }
+          composition { state_ := 1 }
         }
     """
 

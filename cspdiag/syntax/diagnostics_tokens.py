@@ -66,16 +66,14 @@ class UnterminatedString(Diagnostic):
 
     Refused::
 
-        import "laws.csp
-
-        process Main {
-          composition { skip }
+        driver Encoder python "encoder.py:Encoder {
+          out angle : double<rad>
         }
 
     Mended::
 
-        process Main {
-          composition { skip }
+        driver Encoder python "encoder.py:Encoder" {
+          out angle : double<rad>
         }
     """
 

@@ -55,7 +55,7 @@ class Scanner:
         )
         alternatives = [f"(?P<NAME>{name})", f"(?P<COMMENT>{comment})"]
         alternatives += [f"(?P<{terminal}>{pattern})" for terminal, pattern in patterns.items()]
-        alternatives += [r'(?P<OPEN_STRING>"[^"\n]*)', r"(?P<OPEN_COMMENT>/\*[\s\S]*)"]
+        alternatives += [r'(?P<OPEN_STRING>"[^"\n]*?(?=[ \t]*\{?[ \t\r]*(?:\n|\Z)))', r"(?P<OPEN_COMMENT>/\*[\s\S]*)"]
         alternatives.append(f"(?P<LOOKALIKE>{'|'.join(_LOOKALIKES)})")
         alternatives.append("(?P<PUNCTUATION>" + "|".join(map(re.escape, punctuation)) + ")")
         alternatives.append(r"(?P<UNKNOWN>[^ \t\r\n\f])")

@@ -115,7 +115,7 @@ class Parser:
             value: Any = _grown(children, kept)
         else:
             span = Span(self.source, start, max(start, self._taken_to))
-            if build in {"parenthesized", "group"} and children[1].parenthesized:
+            if build in {"parenthesized", "group"} and (depth == 0 or children[1].parenthesized):
                 depth += 1
             value = builder(span, *_arguments(children, kept))
         self.values.append(value)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from cspdiag.syntax.automaton import Automaton
 from cspdiag.syntax.lexer import Lexer
 from cspdiag.syntax.tables import END
@@ -75,11 +77,22 @@ def _begins_declaration(lexer: Lexer) -> bool:
     return lexer.kind == "NAME" and lexer.first_on_line() and lexer.next_character() in _AFTER_FIRST_NAME
 
 
+def _open(automaton: Automaton, states: list[int]) -> Iterator[tuple[int, int, str]]:
+    """Heights of the stack, innermost first, with their states and symbols; blocks that are closed are left out."""
+    closed = 0
+    for height in range(len(states), 0, -1):
+        symbol = automaton.tables.symbols[states[height - 1]]
+        if not closed:
+            yield height, states[height - 1], symbol
+        if symbol == "RBRACE":
+            closed += 1
+        elif symbol == "LBRACE" and closed:
+            closed -= 1
+
+
 def _restart(automaton: Automaton, states: list[int], terminal: str) -> int | None:
     """How many states to keep so that ``terminal`` begins something; None if it cannot."""
-    for height in range(len(states), 0, -1):
-        state = states[height - 1]
-        symbol = automaton.tables.symbols[state]
+    for height, state, symbol in _open(automaton, states):
         if symbol == "COMPOSITION" or symbol == "ENUM":
             # A name begins no declaration inside of these; a keyword does, in the block around them.
             if terminal == "NAME":
@@ -95,9 +108,7 @@ def _restart(automaton: Automaton, states: list[int], terminal: str) -> int | No
 
 def _after_block(automaton: Automaton, states: list[int], lexer: Lexer) -> int | None:
     """What to keep when the innermost block ends here; a block that is no list is forgotten with its end."""
-    for height in range(len(states), 0, -1):
-        state = states[height - 1]
-        symbol = automaton.tables.symbols[state]
+    for height, state, symbol in _open(automaton, states):
         if symbol in {"COMPOSITION", "ENUM"}:
             lexer.advance({})
             return height - 1

@@ -51,14 +51,27 @@ class Generator:
             case 5:
                 return [self.name(), "[", *self.expression(inner), "]", ".", self.name()]
             case 6:
-                return flat("(", "if", self.expression(inner), "then", self.expression(inner), "else", self.expression(inner), ")")
+                return flat(
+                    "(",
+                    "if",
+                    self.expression(inner),
+                    "then",
+                    self.expression(inner),
+                    "else",
+                    self.expression(inner),
+                    ")",
+                )
             case 7:
                 return ["[", *self.separated(",", lambda: self.expression(inner)), "]"]
             case _:
                 return [self.name(), ".", self.name()]
 
     def operand(self, depth: int) -> list[str]:
-        return ["(", *self.expression(depth), ")"] if self.random.random() < 0.3 else [self.random.choice([self.name(), "2"])]
+        return (
+            ["(", *self.expression(depth), ")"]
+            if self.random.random() < 0.3
+            else [self.random.choice([self.name(), "2"])]
+        )
 
     def arguments(self, depth: int = 2) -> list[str]:
         if self.random.random() < 0.2:
@@ -216,7 +229,9 @@ class Generator:
             case 5:
                 return ["exception", self.name()]
             case 6:
-                claim = r.choice([["deadlock", "free"], ["terminates"], ["refines", "Q"], ["refines", "Q", "in", "failures"]])
+                claim = r.choice(
+                    [["deadlock", "free"], ["terminates"], ["refines", "Q"], ["refines", "Q", "in", "failures"]]
+                )
                 return ["assert", self.name(), *claim]
             case 7:
                 clauses = self.maybe("wcet", "5 us") + self.maybe("step", "1 ms") + self.maybe("method", "=", "tustin")
