@@ -46,8 +46,10 @@ def plot(run: Run, path: Path | None) -> Figure:
     with mpl.rc_context(_STYLE):  # type: ignore[arg-type]
         groups = _columns(run)
         rows = _rows(run, groups)
-        figure = Figure(figsize=(max(5.2, 4.6 * len(groups)), 1.1 + 1.75 * max(1, len(rows))), layout="constrained")
+        figure = Figure(figsize=(max(5.2, 4.6 * len(groups)), 1.1 + 1.75 * max(2, len(rows))), layout="constrained")
         axes = figure.subplots(max(1, len(rows)), len(groups), sharex=True, sharey="row", squeeze=False)
+        if not rows:
+            _activities(run, axes[0, 0])
         for column, group in enumerate(groups):
             for row, unit in enumerate(rows):
                 _panel(run, axes[row, column], group, unit, rows[unit], top=row == 0)
@@ -87,7 +89,8 @@ def _rows(run: Run, groups: Sequence[ModeGroup]) -> Mapping[str, set[str]]:
     rows: dict[str, set[str]] = {}
     for port in sorted(run.network.external_ports, key=lambda port: port.direction == "out"):
         signal = run.signals[port.name]
-        if port.name in used and port.period is not None and len(signal.time) and signal.value.dtype != object:
+        a_line = port.period is not None or isinstance(port.type, RealType)
+        if port.name in used and a_line and len(signal.time) and signal.value.dtype != object:
             rows.setdefault(_quantity(port.type), set()).add(port.name)
     return rows
 
@@ -122,20 +125,39 @@ def _panel(run: Run, axes: Axes, group: ModeGroup, unit: str, names: set[str], t
             axes.plot(signal.time, signal.value.astype(float), drawstyle="steps-post", label=name, color=next(color))
     for name, (times, values) in _variables(run, group, unit).items():
         axes.plot(times, values, drawstyle="steps-post", label=name, color=next(color), linewidth=0.9, zorder=1.5)
-    for name in group.ports:
-        signal = run.signals[name]
-        if isinstance(signal.type, IntType | BoolType | EnumType):
-            for time, value in zip(signal.time, signal.value, strict=True):
-                axes.axvline(time, color="#555555", linewidth=0.7, linestyle=(0, (3, 2)))
-                if top:
-                    axes.annotate(
-                        f"{name} = {readable(value, signal.type)}", (time, 1), xycoords=("data", "axes fraction"), xytext=(-2, -3),
-                        textcoords="offset points", rotation=90, va="top", ha="right", fontsize=6.5, color="#555555",
-                    )  # fmt: skip
+    for instant, label in _events(run, group):
+        axes.axvline(instant, color="#555555", linewidth=0.7, linestyle=(0, (3, 2)))
+        if top:
+            axes.annotate(
+                label, (instant, 1), xycoords=("data", "axes fraction"), xytext=(-2, -3),
+                textcoords="offset points", rotation=90, va="top", ha="right", fontsize=6.5, color="#555555",
+            )  # fmt: skip
     axes.set_xlim(0, max(run.outcome.time / 1e9, 1e-9))
     axes.grid(axis="y", linewidth=0.3, color="#bbbbbb")
     if axes.lines:
         axes.legend(loc="best")
+
+
+_MOST_EVENTS = 20
+"""More changes than this are a signal, not events to be marked."""
+
+
+def _events(run: Run, group: ModeGroup) -> list[tuple[float, str]]:
+    """Instants at which event ports of whole numbers, truth values or literals changed, with what they changed to."""
+    labels: dict[float, list[str]] = {}
+    for port in run.network.external_ports:
+        if port.name in group.ports and port.period is None and isinstance(port.type, IntType | BoolType | EnumType):
+            signal = run.signals[port.name]
+            changes = [
+                position
+                for position in range(len(signal.value))
+                if position == 0 or signal.value[position] != signal.value[position - 1]
+            ]
+            if len(changes) <= _MOST_EVENTS:
+                for position in changes:
+                    shown = readable(signal.value[position], port.type)
+                    labels.setdefault(float(signal.time[position]), []).append(f"{port.name} = {shown}")
+    return [(instant, ", ".join(texts)) for instant, texts in labels.items()]
 
 
 def _variables(run: Run, group: ModeGroup, quantity: str) -> dict[str, tuple[list[float], list[float]]]:
@@ -152,6 +174,28 @@ def _variables(run: Run, group: ModeGroup, quantity: str) -> dict[str, tuple[lis
             else:
                 line.append((run.outcome.time / 1e9, points[-1][1]))
     return {name: tuple(zip(*sorted(line, key=lambda point: point[0]), strict=True)) for name, line in found.items()}  # type: ignore[misc]
+
+
+_MOST_ACTIVITIES = 40
+"""A person does not read more bars than this; the first ones are shown."""
+
+
+def _activities(run: Run, axes: Axes) -> None:
+    """A bar for each process while it runs, for a program without signals."""
+    paths = list(dict.fromkeys(activity.path for activity in run.activities))[:_MOST_ACTIVITIES]
+    for activity in run.activities:
+        if activity.path in paths:
+            end = run.outcome.time if activity.end is None else activity.end
+            axes.barh(
+                paths.index(activity.path),
+                (end - activity.start) / 1e9,
+                left=activity.start / 1e9,
+                color=_MODE_COLORS[0],
+                edgecolor=_LINE_COLORS[0],
+                linewidth=0.6,
+            )
+    axes.set_yticks(range(len(paths)), paths, fontsize=6.5)
+    axes.invert_yaxis()
 
 
 def _name_modes(run: Run, axes: Axes, group: ModeGroup) -> None:

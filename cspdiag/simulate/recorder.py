@@ -35,8 +35,10 @@ class Recorder:
         self.communications: list[Communication] = []
         self.releases: list[tuple[int, str, object]] = []
         self.variables: dict[str, list[tuple[int, float]]] = {}
-        self.finished: list[Activity] = []
-        self.running: dict[str, Activity] = {}
+        self.activities: list[Activity] = []
+        """By start; those that still run have no end."""
+        self.running: dict[str, int] = {}
+        """Paths of what runs now, with their positions in ``activities``."""
         self._on_activity = on_activity
 
     def communication(self, time: int, channel: str, value: object, writer: str, reader: str) -> None:
@@ -53,15 +55,16 @@ class Recorder:
 
     def process_started(self, time: int, path: str, kind: str) -> None:
         """A process of class ``kind`` begins."""
-        self.running[path] = Activity(path, kind, time, None)
+        self.running[path] = len(self.activities)
+        self.activities.append(Activity(path, kind, time, None))
         if self._on_activity is not None:
             self._on_activity(time)
 
     def process_ended(self, time: int, path: str) -> None:
         """A process ended, successfully or not."""
-        activity = self.running.pop(path, None)
-        if activity is not None:
-            self.finished.append(activity._replace(end=time))
+        position = self.running.pop(path, None)
+        if position is not None:
+            self.activities[position] = self.activities[position]._replace(end=time)
 
     def group_started(self, time: int, path: str) -> None:
         """A named group begins."""
@@ -70,8 +73,3 @@ class Recorder:
     def group_ended(self, time: int, path: str) -> None:
         """A named group ended."""
         self.process_ended(time, path)
-
-    @property
-    def activities(self) -> list[Activity]:
-        """All activities by start, those that still run at the end of the run included."""
-        return sorted([*self.finished, *self.running.values()], key=lambda activity: activity.start)
