@@ -64,8 +64,8 @@ def plot(run: Run, path: Path | None) -> Figure:
 
 def _columns(run: Run) -> Sequence[ModeGroup]:
     """The parallel parts, if each has modes and ports of its own to show; else everything in one column."""
-    groups = mode_groups(run.network)
-    if groups and all(group.ports and len(group.modes) > 1 for group in groups):
+    groups = [group for group in mode_groups(run.network) if group.ports]
+    if groups and all(len(group.modes) > 1 for group in groups):
         return groups
     modes = groups[0].modes if len(groups) == 1 and len(groups[0].modes) > 1 else {}
     return [ModeGroup(run.network.top, modes, tuple(port.name for port in run.network.external_ports))]

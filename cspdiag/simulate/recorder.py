@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import NamedTuple
 
 
@@ -26,12 +25,9 @@ class Activity(NamedTuple):
 
 
 class Recorder:
-    """Observer of a run: communications, processes and groups, in the order in which they happen.
+    """Observer of a run: communications, processes and groups, in the order in which they happen."""
 
-    ``on_activity`` is told the time after every change of the running processes and groups.
-    """
-
-    def __init__(self, on_activity: Callable[[int], None] | None = None) -> None:
+    def __init__(self) -> None:
         self.communications: list[Communication] = []
         self.releases: list[tuple[int, str, object]] = []
         self.variables: dict[str, list[tuple[int, float]]] = {}
@@ -39,7 +35,6 @@ class Recorder:
         """By start; those that still run have no end."""
         self.running: dict[str, int] = {}
         """Paths of what runs now, with their positions in ``activities``."""
-        self._on_activity = on_activity
 
     def communication(self, time: int, channel: str, value: object, writer: str, reader: str) -> None:
         """A value passed through a channel or an external port."""
@@ -57,8 +52,6 @@ class Recorder:
         """A process of class ``kind`` begins."""
         self.running[path] = len(self.activities)
         self.activities.append(Activity(path, kind, time, None))
-        if self._on_activity is not None:
-            self._on_activity(time)
 
     def process_ended(self, time: int, path: str) -> None:
         """A process ended, successfully or not."""
