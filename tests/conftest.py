@@ -10,6 +10,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(
         "--update-cases", action="store_true", help="rewrite the expected blocks of the literate cases in tests/cases"
     )
+    parser.addoption("--update-golden", action="store_true", help="rewrite the generated packages in tests/golden")
 
 
 # The same examples on every run; HYPOTHESIS_PROFILE=explore looks for new ones.

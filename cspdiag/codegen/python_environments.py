@@ -74,7 +74,7 @@ class _EnvironmentWriter:
             self.names[name]
         for device in environment.drivers:
             self.names[device.name]
-        taken = {*(self.names[name] for name in self.types), "h", "half", "sixth", "steps", "time", "now"}
+        taken = {*(self.names[name] for name in self.types), *_MEMBERS}
         self.imports = Imports(names, taken=taken, dots="..")
         self.constants = constants_needed(self.system) if self.system is not None else []
 

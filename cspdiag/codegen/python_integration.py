@@ -72,14 +72,17 @@ class Integration:
         body = self._euler() if self.class_.method == "euler" else self._runge_kutta()
         fractions = () if self.class_.method == "euler" else (assign("half", _part(2)), assign("sixth", _part(6)))
         if steps is None:
-            return (*fractions, *body)
-        return (*fractions, Block(Line("for _ in ", Call("range", (Argument(steps),)), ":"), body))
+            clock = (assign("t", Atom("time")),) if self.timed else ()
+            return (*fractions, *clock, *body)
+        counter = "step" if self.timed else "_"
+        clock = (assign("t", Atom("time + step * h")),) if self.timed else ()
+        return (*fractions, Block(Line(f"for {counter} in ", Call("range", (Argument(steps),)), ":"), (*clock, *body)))
 
     def _euler(self) -> tuple[Statement, ...]:
         slopes = self._slopes("slope")
         moved = [Line(f"{state} += ", _times("h", slope)) for state, slope in zip(self.states, slopes, strict=True)]
-        statements: list[Statement] = [self._evaluated(slopes, [Atom(state) for state in self.states], Atom("time"))]
-        return (*statements, *moved, *self._clock())
+        statements: list[Statement] = [self._evaluated(slopes, [Atom(state) for state in self.states], Atom("t"))]
+        return (*statements, *moved)
 
     def _runge_kutta(self) -> tuple[Statement, ...]:
         states = self.states
@@ -90,16 +93,16 @@ class Integration:
             if fraction:
                 before = stages[stage - 1]
                 at = [_plus(state, fraction, slope) for state, slope in zip(states, before, strict=True)]
-                time = infix("+", SUM, Atom("time"), Atom(fraction))
+                time = infix("+", SUM, Atom("t"), Atom(fraction))
                 statements.append(self._evaluated(slopes, at, time))
             else:
-                statements.append(self._evaluated(slopes, [Atom(state) for state in states], Atom("time")))
+                statements.append(self._evaluated(slopes, [Atom(state) for state in states], Atom("t")))
         for position, state in enumerate(states):
             k1, k2, k3, k4 = (slopes[position] for slopes in stages)
             total = infix("+", SUM, Atom(k1), _times("2", k2))
             total = infix("+", SUM, infix("+", SUM, total, _times("2", k3)), Atom(k4))
             statements.append(Line(f"{state} += ", infix("*", PRODUCT, Atom("sixth"), total)))
-        return (*statements, *self._clock())
+        return tuple(statements)
 
     def _slopes(self, prefix: str) -> list[str]:
         if len(self.states) == 1:
@@ -112,9 +115,6 @@ class Integration:
         if len(slopes) == 1:
             return assign(slopes[0], evaluated)
         return Unpack(tuple(slopes), evaluated)
-
-    def _clock(self) -> tuple[Statement, ...]:
-        return (Line("time += ", Atom("h")),) if self.timed else ()
 
 
 def _part(count: int) -> Code:

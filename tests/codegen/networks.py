@@ -87,7 +87,7 @@ def port(name: str, direction: str, type_, line: int, **more) -> Port:
 
 def network(classes, top, **more) -> Network:
     values = {
-        "name": top.lower(),
+        "name": f"hand_{top.lower()}",
         "source": TEXT.name,
         "top": top,
         "arguments": (),

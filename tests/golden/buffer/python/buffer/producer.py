@@ -1,0 +1,29 @@
+"""The process Producer."""
+
+from __future__ import annotations
+
+from .constants import items
+from .runtime import Out, Process, Variable, int64, wait
+
+
+class Producer(Process):
+    """Makes an item every `period`; the hundreds tell who made it.
+
+    Source: buffer.csp:7
+
+    Ports:
+        item: out, int.
+    """
+
+    def __init__(self, name: str, *, id_: int, period: int, item: Out[int]) -> None:
+        super().__init__(name, source="buffer.csp:7")
+        self.id_ = id_
+        self.period = period
+        self.item = item
+        self.made = Variable[int](f"{name}.made", 0)
+
+    async def run(self) -> None:
+        while self.made.value < items:
+            await wait(self.period)
+            await self.item.write(int64(100 * self.id_ + self.made.value))  # buffer.csp:15
+            self.made.value = int64(self.made.value + 1)  # buffer.csp:16

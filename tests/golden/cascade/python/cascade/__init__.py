@@ -1,0 +1,1 @@
+"""The current loop, which is the faster one, has the higher priority."""

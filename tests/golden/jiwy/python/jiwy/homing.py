@@ -1,0 +1,88 @@
+"""The process Homing."""
+
+from __future__ import annotations
+
+from .exceptions import ModeFailed
+from .position_controller import PositionController
+from .runtime import After, In, Out, Process, Timeout, Variable, interrupt, ms, s
+
+
+class Homing(Process):
+    """Servo back to the centre; there, or where its patience ends, the motor is released.
+
+    Source: jiwy.csp:75
+
+    Ports:
+        leftmax: in, double<rad>.
+        rightmax: in, double<rad>.
+        feedback: in, double<rad> @ T.
+        control: out, double<V> @ T.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        *,
+        T: int,
+        kp: float,
+        tauD: int,
+        beta: float,
+        tauI: int,
+        friction: float,
+        tolerance: float,
+        patience: int,
+        leftmax: In[float],
+        rightmax: In[float],
+        feedback: In[float],
+        control: Out[float],
+    ) -> None:
+        super().__init__(name, source="jiwy.csp:75")
+        self.patience = patience
+        self.control = control
+        self.leftmax = leftmax.reader(self)
+        self.rightmax = rightmax.reader(self)
+        self.feedback = feedback.reader(self)
+        self.zero = Variable[float](f"{name}.zero", 0.0)
+        self.failed = Variable[bool](f"{name}.failed", False)
+        self.stop = Variable[bool](f"{name}.stop")
+        self.reference = Variable[float](f"{name}.reference")
+        self.servo = PositionController(
+            f"{name}.servo",
+            kp=kp,
+            tauD=tauD,
+            beta=beta,
+            tauI=tauI,
+            reach=0.0,
+            friction=friction,
+            tolerance=tolerance,
+            rate=6.0,
+            smoothing=50 * ms,
+            dwell=100 * ms,
+            margin=0.05,
+            sample=T / s,
+            leftmax=self.leftmax,
+            rightmax=self.rightmax,
+            feedback=self.feedback,
+            setpoint=self.zero,
+            control=control,
+            reference=self.reference,
+            stop=self.stop,
+        )
+
+    async def run(self) -> None:
+        try:
+            await interrupt(self._repeat_servo(), After(self.patience), self._go_on)
+        except Timeout:
+            self.failed.value = True  # jiwy.csp:102
+        await self.control.write(0.0)  # jiwy.csp:103
+        if self.failed.value:
+            raise ModeFailed
+
+    async def _repeat_servo(self) -> None:
+        while True:
+            await self.servo
+            if self.stop.value:
+                break
+
+    async def _go_on(self) -> None:
+        pass

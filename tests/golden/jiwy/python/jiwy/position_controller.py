@@ -1,0 +1,134 @@
+"""The submodel PositionController."""
+
+from __future__ import annotations
+
+from .constants import supply
+from .runtime import In, Out, Submodel, limit, read_all, s, write_all
+
+
+class PositionController(Submodel):
+    """Position servo of one joint. The set-point counts from the centre between the end stops, 1
+    being `reach`; `reference` is the angle that this means. `stop` tells that the joint has
+    stood there for `dwell`.
+
+    `friction` is the voltage that overcomes the Coulomb friction; it is added in the direction
+    of the profile.
+
+    Source: laws.csp:46
+
+    Ports:
+        leftmax: in, double<rad>.
+        rightmax: in, double<rad>.
+        feedback: in, double<rad>.
+        setpoint: in, double.
+        control: out, double<V>.
+        reference: out, double<rad>.
+        stop: out, bool.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        *,
+        kp: float,
+        tauD: int,
+        beta: float,
+        tauI: int,
+        reach: float,
+        friction: float,
+        tolerance: float,
+        rate: float,
+        smoothing: int,
+        dwell: int,
+        margin: float,
+        sample: float,
+        leftmax: In[float],
+        rightmax: In[float],
+        feedback: In[float],
+        setpoint: In[float],
+        control: Out[float],
+        reference: Out[float],
+        stop: Out[bool],
+    ) -> None:
+        super().__init__(name, source="laws.csp:46")
+        self.leftmax = leftmax
+        self.rightmax = rightmax
+        self.feedback = feedback
+        self.setpoint = setpoint
+        self.control = control
+        self.reference = reference
+        self.stop = stop
+        self.kp = kp
+        self.tauD = tauD / s
+        self.beta = beta
+        self.tauI = tauI / s
+        self.reach = reach
+        self.friction = friction
+        self.tolerance = tolerance
+        self.rate = rate
+        self.smoothing = smoothing / s
+        self.dwell = dwell / s
+        self.margin = margin
+        self.sample = sample
+        self.pid_f = 1.0 / (sample + tauD / s * beta)  # laws.csp:14
+        self.reset()
+
+    def reset(self) -> None:
+        self.profile_moving = False
+        self.profile_last = 0.0
+        self.pid_e1 = 0.0
+        self.pid_ud = 0.0
+        self.pid_ui = 0.0
+        self.arrived = 0.0
+
+    async def run(self) -> None:
+        leftmax, rightmax, feedback, setpoint = await read_all(
+            self.leftmax, self.rightmax, self.feedback, self.setpoint
+        )
+        control, reference, stop = self.calculate(leftmax, rightmax, feedback, setpoint)
+        await write_all((self.control, control), (self.reference, reference), (self.stop, stop))
+
+    def calculate(
+        self,
+        leftmax: float,
+        rightmax: float,
+        feedback: float,
+        setpoint: float,
+    ) -> tuple[float, float, bool]:
+        pid_ui = self.pid_ui
+        kp = self.kp
+        tauD = self.tauD
+        rate = self.rate
+        margin = self.margin
+        sample = self.sample
+        centre = (leftmax + rightmax) / 2.0  # laws.csp:62
+        # laws.csp:63
+        reference = limit(centre + self.reach * setpoint, leftmax + margin, rightmax - margin)
+        profile_start = feedback  # laws.csp:64
+        profile_from = self.profile_last if self.profile_moving else profile_start  # laws.csp:35
+        profile_target = reference  # laws.csp:65
+        # laws.csp:36
+        profile_velocity = limit((profile_target - profile_from) / self.smoothing, -rate, rate)
+        profile_angle = profile_from + sample * profile_velocity  # laws.csp:37
+        pid_error = profile_angle - feedback  # laws.csp:66
+        # laws.csp:15
+        pid_d = self.pid_f * (
+            tauD * self.beta * self.pid_ud
+            + tauD * kp * (pid_error - self.pid_e1)
+            + sample * kp * pid_error
+        )
+        pid_i = pid_ui + sample * pid_d / self.tauI  # laws.csp:16
+        pid_sum = pid_i + pid_d  # laws.csp:17
+        pid_output = limit(pid_sum, -0.99, 0.99)  # laws.csp:19
+        assistance = self.friction * limit(profile_velocity / 0.05, -1.0, 1.0)  # laws.csp:68
+        control = limit(supply * pid_output + assistance, -supply, supply)  # laws.csp:69
+        # laws.csp:71
+        standing = self.arrived + sample if abs(reference - feedback) < self.tolerance else 0.0
+        stop = standing >= self.dwell  # laws.csp:73
+        self.profile_moving = True  # laws.csp:32
+        self.profile_last = profile_angle  # laws.csp:33
+        self.pid_e1 = pid_error  # laws.csp:10
+        self.pid_ud = pid_d  # laws.csp:11
+        self.pid_ui = pid_i if pid_sum == pid_output else pid_ui  # laws.csp:12
+        self.arrived = standing  # laws.csp:60
+        return control, reference, stop

@@ -1,0 +1,89 @@
+"""The submodel VelocityController."""
+
+from __future__ import annotations
+
+from .runtime import In, Out, Submodel, limit, s, sign, write_all
+
+
+class VelocityController(Submodel):
+    """Constant speed: PI on the filtered difference of the encoder, its output limited, so that it
+    presses gently on the end stop. The end stop is the joint standing still for `dwell`
+    although the controller drives with more than `effort`; `max` is where the joint is.
+
+    Source: laws.csp:79
+
+    Ports:
+        feedback: in, double<rad>.
+        control: out, double<V>.
+        max: out, double<rad>.
+        stop: out, bool.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        *,
+        speed: float,
+        kp: float,
+        ki: float,
+        pressure: float,
+        effort: float,
+        filter_: int,
+        dwell: int,
+        sample: float,
+        feedback: In[float],
+        control: Out[float],
+        max_: Out[float],
+        stop: Out[bool],
+    ) -> None:
+        super().__init__(name, source="laws.csp:79")
+        self.feedback = feedback
+        self.control = control
+        self.max_ = max_
+        self.stop = stop
+        self.speed = speed
+        self.kp = kp
+        self.ki = ki
+        self.pressure = pressure
+        self.effort = effort
+        self.filter_ = filter_ / s
+        self.dwell = dwell / s
+        self.sample = sample
+        self.reset()
+
+    def reset(self) -> None:
+        self.moving = False
+        self.last = 0.0
+        self.filtered = 0.0
+        self.ui = 0.0
+        self.pressed = 0.0
+
+    async def run(self) -> None:
+        feedback = await self.feedback.read()
+        control, max_, stop = self.calculate(feedback)
+        await write_all((self.control, control), (self.max_, max_), (self.stop, stop))
+
+    def calculate(self, feedback: float) -> tuple[float, float, bool]:
+        filtered = self.filtered
+        ui = self.ui
+        speed = self.speed
+        pressure = self.pressure
+        sample = self.sample
+        difference = (feedback - self.last) / sample if self.moving else 0.0  # laws.csp:94
+        # laws.csp:95
+        velocity = filtered + sample / (self.filter_ + sample) * (difference - filtered)
+        error = speed - velocity  # laws.csp:96
+        i = ui + sample * self.ki * error  # laws.csp:97
+        sum_ = self.kp * error + i  # laws.csp:98
+        control = limit(sum_, -pressure, pressure)  # laws.csp:100
+        # laws.csp:106
+        pressing = abs(velocity) < 0.1 * abs(speed) and control * sign(speed) > self.effort
+        held = self.pressed + sample if pressing else 0.0  # laws.csp:107
+        stop = held >= self.dwell  # laws.csp:109
+        max_ = feedback  # laws.csp:110
+        self.moving = True  # laws.csp:88
+        self.last = feedback  # laws.csp:89
+        self.filtered = velocity  # laws.csp:90
+        self.ui = i if sum_ == control else ui  # laws.csp:91
+        self.pressed = held  # laws.csp:92
+        return control, max_, stop

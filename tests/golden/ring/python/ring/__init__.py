@@ -1,0 +1,1 @@
+"""A token goes round through `cells` cells."""

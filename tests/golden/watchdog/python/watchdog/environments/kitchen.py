@@ -1,0 +1,76 @@
+"""The environment Kitchen."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from ..runtime import Driver, Signal, floor, int64, ms, s
+from ..types import Reading
+
+chamber_room = 293.0  # watchdog.csp:57
+chamber_leak = 0.5  # watchdog.csp:57
+chamber_capacity = 50.0  # watchdog.csp:57
+
+
+class Kitchen:
+    """The environment Kitchen.
+
+    Source: watchdog.csp:74
+    """
+
+    step = 100 * ms
+    on_miss = "timeout"
+
+    def __init__(self) -> None:
+        self.now = 0
+        self.thermometer = Signal[Reading](Reading(number=0, temperature=0.0))
+        self.heater = Signal[float](0.0)
+        self.losses = Signal[int](0)
+        self.drivers: Mapping[str, Driver] = {
+            "thermometer": self.thermometer,
+            "heater": self.heater,
+            "losses": self.losses,
+        }
+
+    def start(self) -> None:
+        """Go to time 0 and evaluate the outputs."""
+        self.now = 0
+        self.chamber_temperature = chamber_room
+        self.chamber_shown = chamber_room
+        self.chamber_number = 0
+        self._evaluate()
+
+    def advance(self, now: int) -> None:
+        """Integrate to `now` (in nanoseconds) with the inputs held, and evaluate the outputs."""
+        time = self.now / s
+        heater = self.heater.value
+        chamber_shown = self.chamber_shown
+        chamber_number = self.chamber_number
+        chamber_temperature = self.chamber_temperature
+        chamber_round = floor(time / 10.0)  # watchdog.csp:65
+        chamber_contact = time - 10.0 * chamber_round < 9.8 - 0.2 * chamber_round  # watchdog.csp:66
+        chamber_heater = heater  # watchdog.csp:78
+        if now % self.step == 0:
+            self.chamber_shown = chamber_temperature if chamber_contact else chamber_shown
+            self.chamber_number = int64(chamber_number + 1) if chamber_contact else chamber_number
+        h = (now - self.now) / s
+        half = h / 2
+        sixth = h / 6
+        k1 = self._derivative(chamber_temperature, chamber_heater)
+        k2 = self._derivative(chamber_temperature + half * k1, chamber_heater)
+        k3 = self._derivative(chamber_temperature + half * k2, chamber_heater)
+        k4 = self._derivative(chamber_temperature + h * k3, chamber_heater)
+        chamber_temperature += sixth * (k1 + 2 * k2 + 2 * k3 + k4)
+        self.chamber_temperature = chamber_temperature
+        self.now = now
+        self._evaluate()
+
+    def _evaluate(self) -> None:
+        # watchdog.csp:71
+        chamber_thermometer = Reading(number=self.chamber_number, temperature=self.chamber_shown)
+        self.thermometer.value = chamber_thermometer  # watchdog.csp:77
+
+    def _derivative(self, chamber_temperature: float, chamber_heater: float) -> float:
+        return (
+            chamber_heater - chamber_leak * (chamber_temperature - chamber_room)
+        ) / chamber_capacity
