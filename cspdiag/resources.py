@@ -1,39 +1,54 @@
 """Finds what ships beside the code: the grammar, the templates, the benchmarks and the bundled library.
 
-A checkout (and an editable install) has ``grammars/``, ``templates/`` and ``benchmarks/`` at its top level; a wheel has them
-under ``cspdiag/_resources/``.
+A checkout (and an editable install) has ``grammars/`` and its kin at its top level; a wheel has them under
+``cspdiag/_resources/``. ``pathlib`` is imported only where a path is asked for: ``check`` starts without it.
 """
 
 from __future__ import annotations
 
-from pathlib import Path
+import os
+from typing import TYPE_CHECKING
 
-_PACKAGE = Path(__file__).resolve().parent
+if TYPE_CHECKING:
+    from pathlib import Path
+
+_PACKAGE = os.path.dirname(os.path.realpath(__file__))
 
 
-def _folder(name: str) -> Path:
-    installed = _PACKAGE / "_resources" / name
-    return installed if installed.is_dir() else _PACKAGE.parent / name
+def _place(*parts: str) -> str:
+    installed = os.path.join(_PACKAGE, "_resources", *parts)
+    return installed if os.path.exists(installed) else os.path.join(os.path.dirname(_PACKAGE), *parts)
+
+
+def _path(*parts: str) -> Path:
+    from pathlib import Path
+
+    return Path(_place(*parts))
+
+
+def _text(path: str) -> str:
+    with open(path, encoding="utf-8") as file:
+        return file.read()
 
 
 def grammar_path() -> Path:
     """Where the grammar of the language is."""
-    return _folder("grammars") / "csp.lark"
+    return _path("grammars", "csp.lark")
 
 
 def grammar() -> str:
     """The text of the grammar."""
-    return grammar_path().read_text(encoding="utf-8")
+    return _text(_place("grammars", "csp.lark"))
 
 
 def template_folder(target: str) -> Path:
     """The folder of the templates of a target, such as ``python``."""
-    return _folder("templates") / target
+    return _path("templates", target)
 
 
 def benchmark_folder() -> Path:
     """The folder of the benchmarks, itself a program."""
-    return _folder("benchmarks")
+    return _path("benchmarks")
 
 
 def library_source(name: str) -> str | None:
@@ -41,5 +56,5 @@ def library_source(name: str) -> str | None:
     parts = name.split(".")
     if len(parts) < 2 or parts[0] != "std" or not all(part.isidentifier() for part in parts):
         return None
-    path = _PACKAGE.joinpath(*parts).with_suffix(".csp")
-    return path.read_text(encoding="utf-8") if path.is_file() else None
+    path = os.path.join(_PACKAGE, *parts) + ".csp"
+    return _text(path) if os.path.isfile(path) else None

@@ -1,4 +1,4 @@
-"""The one style of programs: four spaces, lines of 120 characters.
+"""The one style of programs: two spaces, lines of 120 characters.
 
 The formatter changes the space between tokens and nothing else; parentheses, order and comments stay as they are.
 """

@@ -10,7 +10,7 @@ from enum import Enum, auto
 from typing import TypeAlias
 
 WIDTH = 120
-_INDENT = 4
+_INDENT = 2
 
 
 class Mark(Enum):

@@ -54,6 +54,8 @@ class Parser:
         self.depths: list[int] = []
         self._taken_to = 0
         """Where the last token ended."""
+        self._mended = (-1, 0)
+        """Where the last mistake was, and how often it was mended there."""
         builder = DefinitionBuilder(source, report, self.lexer.docs)
         self._builders: list[Callable[..., Any] | None] = [
             getattr(builder, rule.build) if rule.build else None for rule in self.automaton.tables.rules
@@ -132,6 +134,11 @@ class Parser:
 
     def _mend(self) -> None:
         """The present token cannot be taken: say why, and make the best of it."""
+        at, times = self._mended
+        self._mended = (self.lexer.start, times + 1 if at == self.lexer.start else 1)
+        if self._mended[1] > _MOST_STATES:
+            # Every mending takes or leaves a token; should one ever do neither, reading goes on behind it.
+            self.lexer.advance({})
         situation = Situation(self.source, self.automaton, self.states, self.starts, self.lexer)
         diagnostic, repair = explain(situation)
         if repair is None:

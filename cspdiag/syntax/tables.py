@@ -9,9 +9,7 @@ from __future__ import annotations
 import marshal
 import os
 import sys
-import tempfile
 import zlib
-from pathlib import Path
 from typing import Any, NamedTuple
 
 from cspdiag import resources
@@ -68,18 +66,19 @@ def load() -> Tables:
     return cached
 
 
-def _cache_path(grammar: str) -> Path:
+def _cache_path(grammar: str) -> str:
     if sys.platform == "win32":
         root = os.environ.get("LOCALAPPDATA") or os.path.expanduser("~/AppData/Local")
     else:
         root = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
     version = f"{sys.implementation.cache_tag}-{_FORMAT}"
-    return Path(root) / "cspdiag" / f"grammar-{zlib.crc32(grammar.encode()):08x}-{version}.tables"
+    return os.path.join(root, "cspdiag", f"grammar-{zlib.crc32(grammar.encode()):08x}-{version}.tables")
 
 
-def _read(path: Path, grammar: str) -> Tables | None:
+def _read(path: str, grammar: str) -> Tables | None:
     try:
-        stored_grammar, fields = marshal.loads(path.read_bytes())
+        with open(path, "rb") as file:
+            stored_grammar, fields = marshal.loads(file.read())
         if stored_grammar != grammar:
             return None
         tables = Tables(*fields)
@@ -88,13 +87,16 @@ def _read(path: Path, grammar: str) -> Tables | None:
         return None
 
 
-def _write(path: Path, grammar: str, tables: Tables) -> None:
+def _write(path: str, grammar: str, tables: Tables) -> None:
     """Writes to another file first: a reader never sees half of it. A cache that cannot be written is none."""
+    import tempfile
+
     rules: Any = [tuple(rule) for rule in tables.rules]
     content = marshal.dumps((grammar, tuple(tables._replace(rules=rules))))
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        handle, name = tempfile.mkstemp(dir=path.parent, prefix=path.stem)
+        folder = os.path.dirname(path)
+        os.makedirs(folder, exist_ok=True)
+        handle, name = tempfile.mkstemp(dir=folder, prefix=os.path.basename(path))
         with os.fdopen(handle, "wb") as file:
             file.write(content)
         os.replace(name, path)

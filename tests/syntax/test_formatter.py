@@ -58,23 +58,23 @@ def test_comments_anywhere_are_kept(random: Random) -> None:
         ("// only a comment", "// only a comment\n"),
         ("\n\n// a\n\n\n\n// b\n\nconst A=1// c\n", "// a\n\n// b\n\nconst A = 1 // c\n"),
         ("const A=1 ms const B=2us", "const A = 1 ms\nconst B = 2 us\n"),
-        ("enum M {\n a, b }", "enum M {\n    a,\n    b\n}\n"),
+        ("enum M {\n a, b }", "enum M {\n  a,\n  b\n}\n"),
         ("enum M { a,b }", "enum M { a, b }\n"),
         (
             "process P{in a:int out bb:double<rad>@T// tick\n\n out c:int}",
-            "process P {\n    in  a  : int\n    out bb : double<rad> @ T // tick\n\n    out c : int\n}\n",
+            "process P {\n  in  a  : int\n  out bb : double<rad> @ T // tick\n\n  out c : int\n}\n",
         ),
         (
             "process P{composition{a;b\n;c}}",
-            "process P {\n    composition {\n        a ; b ; c\n    }\n}\n",
+            "process P {\n  composition {\n    a ; b ; c\n  }\n}\n",
         ),
         (
             "process P{composition{a;\nb||c}}".replace("b||c", "(b||c)"),
-            "process P {\n    composition {\n        a ;\n        (b || c)\n    }\n}\n",
+            "process P {\n  composition {\n    a ;\n    (b || c)\n  }\n}\n",
         ),
         (
-            "process P {\n    communication {\n\n        // first\n        a -> b // second\n        // last\n    }\n}\n",
-            "process P {\n    communication {\n        // first\n        a -> b // second\n        // last\n    }\n}\n",
+            "process P {\n  communication {\n\n    // first\n    a -> b // second\n    // last\n  }\n}\n",
+            "process P {\n  communication {\n    // first\n    a -> b // second\n    // last\n  }\n}\n",
         ),
     ],
 )
@@ -90,5 +90,5 @@ def test_lines_that_are_too_long_are_broken() -> None:
 
 
 def test_doc_comments_stay_with_their_definition() -> None:
-    text = "/// what it is\n/// and does\nprocess P {\n    /// the angle\n    in x : int\n}\n"
+    text = "/// what it is\n/// and does\nprocess P {\n  /// the angle\n  in x : int\n}\n"
     assert formatted(text) == text
