@@ -88,7 +88,8 @@ def build(
 ) -> Built:
     """Check a program and lower it, with settings such as ``{"Tsh": "10 ms", "pan.inertia": "2e-3"}``.
 
-    Raises ``cspdiag.settings.SettingError`` for a setting that fits nothing in a program without errors.
+    Raises ``cspdiag.settings.SettingError`` for a setting that fits nothing in a program without errors, and
+    ``cspdiag.network.lower.SelectionError`` where there is no such process or environment to compile.
     """
     from cspdiag.settings import NO_OVERRIDES, parse_settings
 

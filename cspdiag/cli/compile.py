@@ -106,6 +106,8 @@ def _generate(arguments: Namespace) -> int:
 
 
 def _network(arguments: Namespace) -> Network | None:
+    from cspdiag.network.lower import SelectionError
+
     try:
         built = build(
             read_source(arguments.file),
@@ -116,5 +118,7 @@ def _network(arguments: Namespace) -> Network | None:
         )
     except SettingError as problem:
         raise UsageError(f"--set {problem}") from None
+    except SelectionError as problem:
+        raise UsageError(str(problem)) from None
     show_diagnostics(built.checked.report.diagnostics, arguments.color)
     return built.network

@@ -54,12 +54,13 @@ def run(arguments: Namespace) -> int:
         _check_output(option, getattr(arguments, option))
     if arguments.plot is not None:
         _require_matplotlib()
+    from cspdiag.network.lower import SelectionError
     from cspdiag.settings import SettingError, parse_duration
 
     try:
         until = None if arguments.until is None else parse_duration(arguments.until)
         network = _network(arguments)
-    except SettingError as problem:
+    except (SettingError, SelectionError) as problem:
         raise UsageError(str(problem)) from None
     if network is None:
         return UNSUCCESSFUL

@@ -86,53 +86,6 @@ class MixedAlternative(Diagnostic):
 
 
 @record
-class NoOutermostProcess(Diagnostic):
-    """There is no process to begin with.
-
-    A program is compiled from its outermost process: the one of its environment, the one named with `--top`, or the last one that no other
-    process contains. A file with definitions for others alone has none of these; it can be checked but not compiled.
-    """
-
-    code = "E0604"
-    title = "no process to begin with"
-
-    top: str | None
-
-    @property
-    def message(self) -> str:
-        if self.top is not None:
-            return f"there is no process `{self.top}`"
-        return "the program has no process to begin with"
-
-    @property
-    def help(self) -> str | None:
-        return "define a process that no other one contains, or an environment for one"
-
-
-@record
-class ParameterWithoutValue(Diagnostic):
-    """The outermost process has a parameter without a value.
-
-    Parameters are known before the program runs. Those of the outermost process are given by its environment, by defaults or
-    from outside with `--set`.
-    """
-
-    code = "E0605"
-    title = "outermost process without arguments"
-
-    process: str
-    parameter: str
-
-    @property
-    def message(self) -> str:
-        return f"the outermost process `{self.process}` has no value for its parameter `{self.parameter}`"
-
-    @property
-    def help(self) -> str | None:
-        return f"give the parameter a default, or write `environment ... for {self.process}(...)`"
-
-
-@record
 class NoComposition(Diagnostic):
     """A process has no composition.
 

@@ -9,7 +9,6 @@ from cspdiag.model.program import Program, Value
 from cspdiag.network import environments, external_bodies, submodels
 from cspdiag.network.analyse import Analysis
 from cspdiag.network.definitions import arguments_of
-from cspdiag.network.diagnostics_composition import NoOutermostProcess, ParameterWithoutValue
 from cspdiag.network.elaborate import parameter_value
 from cspdiag.network.environments import lower_environment
 from cspdiag.network.external_ports import external_ports
@@ -20,6 +19,10 @@ from cspdiag.network.occurrences import Occurrences
 from cspdiag.network.release import check_release
 from cspdiag.network.vocabulary import Vocabulary
 from cspdiag.syntax import ast
+
+
+class SelectionError(ValueError):
+    """There is no process to compile, or not all that it takes; the message is one line."""
 
 
 def check(program: Program, report: Report) -> None:
@@ -55,21 +58,20 @@ def lower(
 
     ``top``: its name, by default that of the process of the environment, which is by default the first of the text; without any
     environment the last process that nobody instantiates. ``overrides``: values of parameters by the path of the instance.
+    Raises SelectionError where there is no such process, or a parameter of it has no value.
     """
     analysis = Analysis(program, report)
     chosen = _chosen_environment(program, top, environment)
-    process = _top(program, analysis, top, chosen, report)
-    if process is None:
-        return None
+    if environment is not None and chosen is None:
+        raise SelectionError(f"there is no environment `{environment}`" + (f" for `{top}`" if top else ""))
+    process = _top(program, analysis, top, chosen)
     values = _arguments(analysis, process, chosen.arguments if chosen else (), overrides)
     for parameter in process.parameters:
         if parameter not in values:
-            missing = ParameterWithoutValue(
-                span=parameter.name.span, process=process.name.text, parameter=parameter.name.text
+            raise SelectionError(
+                f"the outermost process `{process.name.text}` has no value for its parameter `{parameter.name.text}`: "
+                f"give it a default, set it, or write an environment for `{process.name.text}(...)`"
             )
-            report.add(missing)
-    if report.has_errors:
-        return None
     shape = analysis.add_root(process, _by_name(values), overrides, is_open=False)
     (placed,) = analysis.run()
     if report.has_errors:
@@ -126,8 +128,7 @@ def _top(
     analysis: Analysis,
     top: str | None,
     environment: ast.EnvironmentDefinition | None,
-    report: Report,
-) -> ast.ProcessDefinition | None:
+) -> ast.ProcessDefinition:
     if top is not None:
         found = program.definitions.get(top)
     elif environment is not None:
@@ -138,9 +139,9 @@ def _top(
         found = next((d for d in reversed(roots) if d in main), roots[-1] if roots else None)
     if isinstance(found, ast.ProcessDefinition) and found not in analysis.definitions.recursive:
         return found
-    if not report.has_errors:
-        report.add(NoOutermostProcess(span=program.main.span, top=top))
-    return None
+    if top is not None:
+        raise SelectionError(f"there is no process `{top}`")
+    raise SelectionError(f"{program.main.source.name} has no process to compile")
 
 
 def _arguments(

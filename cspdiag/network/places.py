@@ -255,5 +255,9 @@ class Places:
         )
 
     def _excuse(self, reference: ast.Reference) -> None:
+        symbol = self.program.bindings.get(reference)
         if reference.member is not None:
             self.excused.add((reference.name.text, reference.member.text))
+        elif isinstance(symbol, PortSymbol) and symbol.name in self.shape.ports:
+            for element in self.shape.ports[symbol.name].elements:
+                self.shape.port_spans.setdefault(element_name(*element), reference.span)
