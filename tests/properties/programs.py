@@ -15,6 +15,29 @@ TYPES = ("int", "double", "bool", "int16", "Mode")
 INITIAL = {"int": "0", "double": "0.0", "bool": "false", "int16": "int16(0)", "Mode": "Mode.idle"}
 
 
+LAW = """submodel Law(gain: double = 0.75) {
+    in x : double
+    out y : double
+    state s : double = 0.25
+    let smooth = lag(x, 4 ms)
+    let rate = derivative(smooth) * 1 ms
+    next s = s + gain * (smooth - s)
+    y = limit(s + pre(x, 0.0) - rate, -5.0, 5.0)
+}"""
+
+CELLS = """process Cell(id: int) {
+    out number : int
+    communication { var n : int = 0 }
+    composition { while n < 3 do (number ! n * 10 + id ; n := n + 1 ; wait 2 ms) }
+}
+
+process Collector(size: int) {
+    in number[size] : int
+    communication { var got : int = 0  var last : int = 0 }
+    composition { mu ((alt i < size : number[i] ? last -> skip) ; got := got + 1) until got == 3 * size }
+}"""
+
+
 @dataclass
 class Leaf:
     """A process under construction: its ports with their types and the statements that use them."""
@@ -22,8 +45,10 @@ class Leaf:
     name: str
     inputs: dict[str, str] = field(default_factory=dict)
     outputs: dict[str, str] = field(default_factory=dict)
-    periods: dict[str, str] = field(default_factory=dict)
-    priority_alternative: bool = False
+    law: bool = False
+    """Whether a submodel reads ``sample_in`` and writes ``sample_out``."""
+    turns: int | None = None
+    """In a calm program: every process communicates in the order of the channels, this often."""
 
 
 def value(draw: st.DrawFn, kind: str, depth: int = 2) -> str:
@@ -52,9 +77,17 @@ def value(draw: st.DrawFn, kind: str, depth: int = 2) -> str:
             return f"(if {inner('bool')} then {inner(kind)} else {inner(kind)})"
 
 
+def number(statement: str) -> int:
+    """The number of the channel that a statement communicates over, to order statements by."""
+    digits = "".join(character for character in statement.partition(" ")[0] if character.isdigit())
+    return int(digits) if digits and statement[0] in "io" else 99
+
+
 def use_inputs(draw: st.DrawFn, leaf: Leaf) -> list[str]:
     """Statements that read every input, one by one or by an alternative."""
-    plain = dict(leaf.inputs)
+    plain = {name: kind for name, kind in leaf.inputs.items() if not (leaf.law and name == "sample_in")}
+    if leaf.turns is not None:
+        return [f"{name} ? v_{kind}" for name, kind in plain.items() if name != "button"]
     statements = []
     if len(plain) >= 2 and draw(st.booleans()):
         operator = draw(st.sampled_from(["[]", "[]>"]))
@@ -92,39 +125,61 @@ def small_step(draw: st.DrawFn) -> str:
 def body(draw: st.DrawFn, leaf: Leaf) -> str:
     """A composition that uses every port, decorated with loops, exceptions and interrupts."""
     steps = use_inputs(draw, leaf)
-    steps += [f"{name} ! {value(draw, kind)}" for name, kind in leaf.outputs.items()]
+    steps += [
+        f"{name} ! {value(draw, kind)}"
+        for name, kind in leaf.outputs.items()
+        if not (leaf.law and name == "sample_out")
+    ]
     steps += [small_step(draw) for _ in range(draw(st.integers(0, 2)))]
+    if leaf.law:
+        steps.append(draw(st.sampled_from(["law", "(sample_in -> law)", "(law ; reset law)"])))
+    if leaf.turns is not None:
+        return calm_body(draw, leaf, sorted(steps, key=number))
     order = draw(st.permutations(steps)) or ["skip"]
     text = " ; ".join(f"({step})" for step in order) if len(order) > 1 else f"{order[0]} ; skip"
-    wrapped = f"({text})"
+    return decorated(draw, text)
+
+
+def calm_body(draw: st.DrawFn, leaf: Leaf, steps: list[str]) -> str:
+    """A loop over the channels in their order, so that the rendezvous of all processes fit together."""
+    if "button" in leaf.inputs:
+        button = f"((button ? v_int -> {small_step(draw)}) []> (after 1 ms -> skip))"
+        steps = [*steps, button]
+    text = " ; ".join(f"({step})" for step in [*steps, "k := k + 1", "wait 1 ms"])
+    return f"(mu ({text}) until k >= {leaf.turns})"
+
+
+def decorated(draw: st.DrawFn, text: str) -> str:
+    """A sequence inside a loop, an exception handler, an interrupt, a replicator or a group."""
     match draw(st.sampled_from(["once", "mu", "while", "catch", "raise", "interrupt", "seq", "group"])):
         case "mu":
             turns = draw(st.integers(1, 5))
-            wrapped = f"(k := 0 ; (mu (({text}) ; k := k + 1 ; wait 1 ms) until k >= {turns}))"
+            return f"(k := 0 ; (mu (({text}) ; k := k + 1 ; wait 1 ms) until k >= {turns}))"
         case "while":
-            wrapped = f"(k := 0 ; (while k < {draw(st.integers(0, 4))} do (({text}) ; k := k + 1 ; wait 1 ms)))"
+            return f"(k := 0 ; (while k < {draw(st.integers(0, 4))} do (({text}) ; k := k + 1 ; wait 1 ms)))"
         case "catch":
             name = draw(st.sampled_from(["Overheated", "Fault", "Timeout"]))
-            wrapped = f"(({text}) catch {name} -> (k := 99))"
+            return f"(({text}) catch {name} -> (k := 99))"
         case "raise":
-            wrapped = f"((({text}) ; (if {value(draw, 'bool')} then raise Overheated)) catch Overheated -> skip)"
+            return f"((({text}) ; (if {value(draw, 'bool')} then raise Overheated)) catch Overheated -> skip)"
         case "interrupt":
-            wrapped = f"(({text}) interrupt after {draw(st.integers(1, 20))} ms -> skip)"
+            return f"(({text}) interrupt after {draw(st.integers(1, 20))} ms -> skip)"
         case "seq":
-            wrapped = f"(seq i < {draw(st.integers(1, 3))} : ({text}))"
+            return f"(seq i < {draw(st.integers(1, 3))} : ({text}))"
         case "group":
-            wrapped = f"(work: ({text}))"
+            return f"(work: ({text}))"
         case _:
-            pass
-    return wrapped
+            return f"({text})"
 
 
 def leaf_text(draw: st.DrawFn, leaf: Leaf) -> str:
     """The definition of a leaf process."""
-    ports = [f"    in {name} : {kind}{leaf.periods.get(name, '')}" for name, kind in leaf.inputs.items()]
-    ports += [f"    out {name} : {kind}{leaf.periods.get(name, '')}" for name, kind in leaf.outputs.items()]
+    ports = [f"    in {name} : {kind}" for name, kind in leaf.inputs.items()]
+    ports += [f"    out {name} : {kind}" for name, kind in leaf.outputs.items()]
     variables = [f"        var v_{kind} : {kind} = {INITIAL[kind]}" for kind in TYPES]
     variables += ["        var n : int = 0", "        var k : int = 0"]
+    if leaf.law:
+        variables += ["        law : Law", "        sample_in -> law.x", "        law.y -> sample_out"]
     return "\n".join(
         [
             f"process {leaf.name} {{",
@@ -143,7 +198,8 @@ def leaf_text(draw: st.DrawFn, leaf: Leaf) -> str:
 @st.composite
 def programs(draw: st.DrawFn) -> str:
     """A whole program with its environment ``Bench``."""
-    leaves = [Leaf(f"Leaf{i}") for i in range(draw(st.integers(2, 4)))]
+    turns = draw(st.none() | st.integers(1, 6))
+    leaves = [Leaf(f"Leaf{i}", turns=turns) for i in range(draw(st.integers(2, 4)))]
     relations: list[str] = []
     for number in range(draw(st.integers(1, 5))):
         writer, reader = draw(st.permutations(range(len(leaves))))[:2]
@@ -153,7 +209,7 @@ def programs(draw: st.DrawFn) -> str:
         leaves[reader].inputs[f"i{number}"] = kind
         arrow = f"-> c{number} : {kind} {asked}".rstrip()
         relations.append(f"leaf{writer}.o{number} {arrow} -> leaf{reader}.i{number}")
-    if len(leaves) >= 3 and draw(st.booleans()):
+    if turns is None and len(leaves) >= 3 and draw(st.booleans()):
         one, two, three = draw(st.permutations(range(len(leaves))))[:3]
         shared = draw(st.sampled_from(["any", "broadcast"]))
         if shared == "any":
@@ -166,6 +222,7 @@ def programs(draw: st.DrawFn) -> str:
             relations.append(f"leaf{one}.m -> broadcast -> leaf{two}.m, leaf{three}.m")
     period = draw(st.sampled_from(["1 ms", "2 ms", "5 ms"]))
     sampler = draw(st.integers(0, len(leaves) - 1))
+    leaves[sampler].law = draw(st.booleans())
     leaves[sampler].inputs["sample_in"] = "double"
     leaves[sampler].outputs["sample_out"] = "double"
     button = draw(st.integers(0, len(leaves) - 1))
@@ -176,14 +233,22 @@ def programs(draw: st.DrawFn) -> str:
         f"press -> leaf{button}.button",
     ]
     operator = draw(st.sampled_from(["||", "||>"]))
+    cells = draw(st.integers(0, 3))
     definitions = [leaf_text(draw, leaf) for leaf in leaves]
     instances = "\n".join(f"        leaf{i} : Leaf{i}" for i in range(len(leaves)))
+    if cells:
+        instances += f"\n        cell[i < {cells}] : Cell(id = i)\n        collector : Collector({cells})"
+        relations.append(f"for i < {cells} {{ cell[i].number -> collector.number[i] }}")
     arrows = "\n".join(f"        {relation}" for relation in relations)
-    running = f" {operator} ".join(f"leaf{i}" for i in range(len(leaves)))
+    parts = [f"leaf{i}" for i in range(len(leaves))]
+    parts += [f"({draw(st.sampled_from(['par', 'pripar']))} i < {cells} : cell[i])", "collector"] if cells else []
+    running = f" {operator} ".join(draw(st.permutations(parts)))
     return (
         "\n\n".join(
             [
                 "enum Mode { idle, run }\n\nexception Overheated",
+                LAW,
+                CELLS,
                 *definitions,
                 f"process Top {{\n    in level : double @ {period}\n    in press : int\n    out drive : double @ {period}\n"
                 f"    communication {{\n{instances}\n{arrows}\n    }}\n    composition {{\n        {running}\n    }}\n}}",
