@@ -10,9 +10,9 @@ from collections.abc import Generator, Mapping, Sequence
 from types import coroutine
 from typing import Any
 
-from .choice import Choice, Guard
+from .choice import Choice, Guard, waits_of_guard
 from .exceptions import Cancelled
-from .scheduler import Party, scheduler
+from .scheduler import Party, Waits, scheduler
 
 _NOTHING: Mapping[int, Any] = {}
 
@@ -102,6 +102,9 @@ class Alternative(Choice):
             self.end_waiting()
         return not self.woken
 
-    def waits_for(self, party: Party) -> str:
+    def waits_for(self, party: Party) -> Waits:
         """See ``Waiting.waits_for``."""
-        return "for one of " + ", ".join(str(guard) for guard in self.guards)
+        enabled = [guard for index, guard in enumerate(self.guards) if self.mask >> index & 1]
+        if not enabled:
+            return (("for an alternative of which no guard is enabled", None),)
+        return tuple([waits_of_guard(guard) for guard in enabled])

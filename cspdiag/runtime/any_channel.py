@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from .meeting import Meeting
 from .ports import In, Out, T
-from .scheduler import Party, scheduler
+from .scheduler import Party, Waits, scheduler
 from .selector import Selector
 
 if TYPE_CHECKING:
@@ -54,9 +54,9 @@ class AnyChannel(In[T], Out[T]):
         self._somebody_left()
         return len(self._readers) + len(self._writers) < waiting
 
-    def waits_for(self, party: Party) -> str:
+    def waits_for(self, party: Party) -> Waits:
         """See ``In.waits_for``."""
-        return f"to {'read' if party in self._readers else 'write'} {self.name}"
+        return (("to read" if party in self._readers else "to write", self),)
 
     def watch_input(self, selector: Selector, bit: int) -> None:
         """See ``In.watch_input``."""

@@ -17,6 +17,7 @@ from typing import Any, TypeVar, overload
 from .exceptions import Fault
 
 T = TypeVar("T")
+N = TypeVar("N", int, float)
 
 INFINITY = math.inf
 NOT_A_NUMBER = math.nan
@@ -119,7 +120,8 @@ def _integer_power(base: int, exponent: int) -> int:
         raise Fault(f"negative exponent {exponent} of an integer")
     if abs(base) > 1 and exponent > 63:
         raise Fault(f"{base} ^ {exponent} is outside int")
-    return int64(base ** (exponent if abs(base) > 1 else exponent % 2 + 2 * (exponent > 0)))
+    # Powers of -1, 0 and 1 depend on whether the exponent is 0, odd or even: huge ones need not be multiplied out.
+    return int64(base ** min(exponent, 64 + exponent % 2))
 
 
 def exp(x: float) -> float:
@@ -139,22 +141,34 @@ def log(x: float) -> float:
 
 def sqrt(x: float) -> float:
     """Square root; NaN below 0."""
-    return NOT_A_NUMBER if x < 0 else math.sqrt(x)
+    try:
+        return math.sqrt(x)
+    except ValueError:
+        return NOT_A_NUMBER
 
 
 def sin(x: float) -> float:
     """Sine; NaN at infinity."""
-    return NOT_A_NUMBER if math.isinf(x) else math.sin(x)
+    try:
+        return math.sin(x)
+    except ValueError:
+        return NOT_A_NUMBER
 
 
 def cos(x: float) -> float:
     """Cosine; NaN at infinity."""
-    return NOT_A_NUMBER if math.isinf(x) else math.cos(x)
+    try:
+        return math.cos(x)
+    except ValueError:
+        return NOT_A_NUMBER
 
 
 def tan(x: float) -> float:
     """Tangent; NaN at infinity."""
-    return NOT_A_NUMBER if math.isinf(x) else math.tan(x)
+    try:
+        return math.tan(x)
+    except ValueError:
+        return NOT_A_NUMBER
 
 
 def atan2(y: float, x: float) -> float:
@@ -182,12 +196,12 @@ def nearest(x: float) -> float:
     return math.copysign(whole + 1.0 if abs(x) - whole >= 0.5 else float(whole), x)
 
 
-def limit(x: float, low: float, high: float) -> Any:
+def limit(x: N, low: N, high: N) -> N:
     """``x``, but not below ``low`` and not above ``high``; a NaN passes."""
     return low if x < low else high if x > high else x
 
 
-def sign(x: float) -> Any:
+def sign(x: N) -> N:
     """-1, 0 or 1, of the type of ``x``; a NaN passes."""
     if isinstance(x, int):
         return (x > 0) - (x < 0)

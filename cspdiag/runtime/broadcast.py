@@ -51,10 +51,9 @@ class Broadcast(Out[T]):
 
     def choose_output(self, party: Party, value: T, /) -> bool:
         """See ``Out.choose_output``."""
-        meeting = [end.waiting_choice for end in self._ends]
-        for end, entry in zip(self._ends, meeting, strict=True):
-            if entry is not None:
-                choice, index = entry
+        for end in self._ends:
+            if end.waiting_choice is not None:
+                choice, index = end.waiting_choice
                 if choice.only_promises(index):
                     choice.resolve(index, None)
                 else:
@@ -85,6 +84,11 @@ class Broadcast(Out[T]):
             scheduler.observe(self.name, self._value, writer, reader)
         return self._value  # type: ignore[no-any-return]
 
+    @property
+    def has_output_guards(self) -> bool:
+        """Whether an alternative may write here."""
+        return bool(self._outputs)
+
     def readers_changed(self) -> None:
         """An output guard is ready while all readers wait."""
         if self._outputs:
@@ -108,14 +112,14 @@ class Broadcast(Out[T]):
 class BroadcastEnd(In[T]):
     """A reading end of a broadcast; ``fresh`` while it has a value that was not taken."""
 
-    __slots__ = ("_channel", "_inputs", "_reader", "fresh", "name", "resolved", "waiting_choice")
+    __slots__ = ("_inputs", "_reader", "channel", "fresh", "name", "resolved", "waiting_choice")
 
     def __init__(self, channel: Broadcast[T]) -> None:
         self.name = channel.name
         self.fresh = False
         self.resolved = False
         self.waiting_choice: tuple[Choice, int] | None = None
-        self._channel = channel
+        self.channel = channel
         self._reader: Party | None = None
         self._inputs: Watchers = ()
 
@@ -132,7 +136,7 @@ class BroadcastEnd(In[T]):
             reader, self._reader = self._reader, None
             scheduler.enqueue(reader)
             reader.received = value
-            self._channel.readers_changed()
+            self.channel.readers_changed()
             if scheduler.observe is not None:
                 scheduler.observe(self.name, value, scheduler.current, reader)
         else:
@@ -147,12 +151,12 @@ class BroadcastEnd(In[T]):
     def request(self, party: Party) -> bool:
         """See ``In.request``."""
         if self.fresh:
-            party.received = self._channel.taken(self, party)
+            party.received = self.channel.taken(self, party)
             return True
         if self._reader is not None:
             raise ChannelMisuse(f"one end of {self.name} is read by two processes at the same time")
         self._reader = party
-        self._channel.readers_changed()
+        self.channel.readers_changed()
         return False
 
     def withdraw(self, party: Party) -> bool:
@@ -160,19 +164,20 @@ class BroadcastEnd(In[T]):
         if self._reader is not party:
             return False
         self._reader = None
-        self._channel.readers_changed()
+        self.channel.readers_changed()
         return True
 
     def take(self) -> T:
         """See ``In.take``."""
-        return self._channel.taken(self, scheduler.current)
+        return self.channel.taken(self, scheduler.current)
 
     def watch_input(self, selector: Selector, bit: int) -> None:
         """See ``In.watch_input``."""
         self._inputs = (*self._inputs, (selector, bit))
         if self.fresh:
             selector.ready |= bit
-        self._channel.readers_changed()
+        if self.channel.has_output_guards:
+            selector.attend |= bit
 
     def attend(self) -> None:
         """An output guard wants to know when alternatives wait here."""
@@ -186,9 +191,9 @@ class BroadcastEnd(In[T]):
     def enroll_input(self, choice: Choice, index: int) -> None:
         """See ``In.enroll_input``."""
         self.waiting_choice = (choice, index)
-        self._channel.readers_changed()
+        self.channel.readers_changed()
 
     def dismiss_input(self, choice: Choice) -> None:
         """See ``In.dismiss_input``."""
         self.waiting_choice = None
-        self._channel.readers_changed()
+        self.channel.readers_changed()

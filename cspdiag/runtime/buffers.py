@@ -10,7 +10,7 @@ from typing import Any
 
 from .exceptions import ChannelMisuse
 from .ports import In, Out, T
-from .scheduler import Party, scheduler
+from .scheduler import Party, Waits, scheduler
 from .selector import Selector, Watchers, lower_bits, raise_bits, without
 
 
@@ -78,9 +78,9 @@ class Buffer(In[T], Out[T]):
             return True
         return False
 
-    def waits_for(self, party: Party) -> str:
+    def waits_for(self, party: Party) -> Waits:
         """See ``In.waits_for``."""
-        return f"to {'read' if self._reader is party else 'write'} {self.name}"
+        return (("to read" if self._reader is party else "to write", self),)
 
     def take(self) -> T:
         """See ``In.take``."""

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 from .exceptions import Cancelled, ChannelMisuse
 from .meeting import Meeting
 from .ports import In, Out, T
-from .scheduler import Party, scheduler
+from .scheduler import Party, Waits, scheduler
 from .selector import Selector
 
 if TYPE_CHECKING:
@@ -125,9 +125,9 @@ class Channel(In[T], Out[T]):
             return True
         return False
 
-    def waits_for(self, party: Party) -> str:
+    def waits_for(self, party: Party) -> Waits:
         """See ``In.waits_for``."""
-        return f"to {'read' if self._reader is party else 'write'} {self.name}"
+        return (("to read" if self._reader is party else "to write", self),)
 
     def watch_input(self, selector: Selector, bit: int) -> None:
         """See ``In.watch_input``."""

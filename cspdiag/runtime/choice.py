@@ -10,6 +10,7 @@ from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from .durations import shown
 from .ports import AnyIn, AnyOut
 from .scheduler import Party, Task, scheduler
 from .selector import Selector, raise_bits
@@ -26,6 +27,9 @@ class Ready:
     def __init__(self, end: AnyIn) -> None:
         self.end = end
 
+    def __str__(self) -> str:
+        return self.end.name
+
 
 class Input:
     """Reads the end; the value is then the alternative's ``value``, or this guard's when it interrupted something."""
@@ -35,6 +39,9 @@ class Input:
     def __init__(self, end: AnyIn) -> None:
         self.end = end
         self.value: Any = None
+
+    def __str__(self) -> str:
+        return f"{self.end.name} ?"
 
 
 class Output:
@@ -46,6 +53,9 @@ class Output:
         self.end = end
         self.value = value
 
+    def __str__(self) -> str:
+        return f"{self.end.name} !"
+
 
 class After:
     """A time-out: ready when ``duration`` has passed since the alternative began."""
@@ -55,14 +65,31 @@ class After:
     def __init__(self, duration: int = 0) -> None:
         self.duration = duration
 
+    def __str__(self) -> str:
+        return f"after {shown(self.duration)}"
+
 
 class Skip:
     """Always ready."""
 
     __slots__ = ()
 
+    def __str__(self) -> str:
+        return "skip"
+
 
 Guard: TypeAlias = Ready | Input | Output | After | Skip
+
+
+def waits_of_guard(guard: Guard) -> tuple[str, Any]:
+    """An entry of ``Waits``."""
+    match guard:
+        case Ready(end=end) | Input(end=end):
+            return "to read", end
+        case Output(end=end):
+            return "to write", end
+        case _:
+            return str(guard), None
 
 
 class _TimeOut:
@@ -107,7 +134,7 @@ class Choice:
     """Guards that wait together.
 
     Bits and indexes number the guards in text order. ``chosen`` is the index of the guard that the other side has chosen for this
-    one, -1 while there is none; ``value`` is what the last input guard read.
+    one, -1 while there is none; ``mask`` are the guards that it waits with; ``value`` is what the last input guard read.
     """
 
     value: Any
@@ -121,6 +148,7 @@ class Choice:
         self.pledged: _Pledge | None = None
         self.woken = False
         self._values: Mapping[int, Any] = {}
+        self.mask = 0
         self._enrolled = 0
         self._time_outs: list[_TimeOut] = []
         self.after_guards = tuple((index, guard) for index, guard in enumerate(guards) if isinstance(guard, After))
@@ -174,6 +202,7 @@ class Choice:
     def begin_waiting(self, task: Task, mask: int, values: Mapping[int, Any], delays: Mapping[int, int]) -> None:
         """From now on the first enabled guard that becomes ready wakes the choice."""
         self.task = task
+        self.mask = mask
         self.chosen = -1
         self._values = values
         selector = self.selector

@@ -14,7 +14,7 @@ from typing import Any, TypeVar
 
 from .exceptions import Cancelled
 from .process import Process
-from .scheduler import Party, Priority, Task, scheduler
+from .scheduler import Party, Priority, Task, Waits, scheduler
 
 T = TypeVar("T")
 
@@ -80,20 +80,22 @@ class Branches:
                 task.cancel()
         return False
 
-    def waits_for(self, party: Party) -> str:
+    def waits_for(self, party: Party) -> Waits:
         """See ``Waiting.waits_for``."""
-        return "for its parallel branches to end"
+        return (("for its parallel branches to end", None),)
 
 
 def end_all(task: Task) -> None:
     """Closes the coroutines of a task and of all below it, innermost first, when a run is over."""
-    if isinstance(task.waiting, Branches) and not task.ended:
-        for branch in task.waiting.tasks:
-            end_all(branch)
-    task.ended = True
-    # Code that goes on communicating in a ``finally`` makes close() raise; nothing is left to communicate with.
-    with suppress(Exception, Cancelled):
-        task.coroutine.close()
+    tasks = [task]
+    for parent in tasks:
+        if isinstance(parent.waiting, Branches) and parent.waiting.pending:
+            tasks += [branch for branch in parent.waiting.tasks if not branch.ended]
+    for ending in reversed(tasks):
+        ending.ended = True
+        # Code that goes on communicating in a ``finally`` makes close() raise; nothing is left to communicate with.
+        with suppress(Exception, Cancelled):
+            ending.coroutine.close()
 
 
 async def _awaited(body: Awaitable[T]) -> T:
@@ -174,8 +176,8 @@ class _Delay:
     def withdraw(self, party: Party) -> bool:
         return scheduler.timers.stop(self._instant, self)
 
-    def waits_for(self, party: Party) -> str:
-        return "for a delay to pass"
+    def waits_for(self, party: Party) -> Waits:
+        return (("for a delay to pass", None),)
 
 
 @coroutine
@@ -198,8 +200,8 @@ class _Stop:
     def withdraw(self, party: Party) -> bool:
         return True
 
-    def waits_for(self, party: Party) -> str:
-        return "for ever, at stop"
+    def waits_for(self, party: Party) -> Waits:
+        return (("for ever, at stop", None),)
 
 
 @coroutine

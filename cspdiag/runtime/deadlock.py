@@ -1,54 +1,211 @@
-"""The report of a deadlock: who waits for what."""
+"""The report of a deadlock: who waits for whom.
+
+Channels do not know their users. When nothing goes on any more, they are found where they are written down: in the local variables of the coroutines
+that wait, and in the attributes of their processes. A waiting process is the partner of another if it can still come to use the channel at which that waits.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from types import CodeType, FrameType
+from typing import Any
 
 from .composition import Branches
-from .scheduler import Task
+from .durations import shown
+from .places import is_of_runtime, source_line
+from .ports import In, Out
+from .process import Process
+from .scheduler import Task, Waits
 
 
 @dataclass(frozen=True)
 class WaitingProcess:
-    """A process that can never go on: its path, the source line of its definition, and what it waits for."""
+    """A process that can never go on.
+
+    ``path`` and ``source`` are those of the process (file and line of its definition), ``place`` is the file and line at which it waits, ``waits``
+    says for what, ``channels`` are the channels' names, ``partners`` the paths of the processes that could still come there.
+    """
 
     path: str
     source: str | None
+    place: str | None
     waits: str
+    channels: tuple[str, ...]
+    partners: tuple[str, ...]
 
     def __str__(self) -> str:
-        place = "" if self.source is None else f" ({self.source})"
-        return f"{self.path}{place} waits {self.waits}"
+        name = self.path or "a process"
+        place = self.place or self.source
+        return f"{name} waits {self.waits}" + ("" if place is None else f" ({place})")
 
 
 @dataclass(frozen=True)
 class DeadlockReport:
-    """``cycle`` are the processes that wait for each other, each for the next; ``waiting`` are all that wait."""
+    """All processes that wait, and those among them that wait for each other, each for the next and the last for the first.
 
+    ``cycle`` is empty when no such ring was found: then somebody waits for what nobody does any more.
+    """
+
+    time: int
     waiting: tuple[WaitingProcess, ...]
     cycle: tuple[WaitingProcess, ...]
 
     @property
     def text(self) -> str:
         """For people, a line a process."""
-        lines = [f"  {process}" for process in self.waiting]
-        return "\n".join(["deadlock: no process can ever go on", *lines])
+        if self.cycle:
+            lines = [f"deadlock at {shown(self.time)}: {_many(len(self.cycle))} for each other"]
+            following = (*self.cycle[1:], self.cycle[0])
+            lines += [
+                f"  {process}, for {partner.path}" for process, partner in zip(self.cycle, following, strict=True)
+            ]
+            others = [process for process in self.waiting if process not in self.cycle]
+            return "\n".join(lines + ["besides:"] * bool(others) + [f"  {process}" for process in others])
+        lines = [f"deadlock at {shown(self.time)}: nothing that a process waits for can come any more"]
+        for process in self.waiting:
+            alone = "" if process.partners or not process.channels else "; no other process that still runs uses it"
+            lines.append(f"  {process}{alone}")
+        return "\n".join(lines)
 
 
-def leaves(task: Task) -> list[Task]:
-    """The tasks below ``task`` that wait for anything but their own branches, in text order."""
-    if isinstance(task.waiting, Branches) and task.waiting.pending:
-        return [leaf for branch in task.waiting.tasks if not branch.ended for leaf in leaves(branch)]
-    return [task]
+def _many(count: int) -> str:
+    return "a process waits for itself, not" if count == 1 else f"{count} processes wait"
 
 
-def report_deadlock(root: Task) -> DeadlockReport:
-    """Why nothing goes on."""
-    waiting = []
-    for task in leaves(root):
-        process = task.process
-        waits = "" if task.waiting is None else task.waiting.waits_for(task)
-        waiting.append(
-            WaitingProcess("" if process is None else process.name, None if process is None else process.source, waits)
+def report_deadlock(root: Task, now: int) -> DeadlockReport:
+    """Why nothing goes on below ``root``."""
+    tasks = list(_leaves(root))
+    uses = [_used_by(task) for task in tasks]
+    waits = [() if task.waiting is None else task.waiting.waits_for(task) for task in tasks]
+    partners = [
+        [other for other in range(len(tasks)) if other != index and _identities(wait) & uses[other]]
+        for index, wait in enumerate(waits)
+    ]
+    paths = [_path(task) for task in tasks]
+    processes = tuple(
+        WaitingProcess(
+            path=paths[index],
+            source=_source(task),
+            place=_place(task),
+            waits=_words(waits[index]),
+            channels=tuple(end.name for _, end in waits[index] if end is not None),
+            partners=tuple(paths[other] for other in partners[index]),
         )
-    return DeadlockReport(tuple(waiting), ())
+        for index, task in enumerate(tasks)
+    )
+    return DeadlockReport(now, processes, tuple(processes[index] for index in _cycle(partners)))
+
+
+def _leaves(task: Task) -> Iterator[Task]:
+    """The tasks below ``task`` that do not wait for branches of their own, in text order."""
+    pending = [task]
+    while pending:
+        task = pending.pop()
+        if isinstance(task.waiting, Branches) and task.waiting.pending:
+            pending += [branch for branch in reversed(task.waiting.tasks) if not branch.ended]
+        else:
+            yield task
+
+
+def _path(task: Task) -> str:
+    return "" if task.process is None else task.process.name
+
+
+def _words(waits: Waits) -> str:
+    return " or ".join(dict.fromkeys(words if end is None else f"{words} {end.name}" for words, end in waits))
+
+
+def _identities(waits: Waits) -> set[int]:
+    return {_identity(end) for _, end in waits if end is not None}
+
+
+def _identity(end: Any) -> int:
+    """The two sides of a broadcast are different objects."""
+    return id(getattr(end, "channel", end))
+
+
+def _frames(task: Task) -> Iterator[FrameType]:
+    """The frames of what the task executes, outermost first, but for those of the runtime."""
+    awaited: Any = task.coroutine
+    while awaited is not None:
+        frame = getattr(awaited, "cr_frame", None) or getattr(awaited, "gi_frame", None)
+        if frame is not None and not is_of_runtime(frame):
+            yield frame
+        awaited = getattr(awaited, "cr_await", None) or getattr(awaited, "gi_yieldfrom", None)
+
+
+def _place(task: Task) -> str | None:
+    frames = list(_frames(task))
+    if not frames:
+        return None
+    code, line = frames[-1].f_code, frames[-1].f_lineno
+    return source_line(code, line) or _source(task) or f"{code.co_filename}:{line}"
+
+
+def _source(task: Task) -> str | None:
+    return None if task.process is None else task.process.source
+
+
+def _used_by(task: Task) -> set[int]:
+    """Identities of the channels that the task can reach from where it waits."""
+    found: set[int] = set()
+    for frame in _frames(task):
+        names = _names_in(frame.f_code)
+        for value in frame.f_locals.values():
+            if isinstance(value, Process):
+                _collect([part for name, part in vars(value).items() if name in names], found)
+            else:
+                _collect([value], found)
+    return found
+
+
+def _names_in(code: CodeType) -> set[str]:
+    """The attributes that a function names, inner functions included."""
+    names = set(code.co_names)
+    for constant in code.co_consts:
+        if isinstance(constant, CodeType):
+            names |= _names_in(constant)
+    return names
+
+
+def _collect(values: Iterable[Any], found: set[int]) -> None:
+    pending = list(values)
+    seen: set[int] = set()
+    while pending:
+        value = pending.pop()
+        if id(value) in seen:
+            continue
+        seen.add(id(value))
+        if isinstance(value, Process):
+            pending += [part for name, part in vars(value).items() if name != "enclosing"]
+        elif isinstance(value, list | tuple):
+            pending += value
+        elif isinstance(value, dict):
+            pending += value.values()
+        elif isinstance(value, In | Out):
+            found.add(_identity(value))
+        else:
+            pending += [guard.end for guard in getattr(value, "guards", ()) if hasattr(guard, "end")]
+
+
+def _cycle(partners: list[list[int]]) -> list[int]:
+    """A cycle of the graph, or nothing; depth first without recursion."""
+    state = [0] * len(partners)  # 0: not seen, 1: on the path, 2: leads to no cycle
+    for start in range(len(partners)):
+        path: list[int] = []
+        branches: list[Iterator[int]] = []
+        if state[start] == 0:
+            path, branches, state[start] = [start], [iter(partners[start])], 1
+        while path:
+            following = next(branches[-1], None)
+            if following is None:
+                state[path.pop()] = 2
+                branches.pop()
+            elif state[following] == 1:
+                return path[path.index(following) :]
+            elif state[following] == 0:
+                state[following] = 1
+                path.append(following)
+                branches.append(iter(partners[following]))
+    return []

@@ -8,7 +8,13 @@ from __future__ import annotations
 
 
 class ProcessError(Exception):
-    """A process ended unsuccessfully; base class of the exceptions that a program declares."""
+    """A process ended unsuccessfully; base class of the exceptions that a program declares.
+
+    ``place`` names the process in which it was raised and the source line; it is filled in when the exception leaves that
+    process.
+    """
+
+    place: str | None = None
 
 
 class Timeout(ProcessError):  # noqa: N818 - the name that the language gives it
@@ -16,11 +22,7 @@ class Timeout(ProcessError):  # noqa: N818 - the name that the language gives it
 
 
 class Fault(ProcessError):  # noqa: N818 - the name that the language gives it
-    """Something that no correct program does: overflow, division by zero, a NaN written to an actuator.
-
-    ``place`` names the process in which it happened and the source line of that process; it is filled in
-    when the exception leaves the innermost process.
-    """
+    """Something that no correct program does: overflow, division by zero, a NaN written to an actuator."""
 
     def __init__(self, message: str, place: str | None = None) -> None:
         super().__init__(message)

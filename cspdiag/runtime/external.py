@@ -242,12 +242,12 @@ class EventInput(In[T]):
         self.line: Any = driver
         self.polled = driver is not None
         self.kind = kind
-        self.ends: list[EventEnd[T]] = []
+        self.ends: list[EventEnd[T]] = [] if kind == "broadcast" else [EventEnd(name)]
         self._last: Any = None
 
     def reader(self, owner: Process | None = None) -> EventEnd[T]:
         """The end of a process."""
-        if not self.ends or self.kind == "broadcast":
+        if self.kind == "broadcast":
             self.ends.append(EventEnd(self.name))
         return self.ends[-1]
 

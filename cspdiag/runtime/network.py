@@ -114,7 +114,7 @@ class _Run:
             if self._root.ended:
                 return self._ended_by_itself()
             if not self._instants.can_come():
-                return Outcome("deadlock", scheduler.now, deadlock=report_deadlock(self._root))
+                return Outcome("deadlock", scheduler.now, deadlock=report_deadlock(self._root, scheduler.now))
             instant = self._next_instant()
             until = self._until
             if until is not None and (instant is None or instant > until):

@@ -7,14 +7,14 @@ from __future__ import annotations
 
 import linecache
 import re
-from types import CodeType, TracebackType
+from types import CodeType, FrameType, TracebackType
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from .process import Process
 
 _PLACE = re.compile(r"#\s*([^\s#]+\.csp:\d+)")
-_RUNTIME = __name__.rpartition(".")[0]
+_RUNTIME = __package__
 
 
 def place_of(error: BaseException, process: Process) -> str:
@@ -23,10 +23,15 @@ def place_of(error: BaseException, process: Process) -> str:
     traceback: TracebackType | None = error.__traceback__
     while traceback is not None:
         frame = traceback.tb_frame
-        if not str(frame.f_globals.get("__name__", "")).startswith(_RUNTIME):
+        if not is_of_runtime(frame):
             place = source_line(frame.f_code, traceback.tb_lineno) or place
         traceback = traceback.tb_next
     return process.name if place is None else f"{process.name} ({place})"
+
+
+def is_of_runtime(frame: FrameType) -> bool:
+    """Whether a frame executes code of this package."""
+    return str(frame.f_globals.get("__package__", "")) == _RUNTIME
 
 
 def source_line(code: CodeType, line: int) -> str | None:

@@ -11,7 +11,7 @@ from types import coroutine
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from .exceptions import Cancelled
-from .scheduler import Party, scheduler
+from .scheduler import Party, Waits, scheduler
 
 if TYPE_CHECKING:
     from .choice import Choice
@@ -65,9 +65,9 @@ class In(Generic[T_co]):
         """Takes a waiting party back; False if it does not wait here any longer."""
         raise NotImplementedError
 
-    def waits_for(self, party: Party) -> str:
-        """What a waiting party waits for, in words."""
-        return f"to read {self.name}"
+    def waits_for(self, party: Party) -> Waits:
+        """What a waiting party waits for."""
+        return (("to read", self),)
 
     def watch_input(self, selector: Selector, bit: int) -> None:
         """Keeps ``bit`` of the selector set while a guard on this end is ready."""
@@ -116,9 +116,9 @@ class Out(Generic[T_contra]):
         """Takes a waiting party back; False if it does not wait here any longer."""
         raise NotImplementedError
 
-    def waits_for(self, party: Party) -> str:
-        """What a waiting party waits for, in words."""
-        return f"to write {self.name}"
+    def waits_for(self, party: Party) -> Waits:
+        """What a waiting party waits for."""
+        return (("to write", self),)
 
     def watch_output(self, selector: Selector, bit: int) -> None:
         """Keeps ``bit`` of the selector set while an output guard on this end is ready."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Generator
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from .exceptions import Fault
+from .exceptions import Fault, ProcessError
 from .places import place_of
 from .scheduler import scheduler
 
@@ -19,13 +19,14 @@ class Process:
     """A process: ports, parts of its own, and a ``run`` that is its composition.
 
     ``await process`` runs it; it may be run again, never twice at the same time. ``name`` is its path from the outermost process,
-    ``source`` the file and line where it was defined.
+    ``source`` the file and line where it was defined, ``enclosing`` the process that runs it.
     """
 
     def __init__(self, name: str, *, source: str | None = None) -> None:
         self.name = name
         self.source = source
         self.runs_now = False
+        self.enclosing: Process | None = None
         self._ends: list[In[Any]] = []
 
     async def run(self) -> None:
@@ -45,15 +46,15 @@ class Process:
         if self.runs_now:
             raise Fault(f"{self.name} is already running; a process never runs twice at the same time", self._place())
         task = scheduler.current
-        enclosing = task.process
+        enclosing = self.enclosing = task.process
         task.process = self
         self.runs_now = True
         self.started()
         try:
             await self.run()
-        except Fault as fault:
-            if fault.place is None:
-                fault.place = place_of(fault, self)
+        except ProcessError as error:
+            if error.place is None:
+                error.place = place_of(error, self)
             raise
         except ArithmeticError as error:
             raise Fault(str(error), place_of(error, self)) from error

@@ -57,6 +57,10 @@ class Party(Protocol):
         ...
 
 
+Waits: TypeAlias = "tuple[tuple[str, Any], ...]"
+"""What a party waits for: words (``to read``) and the end of a channel, or words alone and None; one of several is enough, or all."""
+
+
 class Waiting(Protocol):
     """What a task can wait for."""
 
@@ -64,8 +68,8 @@ class Waiting(Protocol):
         """Takes a waiting party back; False if it does not wait here any longer."""
         ...
 
-    def waits_for(self, party: Party) -> str:
-        """What the party waits for, in words, for the deadlock report."""
+    def waits_for(self, party: Party) -> Waits:
+        """What the party waits for, for the deadlock report."""
         ...
 
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeVar, overload
 
 from .exceptions import Cancelled
 from .ports import AnyIn, AnyOut, In, Out
-from .scheduler import Party, Task, scheduler
+from .scheduler import Party, Task, Waits, scheduler
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable
@@ -117,9 +117,9 @@ class _Together:
         self.waiting = []
         return True
 
-    def waits_for(self, party: Party) -> str:
+    def waits_for(self, party: Party) -> Waits:
         """See ``Waiting.waits_for``."""
-        return " and ".join(offered.end.waits_for(offered) for offered in self.waiting)
+        return tuple([wait for offered in self.waiting for wait in offered.end.waits_for(offered)])
 
 
 if TYPE_CHECKING:
