@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from cspdiag.diagnostics import Span
 from cspdiag.diagnostics.record import node
-from cspdiag.model.context import Context, nearest
+from cspdiag.model.context import Context
 from cspdiag.model.diagnostics_arguments import (
     MissingArgument,
     PositionalAfterNamed,
@@ -72,7 +72,7 @@ def _by_name(
 ) -> bool:
     receiver = receivers.get(name.text)
     if receiver is None:
-        suggestion = nearest(name.text, [other for other in receivers if other not in values])
+        suggestion = context.speller.nearest(name.text, (other for other in receivers if other not in values))
         refused = UnknownArgument(
             name.span, owner=owner, name=name.text, options=tuple(receivers), suggestion=suggestion, declared=declared
         )

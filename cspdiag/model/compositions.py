@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import assert_never
 
 from cspdiag.model.coercion import Purpose
-from cspdiag.model.context import nearest
 from cspdiag.model.declared_types import size_of
 from cspdiag.model.diagnostics_names import UnknownName, WrongKind
 from cspdiag.model.expressions import Typer
@@ -166,7 +165,7 @@ def bind_exception(typer: Typer, name: ast.Identifier) -> None:
             name.span,
             name=name.text,
             wanted="exception",
-            suggestion=nearest(name.text, (*BUILTIN_EXCEPTIONS, *declared)),
+            suggestion=context.speller.nearest(name.text, (*BUILTIN_EXCEPTIONS, *declared)),
             declared=None,
             advice=f"declare it outside the process: `exception {name.text}`",
         )

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import Literal, TypeAlias
 
 from cspdiag.diagnostics import Diagnostic, Report
 from cspdiag.diagnostics.record import node
 from cspdiag.model.program import Program, Scope
+from cspdiag.model.spelling import Speller
 from cspdiag.syntax import ast
 
 Place: TypeAlias = Literal["constant", "process", "submodel", "environment"]
@@ -23,6 +23,7 @@ class Context:
         self.program = program
         self.report = report
         self.incomplete = incomplete
+        self.speller = Speller()
         self.literals: set[ast.Node] = set()
         """Expressions of numbers only, which take the number type that their surroundings want."""
         self.sizes: dict[ast.Node, int | None] = {}
@@ -71,36 +72,3 @@ class Surroundings:
         return Surroundings(
             place=self.place, owner=self.owner, scope=self.scope, replicators=self.replicators, constant=True
         )
-
-
-def nearest(name: str, candidates: Iterable[str]) -> str | None:
-    """The candidate that ``name`` is most likely a slip of: at most one edit in three letters away, or None."""
-    if len(name) > 60:
-        return None
-    best: tuple[int, str] | None = None
-    for candidate in candidates:
-        allowed = min(min(len(name), len(candidate)) // 3, 3)
-        if best is not None:
-            allowed = min(allowed, best[0] - 1)
-        if candidate == name or abs(len(candidate) - len(name)) > allowed or len(candidate) < 2:
-            continue
-        distance = 0 if candidate.lower() == name.lower() else _edits(name.lower(), candidate.lower())
-        if distance <= allowed and distance < max(len(name), len(candidate)) - 1:
-            best = (distance, candidate)
-            if distance == 0:
-                break
-    return best[1] if best else None
-
-
-def _edits(left: str, right: str) -> int:
-    """Insertions, deletions, replacements and swaps of neighbours (optimal string alignment)."""
-    before: list[int] = []
-    row = list(range(len(right) + 1))
-    for i, a in enumerate(left, 1):
-        earlier, before, row = before, row, [i]
-        for j, b in enumerate(right, 1):
-            cost = min(before[j] + 1, row[j - 1] + 1, before[j - 1] + (a != b))
-            if i > 1 and j > 1 and a == right[j - 2] and left[i - 2] == b:
-                cost = min(cost, earlier[j - 2] + 1)
-            row.append(cost)
-    return row[-1]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from cspdiag.diagnostics import Report
 from cspdiag.model.coercion import Purpose, agrees
-from cspdiag.model.context import Context, Surroundings, nearest
+from cspdiag.model.context import Context, Surroundings
 from cspdiag.model.declared_types import declared_type
 from cspdiag.model.diagnostics_names import UnknownName, WrongKind
 from cspdiag.model.expressions import Typer
@@ -81,7 +81,9 @@ def _bind_state(typer: Typer, name: ast.Identifier) -> ast.State | None:
         )
         context.refuse(wrong, name)
     elif not context.excuses_unknown_names:
-        suggestion = nearest(name.text, [other for other, found in names.items() if isinstance(found, ast.State)])
+        suggestion = context.speller.nearest(
+            name.text, (other for other, found in names.items() if isinstance(found, ast.State))
+        )
         declared = declared_at(names[suggestion]) if suggestion else None
         advice = f"declare it by `state {name.text} : double = 0`"
         missing = UnknownName(

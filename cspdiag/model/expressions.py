@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from itertools import chain
 from typing import assert_never
 
 from cspdiag.model.arguments import matched, report_missing
 from cspdiag.model.coercion import Purpose, require
-from cspdiag.model.context import Context, Surroundings, nearest
+from cspdiag.model.context import Context, Surroundings
 from cspdiag.model.diagnostics_constants import NumberTooLarge
 from cspdiag.model.diagnostics_names import (
     NotAvailableHere,
@@ -86,13 +87,13 @@ class Typer:
     def infer(self, expression: ast.Expression) -> Type:
         """The type of an expression, recorded for it and all its parts."""
         # Chains of operators lean to the left and may be long: they are followed without recursion.
-        chain: list[ast.Binary] = []
+        operations: list[ast.Binary] = []
         while isinstance(expression, ast.Binary):
-            chain.append(expression)
+            operations.append(expression)
             expression = expression.left
         types = self.context.program.types
         found = types[expression] = self._infer(expression)
-        for operation in reversed(chain):
+        for operation in reversed(operations):
             right = self.infer(operation.right)
             found = types[operation] = binary(self.context, operation, types[operation.left], right)
         return found
@@ -230,7 +231,9 @@ class Typer:
         constants = (
             name for name, found in definitions.items() if isinstance(found, ast.Constant | ast.EnumDefinition)
         )
-        suggestion = nearest(node.name, (*surroundings.replicators, *surroundings.scope.names, *constants))
+        suggestion = self.context.speller.nearest(
+            node.name, chain(surroundings.replicators, surroundings.scope.names, constants)
+        )
         near = self.find(suggestion) if suggestion else None
         declared = declared_at(near) if near else None
         wanted = (
@@ -351,7 +354,7 @@ class Typer:
                 owner=owner,
                 wanted=wanted,
                 options=tuple(options),
-                suggestion=nearest(node.name.text, options),
+                suggestion=self.context.speller.nearest(node.name.text, options),
                 declared=declared.span if declared else None,
             ),
             node,
@@ -448,7 +451,7 @@ class Typer:
                 for found, given in self.context.program.definitions.items()
                 if isinstance(given, ast.StructDefinition)
             )
-            suggestion = nearest(name, (*FUNCTIONS, *CONVERSIONS, *structs))
+            suggestion = self.context.speller.nearest(name, chain(FUNCTIONS, CONVERSIONS, structs))
             self.context.refuse(
                 UnknownName(node.function.span, name=name, wanted="function", suggestion=suggestion, declared=None),
                 node,

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 from cspdiag.diagnostics.record import record
 from cspdiag.model.coercion import Purpose, default_number, require
-from cspdiag.model.context import nearest
 from cspdiag.model.diagnostics_arguments import UnknownOption, WrongNumberOfArguments
 from cspdiag.model.diagnostics_names import NotAvailableHere
 from cspdiag.model.diagnostics_types import (
@@ -146,7 +145,7 @@ def _positional(typer: Typer, node: ast.Call, signature: Signature) -> list[ast.
                     owner=owner,
                     option=argument.name.text,
                     options=options,
-                    suggestion=nearest(argument.name.text, options),
+                    suggestion=typer.context.speller.nearest(argument.name.text, options),
                 )
                 typer.context.refuse(refused, node)
             else:
@@ -162,7 +161,7 @@ def _positional(typer: Typer, node: ast.Call, signature: Signature) -> list[ast.
                 owner="a method of discretization",
                 option=option,
                 options=METHODS,
-                suggestion=nearest(option, METHODS),
+                suggestion=typer.context.speller.nearest(option, METHODS),
             )
             typer.context.refuse(refused, node)
             return None

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from cspdiag.model.arguments import matched, report_missing
 from cspdiag.model.coercion import Purpose
-from cspdiag.model.context import nearest
 from cspdiag.model.declared_types import size_of
 from cspdiag.model.diagnostics_names import UnknownName, WrongKind
 from cspdiag.model.expressions import Typer
@@ -41,7 +40,9 @@ def bind_definition(typer: Typer, name: ast.Identifier, kinds: Definitions, want
         context.refuse(refused, name)
     elif not context.excuses_unknown_names:
         definitions = context.program.definitions
-        suggestion = nearest(name.text, [other for other, found in definitions.items() if isinstance(found, kinds)])
+        suggestion = context.speller.nearest(
+            name.text, (other for other, found in definitions.items() if isinstance(found, kinds))
+        )
         declared = definitions[suggestion].name.span if suggestion else None
         _article, kind = wanted.split(" ", 1)
         missing = UnknownName(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from cspdiag.model.coercion import Purpose
-from cspdiag.model.context import nearest
 from cspdiag.model.diagnostics_names import UnknownMember, UnknownName, WrongKind
 from cspdiag.model.diagnostics_types import NotIndexed, noun
 from cspdiag.model.expressions import Typer, array_of_ports
@@ -27,7 +26,9 @@ def find(typer: Typer, reference: ast.Reference, wanted: str, kinds: tuple[type,
             refuse_kind(typer, reference, definition, wanted)
         elif not context.excuses_unknown_names:
             names = typer.surroundings.scope.names
-            suggestion = nearest(name, [other for other, found in names.items() if isinstance(found, kinds)])
+            suggestion = context.speller.nearest(
+                name, (other for other, found in names.items() if isinstance(found, kinds))
+            )
             declared = declared_at(names[suggestion]) if suggestion else None
             missing = UnknownName(
                 reference.name.span,
@@ -152,7 +153,7 @@ def _port_of(typer: Typer, reference: ast.Reference, instance: ast.Instance) -> 
             owner=f"`{instance.name.text}`, an instance of `{instance.definition.text}`,",
             wanted="port",
             options=tuple(scope.ports),
-            suggestion=nearest(member.text, scope.ports),
+            suggestion=typer.context.speller.nearest(member.text, scope.ports),
             declared=declared_at(definition),
         )
         typer.context.refuse(refused, reference)

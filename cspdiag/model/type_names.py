@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from itertools import chain
+
 from cspdiag.diagnostics import Span
-from cspdiag.model.context import Context, nearest
+from cspdiag.model.context import Context
 from cspdiag.model.diagnostics_names import UnknownName, WrongKind
 from cspdiag.model.diagnostics_types import UnitNotAllowed, UnknownUnit
 from cspdiag.model.functions import integer_named, near_unit
@@ -73,7 +75,7 @@ def _defined_type(context: Context, name: ast.TypeName) -> Type:
             if isinstance(found, ast.EnumDefinition | ast.StructDefinition | ast.TypeAliasDefinition)
         )
         known = {"real": "double", "integer": "int", "boolean": "bool", "float64": "double", "string": "text"}
-        suggestion = known.get(text) or nearest(text, (*TYPE_NAMES, *types))
+        suggestion = known.get(text) or context.speller.nearest(text, chain(TYPE_NAMES, types))
         near = program.definitions.get(suggestion) if suggestion else None
         declared = declared_at(near) if near is not None else None
         refused = UnknownName(name.name.span, name=text, wanted="type", suggestion=suggestion, declared=declared)

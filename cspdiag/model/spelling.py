@@ -1,0 +1,51 @@
+"""Which name was probably meant."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+_LONGEST = 60
+
+
+class Speller:
+    """Finds near names as long as that is quick: a text full of unknown names gets no more help than a person would read."""
+
+    def __init__(self, comparisons: int = 100_000, measurements: int = 5_000) -> None:
+        self._comparisons = comparisons
+        self._measurements = measurements
+
+    def nearest(self, name: str, candidates: Iterable[str]) -> str | None:
+        """The candidate that ``name`` is most likely a slip of, or None: at most one edit in three letters away."""
+        if len(name) > _LONGEST:
+            return None
+        best: str | None = None
+        least = 4
+        lowered = name.lower()
+        for candidate in candidates:
+            self._comparisons -= 1
+            if self._comparisons < 0 or self._measurements < 0:
+                break
+            allowed = min(min(len(name), len(candidate)) // 3, least - 1)
+            if candidate == name or allowed < 0 or abs(len(candidate) - len(name)) > allowed or len(candidate) < 2:
+                continue
+            self._measurements -= 1
+            distance = edits(lowered, candidate.lower())
+            if distance <= allowed:
+                best, least = candidate, distance
+                if distance == 0:
+                    break
+        return best
+
+
+def edits(left: str, right: str) -> int:
+    """Insertions, deletions, replacements and swaps of neighbours (optimal string alignment)."""
+    before: list[int] = []
+    row = list(range(len(right) + 1))
+    for i, a in enumerate(left, 1):
+        earlier, before, row = before, row, [i]
+        for j, b in enumerate(right, 1):
+            cost = min(before[j] + 1, row[j - 1] + 1, before[j - 1] + (a != b))
+            if i > 1 and j > 1 and a == right[j - 2] and left[i - 2] == b:
+                cost = min(cost, earlier[j - 2] + 1)
+            row.append(cost)
+    return row[-1]
