@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 from cspdiag.diagnostics import Diagnostic, Span
 from cspdiag.diagnostics.record import node
-from cspdiag.model.diagnostics_types import WrongScale, WrongType, WrongUnit, conversion_help, noun
+from cspdiag.model.diagnostics_types import WrongType
+from cspdiag.model.diagnostics_units import WrongScale, WrongUnit
 from cspdiag.model.types import (
     DOUBLE,
     TIME,
@@ -19,6 +20,7 @@ from cspdiag.model.types import (
     UnknownType,
 )
 from cspdiag.model.units import DIMENSIONLESS, SECOND, agree, same_dimension
+from cspdiag.model.wording import conversion_help, noun
 from cspdiag.syntax import ast
 
 if TYPE_CHECKING:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from cspdiag.diagnostics import Diagnostic, Label, Span
 from cspdiag.diagnostics.record import record
-from cspdiag.model.diagnostics_types import noun
 from cspdiag.model.types import IntType, RealType, Type
+from cspdiag.model.wording import noun
 
 
 @record

@@ -8,15 +8,10 @@ from typing import assert_never
 from cspdiag.model.arguments import matched, report_missing
 from cspdiag.model.coercion import Purpose, require
 from cspdiag.model.context import Context, Surroundings
+from cspdiag.model.diagnostics_availability import NotAvailableHere, NotConstant
 from cspdiag.model.diagnostics_constants import NumberTooLarge
-from cspdiag.model.diagnostics_names import (
-    NotAvailableHere,
-    NotConstant,
-    UnknownMember,
-    UnknownName,
-    WrongKind,
-)
-from cspdiag.model.diagnostics_types import NotCondition, NotIndexed, noun
+from cspdiag.model.diagnostics_names import UnknownMember, UnknownName, WrongKind
+from cspdiag.model.diagnostics_types import NotCondition, NotIndexed
 from cspdiag.model.functions import FUNCTIONS, call, conversion
 from cspdiag.model.operators import binary, unary, unified
 from cspdiag.model.program import BuiltinSymbol, EndLabelSymbol, EnumLiteralSymbol, PortSymbol, Symbol
@@ -39,6 +34,7 @@ from cspdiag.model.types import (
     UnknownType,
 )
 from cspdiag.model.units import HERTZ, SECOND
+from cspdiag.model.wording import noun
 from cspdiag.syntax import ast
 
 SECONDS = RealType(unit=SECOND)

@@ -7,14 +7,9 @@ from typing import TYPE_CHECKING
 from cspdiag.diagnostics.record import record
 from cspdiag.model.coercion import Purpose, default_number, require
 from cspdiag.model.diagnostics_arguments import UnknownOption, WrongNumberOfArguments
-from cspdiag.model.diagnostics_names import NotAvailableHere
-from cspdiag.model.diagnostics_types import (
-    BrokenPower,
-    NotConvertible,
-    NotDimensionless,
-    UnknownUnit,
-    UnsuitableOperand,
-)
+from cspdiag.model.diagnostics_availability import NotAvailableHere
+from cspdiag.model.diagnostics_types import UnsuitableOperand
+from cspdiag.model.diagnostics_units import BrokenPower, NotConvertible, NotDimensionless, UnknownUnit
 from cspdiag.model.operators import unified
 from cspdiag.model.types import (
     DOUBLE,

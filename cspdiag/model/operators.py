@@ -5,15 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, assert_never
 
 from cspdiag.model.coercion import adapt, agrees, is_bare_zero
-from cspdiag.model.diagnostics_types import (
-    BrokenPower,
-    DifferentTypes,
-    MixedNumbers,
-    MixedUnits,
-    NotCondition,
-    NotDimensionless,
-    UnsuitableOperand,
-)
+from cspdiag.model.diagnostics_types import DifferentTypes, MixedNumbers, NotCondition, UnsuitableOperand
+from cspdiag.model.diagnostics_units import BrokenPower, MixedUnits, NotDimensionless
 from cspdiag.model.types import (
     BOOL,
     INT,

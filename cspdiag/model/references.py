@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from cspdiag.model.coercion import Purpose
 from cspdiag.model.diagnostics_names import UnknownMember, UnknownName, WrongKind
-from cspdiag.model.diagnostics_types import NotIndexed, noun
+from cspdiag.model.diagnostics_types import NotIndexed
 from cspdiag.model.expressions import Typer, array_of_ports
 from cspdiag.model.program import EndLabelSymbol, PortSymbol, Scope, Symbol
 from cspdiag.model.symbols import declared_at, described
 from cspdiag.model.types import INT, UNKNOWN, ArrayType, Type
+from cspdiag.model.wording import noun
 from cspdiag.syntax import ast
 
 

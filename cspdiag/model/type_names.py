@@ -7,7 +7,7 @@ from itertools import chain
 from cspdiag.diagnostics import Span
 from cspdiag.model.context import Context
 from cspdiag.model.diagnostics_names import UnknownName, WrongKind
-from cspdiag.model.diagnostics_types import UnitNotAllowed, UnknownUnit
+from cspdiag.model.diagnostics_units import UnitNotAllowed, UnknownUnit
 from cspdiag.model.functions import integer_named, near_unit
 from cspdiag.model.program import Symbol
 from cspdiag.model.symbols import TYPE_NAMES, declared_at, described

@@ -1,0 +1,41 @@
+"""How messages speak of types, and of the conversions between them."""
+
+from __future__ import annotations
+
+from cspdiag.diagnostics import Span
+from cspdiag.model.types import IntType, RealType, TimeType, Type
+
+
+def noun(found: Type) -> str:
+    """A type with its article: ``an int``, ``a double<rad>``."""
+    text = str(found)
+    return f"an {text}" if text[0] in "aeioAEIO" else f"a {text}"
+
+
+def conversion_help(found: Type, wanted: Type, written: str) -> str | None:
+    """How ``written``, which is ``found``, is turned into what is wanted; None where it cannot."""
+    shown = written if len(written) <= 30 and "\n" not in written else "x"
+    match found, wanted:
+        case RealType(), RealType() if found.unit.exponents == wanted.unit.exponents:
+            if found.unit.scale != wanted.unit.scale:
+                return f"write `convert({shown}, {wanted.unit})`"
+            if found.bits != wanted.bits:
+                return f"write `{'double' if wanted.bits == 64 else 'float'}({shown})`"
+        case ((IntType() | RealType()), (IntType() | RealType())):
+            if isinstance(wanted, RealType) and not wanted.unit.is_dimensionless and isinstance(found, IntType):
+                return f"write `double({shown}) * 1<{wanted.unit}>`"
+            if isinstance(found, IntType) or found.unit.is_dimensionless:
+                name = str(wanted) if isinstance(wanted, IntType) else "double" if wanted.bits == 64 else "float"
+                return f"write `{name}({shown})`"
+        case ((IntType() | RealType()), TimeType()) if written.replace(".", "", 1).isdigit():
+            return f"write it as a duration, such as `{written} s`"
+        case TimeType(), RealType():
+            return f"`double({shown})` is this time in seconds, a double<s>"
+        case _:
+            pass
+    return None
+
+
+def shortened(span: Span) -> str:
+    """The text of a place, or ``x`` where that is long."""
+    return span.text if len(span.text) <= 30 and "\n" not in span.text else "x"
