@@ -75,6 +75,16 @@ class Analysis:
             self._check_samples(placed)
         return outermost
 
+    def law_samples(self) -> set[tuple[ast.SubmodelDefinition, int]]:
+        """The submodels that were met, with the sample periods at which they run."""
+        return {
+            (definition, placed.samples[instance.name])
+            for placed in self.contexts.placed
+            for instance in placed.shape.instances.values()
+            if instance.name in placed.samples
+            and isinstance(definition := instance.shape.definition, ast.SubmodelDefinition)
+        }
+
     def inside_out(self) -> list[Shape]:
         """The shapes of processes, each after those of its instances."""
         processes = [shape for shape in self.elaboration.shapes if not shape.is_submodel]

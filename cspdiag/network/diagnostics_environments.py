@@ -83,7 +83,7 @@ class IncompleteEnvironment(Diagnostic):
 
     @property
     def labels(self) -> tuple[Label, ...]:
-        return tuple(Label(span, f"`{name}` is declared here") for name, _, span in self.ports)
+        return tuple(Label(span, f"`{name.partition('[')[0]}` is declared here") for name, _, span in self.ports)
 
 
 @record
@@ -163,7 +163,7 @@ class UnconnectedInputs(Diagnostic):
 
     @property
     def labels(self) -> tuple[Label, ...]:
-        return tuple(Label(span, f"`{name}` is declared here") for name, span in self.ports)
+        return tuple(Label(span, f"`{name.partition('[')[0]}` is declared here") for name, span in self.ports)
 
 
 @record
@@ -379,7 +379,7 @@ class SharedPort(Diagnostic):
 
         process Constant {
           out voltage : double<V> @ 10 ms
-          composition { mu voltage ! 1<V> }
+          composition { mu (voltage ! 1<V> ; wait 10 ms) }
         }
 
         environment Bench for Constant {
@@ -396,7 +396,7 @@ class SharedPort(Diagnostic):
 
         process Constant {
           out voltage : double<V> @ 10 ms
-          composition { mu voltage ! 1<V> }
+          composition { mu (voltage ! 1<V> ; wait 10 ms) }
         }
 
         environment Bench for Constant {
@@ -496,7 +496,7 @@ class StepNotPositive(Diagnostic):
 
         process Constant {
           out voltage : double<V> @ 10 ms
-          composition { mu voltage ! 1<V> }
+          composition { mu (voltage ! 1<V> ; wait 10 ms) }
         }
 
         environment Bench for Constant step 0 ms {
@@ -507,7 +507,7 @@ class StepNotPositive(Diagnostic):
 
         process Constant {
           out voltage : double<V> @ 10 ms
-          composition { mu voltage ! 1<V> }
+          composition { mu (voltage ! 1<V> ; wait 10 ms) }
         }
 
         environment Bench for Constant step 1 ms {
@@ -534,7 +534,7 @@ class UnknownMissPolicy(Diagnostic):
 
         process Constant {
           out voltage : double<V> @ 10 ms
-          composition { mu voltage ! 1<V> }
+          composition { mu (voltage ! 1<V> ; wait 10 ms) }
         }
 
         environment Bench for Constant on miss ignore {
@@ -545,7 +545,7 @@ class UnknownMissPolicy(Diagnostic):
 
         process Constant {
           out voltage : double<V> @ 10 ms
-          composition { mu voltage ! 1<V> }
+          composition { mu (voltage ! 1<V> ; wait 10 ms) }
         }
 
         environment Bench for Constant on miss count {

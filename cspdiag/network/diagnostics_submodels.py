@@ -42,6 +42,7 @@ class AlgebraicLoop(Diagnostic):
 
     loop: tuple[tuple[str, Span], ...]
     """Name and place of each equation, each reading the next and the last the first."""
+    in_environment: bool = False
 
     @property
     def message(self) -> str:
@@ -56,15 +57,19 @@ class AlgebraicLoop(Diagnostic):
 
     @property
     def labels(self) -> tuple[Label, ...]:
-        following = [*self.loop[2:], self.loop[0]]
-        return tuple(
-            Label(span, f"`{name}` reads `{other}`")
-            for (name, span), (other, _) in zip(self.loop[1:], following, strict=True)
-        )
+        following = [*self.loop[1:], self.loop[0]]
+        pairs = list(zip(self.loop, following, strict=True))[1:]
+        return tuple(Label(span, f"`{name}` reads `{other}`") for (name, span), (other, _) in pairs)
 
     @property
     def help(self) -> str:
-        return f"take one of them from the sample before, for example `pre({self.loop[-1][0]}, 0)`, or make it a state"
+        if self.in_environment:
+            return (
+                "let one of these submodels put out its value of the sample before, `pre(x, 0)`, or keep it in a state"
+            )
+        names = [name for name, _ in self.loop]
+        name = min(reversed(names), key=lambda name: (name.count("."), not name.replace(".", "").isidentifier()))
+        return f"take one of them from the sample before, for example `pre({name}, 0)`, or make it a state"
 
 
 @record
@@ -309,7 +314,7 @@ class TimeOutsideEnvironment(Diagnostic):
             ramp : Ramp
             ramp.y -> y
           }
-          composition { mu ramp }
+          composition { mu (ramp ; wait 10 ms) }
         }
 
     Mended::
@@ -329,7 +334,7 @@ class TimeOutsideEnvironment(Diagnostic):
             ramp : Ramp
             ramp.y -> y
           }
-          composition { mu ramp }
+          composition { mu (ramp ; wait 10 ms) }
         }
     """
 
@@ -388,16 +393,58 @@ class StepNotPositive(Diagnostic):
 class TooManyEquations(Diagnostic):
     """Nested submodels unfold to more equations than can be handled.
 
-    Every instance of a submodel brings its own equations. Nested in several levels these multiply.
+    Every instance of a submodel brings its own equations, so that nested in several levels they multiply. One outermost submodel or
+    environment may have 20 000.
 
-    The limit is 200 000 equations in one outermost submodel or environment.
+    Refused::
+
+        submodel Cell {
+          out y : double
+          y = 1
+        }
+
+        submodel Row {
+          out y : double
+          cell[150] : Cell
+          y = cell[0].y
+        }
+
+        submodel Field {
+          out y : double
+          row[150] : Row
+          y = row[0].y
+        }
+
+    Mended::
+
+        submodel Cell {
+          out y : double
+          y = 1
+        }
+
+        submodel Row {
+          out y : double
+          cell[150] : Cell
+          y = cell[0].y
+        }
+
+        submodel Field {
+          out y : double
+          row[15] : Row
+          y = row[0].y
+        }
     """
 
     code = "E0461"
     title = "too many equations"
 
     submodel: str
+    limit: int
 
     @property
     def message(self) -> str:
-        return f"the submodels nested in `{self.submodel}` have more than 200000 equations in all"
+        return f"the submodels nested in `{self.submodel}` have more than {self.limit} equations in all"
+
+    @property
+    def help(self) -> str:
+        return "compute them in a body in another language, or divide them over several submodels of a process"

@@ -94,7 +94,7 @@ def _held(
     dynamics: numpy.ndarray[Any, Any], entrance: numpy.ndarray[Any, Any], sample: float
 ) -> tuple[numpy.ndarray[Any, Any], numpy.ndarray[Any, Any]]:
     """Increment of the state over a sample with the input held: (exp(A·T) - I, its integral times B)."""
-    import control
+    import control  # type: ignore[import-untyped]
     import numpy
 
     order, width = entrance.shape

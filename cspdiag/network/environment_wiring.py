@@ -52,10 +52,11 @@ class Terminal:
 
 @node
 class Wire:
-    """One source and one sink; ``span`` is that of the sink's reference."""
+    """One source and one sink, and where they are named."""
 
     source: Terminal
     sink: Terminal
+    source_span: Span
     span: Span
 
 
@@ -158,15 +159,15 @@ class _Drawing:
                     continue
                 sinks = self._terminals(sink, values, "in")
                 for one, other in zip(sources or (), sinks or (), strict=False):
-                    self._wire(one, other, sink.span)
+                    self._wire(Wire(source=one, sink=other, source_span=source.span, span=sink.span))
 
-    def _wire(self, source: Terminal, sink: Terminal, span: Span) -> None:
-        ends = [self.members.get(terminal.member) for terminal in (source, sink)]
+    def _wire(self, wire: Wire) -> None:
+        ends = [self.members.get(terminal.member) for terminal in (wire.source, wire.sink)]
         drivers = [end for end in ends if end is not None and end.is_driver]
         if drivers and all(ends):
-            self.report.add(DriverToSubmodel(span, drivers[0].name, source.name, sink.name))
-            return
-        self.wires.append(Wire(source=source, sink=sink, span=span))
+            self.report.add(DriverToSubmodel(wire.span, drivers[0].name, wire.source.name, wire.sink.name))
+        else:
+            self.wires.append(wire)
 
     def _terminals(
         self, reference: ast.Reference, values: Mapping[ast.Node, Value], role: Direction
@@ -214,7 +215,8 @@ class _Drawing:
         for wire in self.wires:
             first = sources.setdefault(wire.sink, wire)
             if first is not wire:
-                self.report.add(TwoSources(wire.span, wire.sink.name, first.source.name, wire.source.name, first.span))
+                names = wire.sink.name, first.source.name, wire.source.name
+                self.report.add(TwoSources(wire.source_span, *names, first.source_span))
                 continue
             for own, other in ((wire.source, wire.sink), (wire.sink, wire.source)):
                 if own.member:

@@ -34,14 +34,20 @@ def check(program: Program, definition: ast.EnvironmentDefinition, report: Repor
     process = program.bindings.get(definition.process)
     if definition in program.poisoned or not isinstance(process, ast.ProcessDefinition):
         return
-    values = _process_values(program, process, definition, report)
-    drawn = wiring(program, definition, values, report)
-    step = _step(program, definition, (), report)
-    _miss_policy(definition, report)
-    _refuse_gaps(program, definition, process, drawn, values, report)
-    if not report.has_errors:
-        ports = _open_ports(program, process, values, report)
-        _system(program, definition, drawn, ports, step, {}, report, concrete=False)
+    own = Report()
+    values = _process_values(program, process, definition, own)
+    drawn = wiring(program, definition, values, own)
+    doubtful = own.has_errors or any(item in program.poisoned for item in _references(definition))
+    step = _step(program, definition, (), own)
+    _miss_policy(definition, own)
+    if not doubtful:
+        # What is in doubt may be what seems to be missing.
+        _refuse_gaps(program, definition, process, drawn, values, own)
+    if not own.has_errors:
+        ports = _open_ports(program, process, values, own)
+        _system(program, definition, drawn, ports, step, {}, own, concrete=False)
+    for diagnostic in own.diagnostics:
+        report.add(diagnostic)
 
 
 def lower_environment(
@@ -133,32 +139,31 @@ def _refuse_gaps(
     values: Mapping[ast.Node, Value],
     report: Report,
 ) -> None:
-    """Every port of the process is connected, and every input of a member; silent where relationships are in doubt."""
-    doubtful = any(item in program.poisoned for item in _references(definition)) or report.has_errors
-    if doubtful:
-        return
+    """Every port of the process is connected, and every input of a member."""
     connected = {terminal.name for wire in drawn.wires for terminal in (wire.source, wire.sink)} | drawn.discarded
 
-    def gaps(ports: Scope, prefix: str, around: Mapping[ast.Node, Value], *, both: bool) -> list[PortSymbol]:
-        return [
-            symbol
-            for symbol in ports.ports.values()
-            if (both or symbol.declaration.direction == "in")
-            and symbol.declaration.default is None
-            and any(prefix + name not in connected for name in elements_of(program, symbol, around, report))
-        ]
+    def gaps(definition: ast.Node, prefix: str, around: Mapping[ast.Node, Value]) -> list[tuple[str, PortSymbol]]:
+        found = []
+        for symbol in program.scopes.get(definition, Scope()).ports.values():
+            names = elements_of(program, symbol, around, report)
+            missing = [name for name in names if prefix + name not in connected]
+            if missing and symbol.declaration.default is None:
+                found += [(name, symbol) for name in ([symbol.name] if len(missing) == len(names) else missing)]
+        return found
 
-    missing = gaps(program.scopes.get(process, Scope()), "", values, both=True)
+    missing = gaps(process, "", values)
     if missing:
-        names = tuple((symbol.name, symbol.declaration.direction, symbol.port.span) for symbol in missing)
-        report.add(IncompleteEnvironment(definition.name.span, definition.name.text, process.name.text, names))
+        ports = tuple((name, symbol.declaration.direction, symbol.port.span) for name, symbol in missing)
+        report.add(IncompleteEnvironment(definition.name.span, definition.name.text, process.name.text, ports))
     for member in drawn.members.values():
-        scope = program.scopes.get(member.definition, Scope())
         inner = {**member.values, **_argument_values(program, member, {}, report)}
-        unconnected = gaps(scope, f"{member.name}.", inner, both=False)
+        unconnected = [
+            (name, symbol.port.span)
+            for name, symbol in gaps(member.definition, f"{member.name}.", inner)
+            if symbol.declaration.direction == "in"
+        ]
         if unconnected:
-            ports = tuple((symbol.name, symbol.port.span) for symbol in unconnected)
-            report.add(UnconnectedInputs(member.declaration.name.span, member.name, ports))
+            report.add(UnconnectedInputs(member.declaration.name.span, member.name, tuple(unconnected)))
 
 
 def _references(definition: ast.EnvironmentDefinition) -> list[ast.Node]:

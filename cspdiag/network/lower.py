@@ -45,7 +45,7 @@ def check(program: Program, report: Report) -> None:
             analysis.add_root(definition, _by_name(values), {}, is_open=definition not in main)
     analysis.run()
     check_release(program, report)
-    submodels.check(program, report)
+    submodels.check(program, report, analysis.law_samples())
     external_bodies.check(program, report)
     for environment in _environments(program):
         environments.check(program, environment, report)

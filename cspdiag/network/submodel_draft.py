@@ -65,6 +65,8 @@ class Draft:
         self.linear_operators: list[LinearOperator] = []
         self.held: set[str] = set()
         """Outputs of discrete operators, which keep their value over the sub-steps of an integration."""
+        self.written: dict[str, str] = {}
+        """How the operators that the compiler names are written in the text."""
         self.kept: set[str] = set()
         """Signals of a closed system that are kept although nothing needs them."""
         self.methods: list[str] = []

@@ -37,7 +37,7 @@ from cspdiag.network.submodel_draft import SECONDS, Draft
 from cspdiag.network.submodel_operators import PARAMETERS, Application, realize
 from cspdiag.syntax import ast
 
-MOST_EQUATIONS = 200_000
+MOST_EQUATIONS = 20_000
 
 
 @node
@@ -85,7 +85,7 @@ class Inlining:
         """Add the states and equations of the definition; inputs are left to who instantiates it."""
         if len(self.draft.equations) > MOST_EQUATIONS:
             name = self.surroundings.path[0].name if self.surroundings.path else self.definition.name
-            self.report.add(TooManyEquations(name.span, name.text))
+            self.report.add(TooManyEquations(name.span, name.text, MOST_EQUATIONS))
             self.draft.complete = False
             return
         if self.program.poisoned.intersection((self.definition, *self.definition.items)):
@@ -384,6 +384,8 @@ class Inlining:
         else:
             self.counts[name] = self.counts.get(name, 0) + 1
             output = base = self.draft.unique(f"{self.prefix}{name}_{self.counts[name]}")
+            text = expression.span.text
+            self.draft.written[output] = text if len(text) <= 40 and "\n" not in text else f"{name}(...)"
         use = Application(
             operator=name,
             arguments=arguments,

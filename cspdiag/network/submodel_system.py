@@ -34,8 +34,7 @@ def complete(system: SubmodelClass, draft: Draft, report: Report) -> SubmodelCla
     }
     order = ordered(list(draft.equations.values()))
     for loop in order.loops:
-        places = tuple((item.name, item.span) for item in loop)
-        report.add(AlgebraicLoop(loop[0].span, places))
+        report.add(_shown(loop, draft))
     if order.loops or not draft.complete:
         return None
     constants, equations = _constants_apart(order.items, outputs)
@@ -59,6 +58,14 @@ def complete(system: SubmodelClass, draft: Draft, report: Report) -> SubmodelCla
         method="euler" if draft.methods and set(draft.methods) == {"euler"} else "rk4",
         step=min(draft.steps, default=None),
     )
+
+
+def _shown(loop: tuple[Item, ...], draft: Draft) -> AlgebraicLoop:
+    """A loop, told from the outermost of its equations on; what the compiler named is shown as it was written."""
+    start = min(range(len(loop)), key=lambda index: loop[index].name.count("."))
+    turned = loop[start:] + loop[:start]
+    places = tuple((draft.written.get(item.name, item.name), item.span) for item in turned)
+    return AlgebraicLoop(turned[0].span, places, in_environment=draft.closed)
 
 
 def _constants_apart(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 from cspdiag.diagnostics import Report
 from cspdiag.diagnostics.record import node
@@ -119,14 +119,18 @@ def needs_sample(program: Program, definition: ast.SubmodelDefinition) -> bool:
     return False
 
 
-def check(program: Program, report: Report) -> None:
+def check(program: Program, report: Report, samples: Iterable[tuple[ast.SubmodelDefinition, int]] = ()) -> None:
     """Flatten, without numbers, every submodel that runs in a process and every one of the text that runs nowhere.
 
-    What is inside others is checked with them.
+    What is inside others is checked with them. ``samples`` are submodels with a sample period at which they run, as far as known.
     """
     in_processes, elsewhere = _uses(program)
+    periods: dict[ast.SubmodelDefinition, list[int | None]] = {}
+    for definition, period in samples:
+        periods.setdefault(definition, []).append(period)
     for definition in in_processes:
-        flatten(program, definition, {}, None, report, discretize=False)
+        for sample in periods.get(definition, [None]):
+            flatten(program, definition, {}, sample, report, discretize=False)
     libraries = {item for tree in program.trees if tree.source.name.startswith("std/") for item in tree.items}
     for candidate in program.definitions.values():
         is_used = candidate in in_processes or candidate in elsewhere or candidate in libraries
