@@ -22,6 +22,9 @@ N = TypeVar("N", int, float)
 INFINITY = math.inf
 NOT_A_NUMBER = math.nan
 
+_ALL_WHOLE = 2.0**52
+"""From here on every double is a whole number."""
+
 
 def _integer_type(name: str, low: int, high: int) -> Callable[[float], int]:
     def convert(value: float) -> int:
@@ -190,10 +193,15 @@ def ceil(x: float) -> float:
 
 def nearest(x: float) -> float:
     """The nearest whole number, halves away from zero, as C's ``round``."""
-    if not math.isfinite(x) or abs(x) >= 2**52:
-        return x
-    whole = math.floor(abs(x))
-    return math.copysign(whole + 1.0 if abs(x) - whole >= 0.5 else float(whole), x)
+    if -_ALL_WHOLE < x < _ALL_WHOLE:
+        whole = float(int(x))
+        fraction = x - whole  # exact
+        if fraction >= 0.5:
+            whole += 1.0
+        elif fraction <= -0.5:
+            whole -= 1.0
+        return math.copysign(whole, x)
+    return x
 
 
 def limit(x: N, low: N, high: N) -> N:
@@ -210,7 +218,7 @@ def sign(x: N) -> N:
 
 def quantize(x: float, step: float) -> float:
     """The nearest multiple of ``step``, halves away from zero; a NaN for step 0, as IEEE."""
-    return nearest(quotient(float(x), float(step))) * step
+    return nearest(x / step) * step if step else NOT_A_NUMBER
 
 
 def deadzone(x: float, width: float) -> float:

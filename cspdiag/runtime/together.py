@@ -32,11 +32,18 @@ class _Offered:
 
     __slots__ = ("_together", "end", "position", "received")
 
-    def __init__(self, together: _Together, position: int, end: AnyIn | AnyOut) -> None:
+    end: AnyIn | AnyOut
+    position: int
+
+    def __init__(self, together: _Together) -> None:
         self._together = together
+        self.received: Any = None
+
+    def waits(self, position: int, end: AnyIn | AnyOut) -> None:
+        """It was parked at ``end``."""
         self.position = position
         self.end = end
-        self.received: Any = None
+        self._together.waiting.append(self)
 
     @property
     def process(self) -> Process | None:
@@ -72,18 +79,6 @@ class _Together:
         self.error: Exception | None = None
         self.waiting: list[_Offered] = []
 
-    def read(self, position: int, end: AnyIn) -> None:
-        offered = _Offered(self, position, end)
-        if end.request(offered):
-            self.values[position] = offered.received
-        else:
-            self.waiting.append(offered)
-
-    def write(self, position: int, end: AnyOut, value: Any) -> None:
-        offered = _Offered(self, position, end)
-        if not end.offer(offered, value):
-            self.waiting.append(offered)
-
     def done(self, offered: _Offered) -> None:
         self.values[offered.position] = offered.received
         self.waiting.remove(offered)
@@ -101,13 +96,12 @@ class _Together:
                 offered.end.withdraw(offered)
         self.waiting = [] if keep is None else [keep]
 
-    def wait(self) -> Generator[None, None, list[Any]]:
-        if self.waiting:
-            self.task.waiting = self
-            yield
-            if self.error is not None:
-                raise self.error
-        return self.values
+    def wait(self) -> Generator[None, None, None]:
+        """Waits for the communications that are not done."""
+        self.task.waiting = self
+        yield
+        if self.error is not None:
+            raise self.error
 
     def withdraw(self, party: Party) -> bool:
         """See ``Waiting.withdraw``. If all communications are done, the task is ready."""
@@ -151,26 +145,38 @@ else:
     def read_all(*ends: AnyIn) -> Generator[None, None, tuple[Any, ...]]:
         """Reads all ends at once, begun in the order given; a tuple of their values."""
         together = _together(len(ends))
+        values = together.values
+        offered = _Offered(together)
         try:
             for position, end in enumerate(ends):
-                together.read(position, end)
+                if end.request(offered):
+                    values[position] = offered.received
+                else:
+                    offered.waits(position, end)
+                    offered = _Offered(together)
         except BaseException:
             together.give_up()
             raise
-        return tuple((yield from together.wait()))
+        if together.waiting:
+            yield from together.wait()
+        return tuple(values)
 
 
 @coroutine
 def write_all(*outputs: tuple[Out[Any], Any]) -> Generator[None, None, None]:
     """Writes pairs of an end and a value all at once, begun in the order given; ends when all were taken."""
     together = _together(len(outputs))
+    offered = _Offered(together)
     try:
         for position, (end, value) in enumerate(outputs):
-            together.write(position, end, value)
+            if not end.offer(offered, value):
+                offered.waits(position, end)
+                offered = _Offered(together)
     except BaseException:
         together.give_up()
         raise
-    yield from together.wait()
+    if together.waiting:
+        yield from together.wait()
 
 
 def _together(size: int) -> _Together:
