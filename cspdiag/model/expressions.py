@@ -1,21 +1,21 @@
-"""Types of expressions: names, members, indexes and values; operators and functions are next door."""
+"""Types of expressions: numbers and names here; members, calls and operators are next door."""
 
 from __future__ import annotations
 
 from itertools import chain
 from typing import assert_never
 
-from cspdiag.model.arguments import matched, report_missing
+from cspdiag.model.calls import call
 from cspdiag.model.coercion import Purpose, require
 from cspdiag.model.context import Context, Surroundings
 from cspdiag.model.diagnostics_availability import NotAvailableHere, NotConstant
 from cspdiag.model.diagnostics_constants import NumberTooLarge
-from cspdiag.model.diagnostics_names import UnknownMember, UnknownName, WrongKind
-from cspdiag.model.diagnostics_types import NotCondition, NotIndexed
-from cspdiag.model.functions import FUNCTIONS, call, conversion
+from cspdiag.model.diagnostics_names import UnknownName, WrongKind
+from cspdiag.model.diagnostics_types import NotCondition
+from cspdiag.model.members import array_of_ports, index, member
 from cspdiag.model.operators import binary, unary, unified
-from cspdiag.model.program import BuiltinSymbol, EndLabelSymbol, EnumLiteralSymbol, PortSymbol, Symbol
-from cspdiag.model.symbols import CONVERSIONS, declared_at, described
+from cspdiag.model.program import BuiltinSymbol, EndLabelSymbol, PortSymbol, Symbol
+from cspdiag.model.symbols import declared_at, described
 from cspdiag.model.type_names import unit_of
 from cspdiag.model.types import (
     BOOL,
@@ -26,15 +26,12 @@ from cspdiag.model.types import (
     UNKNOWN,
     ArrayType,
     BoolType,
-    EnumType,
     RealType,
-    StructType,
     TimeType,
     Type,
     UnknownType,
 )
 from cspdiag.model.units import HERTZ, SECOND
-from cspdiag.model.wording import noun
 from cspdiag.syntax import ast
 
 SECONDS = RealType(unit=SECOND)
@@ -109,15 +106,15 @@ class Typer:
             case ast.Name():
                 return self._name(expression)
             case ast.Member():
-                return self._value(self._member(expression))
+                return self._value(member(self, expression))
             case ast.Index():
-                return self._value(self._index(expression))
+                return self._value(index(self, expression))
             case ast.Unary():
                 return unary(self.context, expression, self.infer(expression.operand))
             case ast.Conditional():
                 return self._conditional(expression)
             case ast.Call():
-                return self._call(expression)
+                return call(self, expression)
             case ast.ArrayValue():
                 return self._array(expression)
             case ast.Binary():
@@ -232,11 +229,7 @@ class Typer:
         )
         near = self.find(suggestion) if suggestion else None
         declared = declared_at(near) if near else None
-        wanted = (
-            "value"
-            if surroundings.constant
-            else {"process": "variable", "submodel": "value"}.get(surroundings.place, "value")
-        )
+        wanted = "variable" if surroundings.place == "process" and not surroundings.constant else "value"
         self.context.refuse(
             UnknownName(node.span, name=node.name, wanted=wanted, suggestion=suggestion, declared=declared), node
         )
@@ -258,119 +251,6 @@ class Typer:
             node,
         )
 
-    def _member(self, node: ast.Member) -> Type:
-        program = self.context.program
-        symbol = self._owner_symbol(node.value)
-        if isinstance(symbol, ast.EnumDefinition):
-            return self._literal(node, symbol)
-        if isinstance(symbol, ast.Instance):
-            return self._port_of(node, symbol)
-        owner = self.infer(node.value)
-        if isinstance(owner, UnknownType):
-            return UNKNOWN
-        if not isinstance(owner, StructType):
-            what = f"`{node.value.span.text}`"
-            self.context.refuse(
-                NotIndexed(
-                    node.name.span, what=what, problem=f"is {noun(owner)} and has no fields", advice=None, declared=None
-                ),
-                node,
-            )
-            return UNKNOWN
-        found = owner.field(node.name.text)
-        if found is None:
-            self._refuse_member(node, f"the struct `{owner.name}`", "field", [name for name, _ in owner.fields], None)
-            return UNKNOWN
-        program.members[node] = node.name.text
-        return found
-
-    def _owner_symbol(self, value: ast.Expression) -> Symbol | None:
-        """The enum or the instance that a member is asked of; None for values."""
-        base = value
-        while isinstance(base, ast.Index):
-            base = base.value
-        if not isinstance(base, ast.Name):
-            return None
-        symbol = self.find(base.name)
-        if isinstance(symbol, ast.Instance) or (isinstance(symbol, ast.EnumDefinition) and base is value):
-            self.context.program.bindings[base] = symbol
-            return symbol
-        return None
-
-    def _literal(self, node: ast.Member, enum: ast.EnumDefinition) -> Type:
-        names = [literal.text for literal in enum.literals]
-        if node.name.text not in names:
-            self._refuse_member(node, f"the enum `{enum.name.text}`", "literal", names, enum.name)
-            return UNKNOWN
-        literal = EnumLiteralSymbol(definition=enum, index=names.index(node.name.text))
-        self.context.program.members[node] = literal
-        self.context.program.bindings[node.name] = literal
-        return self.context.program.types.get(enum, EnumType(enum.name.text, tuple(names)))
-
-    def _port_of(self, node: ast.Member, instance: ast.Instance) -> Type:
-        """``pid.output`` in an equation."""
-        program = self.context.program
-        for index in _indexes(node.value):
-            self.constant(index, INT, Purpose(what="an index"))
-        definition = program.bindings.get(instance.definition)
-        if not isinstance(definition, ast.SubmodelDefinition | ast.ProcessDefinition | ast.DriverDefinition):
-            return UNKNOWN
-        if self.surroundings.place != "submodel":
-            advice = f"connect it to a label and use that: `{node.span.text} -> value : type`"
-            name = node.span.text
-            self.context.refuse(
-                WrongKind(
-                    node.span, name=name, kind="a port of an instance", wanted="a value", advice=advice, declared=None
-                ),
-                node,
-            )
-            return UNKNOWN
-        ports = program.scopes[definition].ports
-        port = ports.get(node.name.text)
-        if port is None:
-            outputs = [name for name, found in ports.items() if found.declaration.direction == "out"]
-            owner = f"`{instance.name.text}`, an instance of `{instance.definition.text}`,"
-            self._refuse_member(node, owner, "port", outputs, definition.name)
-            return UNKNOWN
-        program.members[node] = port
-        program.bindings[node.name] = port
-        if self.surroundings.constant:
-            found = NotConstant(node.span, name=node.span.text, kind=described(port), declared=declared_at(port))
-            self.context.refuse(found, node)
-            return UNKNOWN
-        return array_of_ports(self.context, port)
-
-    def _refuse_member(
-        self, node: ast.Member, owner: str, wanted: str, options: list[str], declared: ast.Identifier | None
-    ) -> None:
-        self.context.refuse(
-            UnknownMember(
-                node.name.span,
-                name=node.name.text,
-                owner=owner,
-                wanted=wanted,
-                options=tuple(options),
-                suggestion=self.context.speller.nearest(node.name.text, options),
-                declared=declared.span if declared else None,
-            ),
-            node,
-        )
-
-    def _index(self, node: ast.Index) -> Type:
-        owner = self.infer(node.value)
-        found = self.infer(node.index)
-        require(self.context, node.index, found, INT, Purpose(what="an index"))
-        if isinstance(owner, UnknownType):
-            return UNKNOWN
-        if not isinstance(owner, ArrayType):
-            what = f"`{node.value.span.text}`"
-            refused = NotIndexed(
-                node.span, what=what, problem=f"is {noun(owner)} and has no elements", advice=None, declared=None
-            )
-            self.context.refuse(refused, node)
-            return UNKNOWN
-        return owner.element
-
     def _conditional(self, node: ast.Conditional) -> Type:
         self.condition(node.condition)
         parts = [node.then, node.otherwise]
@@ -383,92 +263,6 @@ class Typer:
         elements = list(node.elements)
         types = [self.infer(element) for element in elements]
         return ArrayType(unified(self.context, elements, types, "the elements of an array", node), len(elements))
-
-    def _call(self, node: ast.Call) -> Type:
-        name = node.function.text
-        program = self.context.program
-        definition = program.definitions.get(name)
-        structure = program.types.get(definition) if definition is not None else None
-        if definition is not None and isinstance(structure, StructType):
-            program.bindings[node.function] = definition
-            return self._structure(node, structure)
-        if name in FUNCTIONS:
-            program.bindings[node.function] = BuiltinSymbol(name=name)
-            return call(self, node)
-        if name in CONVERSIONS:
-            program.bindings[node.function] = BuiltinSymbol(name=name)
-            return conversion(self, node)
-        for argument in node.arguments:
-            self.infer(argument.value)
-        self._refuse_function(node, definition)
-        return UNKNOWN
-
-    def _structure(self, node: ast.Call, structure: StructType) -> Type:
-        definition = self.context.program.definitions[structure.name]
-        if not isinstance(definition, ast.StructDefinition):
-            return UNKNOWN
-        declared, types = definition.name.span, dict(structure.fields)
-        matches = matched(self.context, structure.name, definition.fields, node.arguments, declared)
-        example = f"{structure.name}({', '.join(f'{name} = ...' for name in types)})"
-        report_missing(self.context, structure.name, matches, tuple(types), node, example, declared)
-        for field in definition.fields:
-            argument = matches.values.get(field.name.text)
-            if argument is not None:
-                purpose = Purpose(
-                    what=f"the field `{field.name.text}`", declared=field.name.span, declared_text="declared here"
-                )
-                self.require(argument.value, types[field.name.text], purpose)
-        return structure
-
-    def _refuse_function(self, node: ast.Call, definition: ast.Definition | None) -> None:
-        name = node.function.text
-        self.context.program.poisoned.add(node)
-        if isinstance(definition, ast.StructDefinition):
-            # Its own fields were refused.
-            return
-        if definition is not None:
-            advice = (
-                f"declare an instance: `{name.lower()} : {name}(...)`"
-                if isinstance(definition, ast.SubmodelDefinition | ast.ProcessDefinition)
-                else None
-            )
-            refused = WrongKind(
-                node.function.span,
-                name=name,
-                kind=described(definition),
-                wanted="a function",
-                advice=advice,
-                declared=declared_at(definition),
-            )
-            self.context.refuse(refused, node)
-        elif not self.context.excuses_unknown_names:
-            structs = (
-                found
-                for found, given in self.context.program.definitions.items()
-                if isinstance(given, ast.StructDefinition)
-            )
-            suggestion = self.context.speller.nearest(name, chain(FUNCTIONS, CONVERSIONS, structs))
-            self.context.refuse(
-                UnknownName(node.function.span, name=name, wanted="function", suggestion=suggestion, declared=None),
-                node,
-            )
-
-
-def array_of_ports(context: Context, port: PortSymbol) -> Type:
-    """The type of a port; of an array of ports, an array of it."""
-    found = port.type
-    for dimension in reversed(port.port.dimensions):
-        size = context.sizes.get(dimension)
-        found = ArrayType(found, size)
-    return found
-
-
-def _indexes(value: ast.Expression) -> list[ast.Expression]:
-    found = []
-    while isinstance(value, ast.Index):
-        found.append(value.index)
-        value = value.value
-    return found
 
 
 def _is_of_time(wanted: Type) -> bool:

@@ -71,7 +71,7 @@ FUNCTIONS = {
 METHODS = ("tustin", "zoh", "euler", "backward")
 
 
-def call(typer: Typer, node: ast.Call) -> Type:
+def function(typer: Typer, node: ast.Call) -> Type:
     """The type of a call of a function of the language."""
     name = node.function.text
     signature = FUNCTIONS[name]

@@ -5,7 +5,8 @@ from __future__ import annotations
 from cspdiag.model.coercion import Purpose
 from cspdiag.model.diagnostics_names import UnknownMember, UnknownName, WrongKind
 from cspdiag.model.diagnostics_types import NotIndexed
-from cspdiag.model.expressions import Typer, array_of_ports
+from cspdiag.model.expressions import Typer
+from cspdiag.model.members import array_of_ports
 from cspdiag.model.program import EndLabelSymbol, PortSymbol, Scope, Symbol
 from cspdiag.model.symbols import declared_at, described
 from cspdiag.model.types import INT, UNKNOWN, ArrayType, Type
