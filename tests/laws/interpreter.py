@@ -231,7 +231,7 @@ FUNCTIONS: dict[str, Any] = {
     "abs": abs,
     "min": min,
     "max": max,
-    "limit": lambda x, low, high: min(max(x, low), high),
+    "limit": lambda x, low, high: low if x < low else high if x > high else x,
     "sign": lambda x: type(x)((x > 0) - (x < 0)),
     "sqrt": math.sqrt,
     "exp": _power_of_e,
