@@ -22,7 +22,9 @@ def sentence(doc: str) -> str:
     paragraphs = [" ".join(part.split()) for part in doc.strip().split("\n\n")]
     if paragraphs[0][-1:] not in ".!?:":
         paragraphs[0] += "."
-    return "\n\n".join(textwrap.fill(part, LINE_LENGTH - 8, break_long_words=False) for part in paragraphs)
+    return "\n\n".join(
+        textwrap.fill(part, LINE_LENGTH - 8, break_long_words=False, break_on_hyphens=False) for part in paragraphs
+    )
 
 
 def _port(port: Port) -> str:

@@ -25,11 +25,20 @@ from cspdiag.codegen.python_imports import Imports
 from cspdiag.codegen.python_integration import Integration
 from cspdiag.codegen.python_names import Names, PackageNames
 from cspdiag.codegen.python_statements import Block, Line, Statement, assign, docstring, lines
+from cspdiag.codegen.python_submodels import INTEGRATION
 from cspdiag.codegen.python_types import annotation, duration, literal, quoted, zero
 from cspdiag.model.types import BOOL, DOUBLE, INT, TEXT, Type
-from cspdiag.network.ir import Environment, ExternalCall, ExternalPort, Network, SubmodelClass, SubmodelEquation
+from cspdiag.network.ir import (
+    Declared,
+    Environment,
+    ExternalCall,
+    ExternalPort,
+    Network,
+    SubmodelClass,
+    SubmodelEquation,
+)
 
-_MEMBERS = frozenset(["self", "now", "h", "steps", "time", "start", "advance", "drivers", "step", "on_miss"])
+_MEMBERS = INTEGRATION | {"self", "now", "steps", "start", "advance", "drivers", "on_miss", "_evaluate"}
 
 
 @dataclass(frozen=True)
@@ -103,7 +112,7 @@ class _EnvironmentWriter:
             functions,
         )
 
-    def _place(self, item: SubmodelEquation | ExternalCall) -> str:
+    def _place(self, item: Declared) -> str:
         return self.package.place(item.span.file, item.span.line)
 
     def _printer(self, local: Iterable[str], time: Code | None = None) -> Printer:
@@ -210,8 +219,10 @@ class _EnvironmentWriter:
             if isinstance(equation, SubmodelEquation):
                 yield assign(self.names[equation.name], printer.print(equation.value), self._place(equation))
         if system.next_values:
+            places = {state.name: self._place(state) for state in system.states}
             updates = tuple(
-                assign(f"self.{self.names[name]}", printer.print(value)) for name, value in system.next_values
+                assign(f"self.{self.names[name]}", printer.print(value), places[name])
+                for name, value in system.next_values
             )
             yield Block(Line("if now % self.step == 0:"), updates)
         if system.derivatives:

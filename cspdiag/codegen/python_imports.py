@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import defaultdict
 from collections.abc import Iterable, Mapping
 
@@ -94,7 +95,12 @@ def _import_lines(start: str, members: list[str]) -> list[str]:
     return [line] if len(line) <= 100 else bracketed("", f"{start}(", members, ")", together=False)
 
 
-def _member_order(name: str) -> tuple[int, str, str]:
+def _member_order(name: str) -> tuple[int, list[str | int], str]:
     plain = name.split(" ")[0]
     kind = 0 if plain.isupper() and len(plain) > 1 else 1 if plain[:1].isupper() else 2
-    return kind, plain.lower(), name
+    return kind, _natural(plain.lower()), name
+
+
+def _natural(text: str) -> list[str | int]:
+    """Text with its numbers as numbers, so that ``int8`` comes before ``int64``."""
+    return [int(part) if part.isdigit() else part for part in re.split(r"(\d+)", text)]

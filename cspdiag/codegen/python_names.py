@@ -32,7 +32,7 @@ BUILTINS = _words(
     """
 )
 
-MEMBERS = _words("self name source run runs_now execute started ended owns calculate reset")
+MEMBERS = _words("self name source run runs_now execute started ended owns calculate reset _ends _place")
 """What the base classes ``Process`` and ``Submodel`` define themselves."""
 
 MODULES = _words(
@@ -99,7 +99,7 @@ class Names:
         name, count = wanted, 1
         while name in self._taken:
             count += 1
-            name = f"{wanted}_" if count == 2 and wanted in MEMBERS | MODULES else f"{wanted.rstrip('_')}_{count}"
+            name = f"{wanted}_" if count == 2 and not wanted.endswith("_") else f"{wanted.rstrip('_')}_{count}"
         self._taken.add(name)
         return name
 

@@ -30,13 +30,13 @@ from cspdiag.codegen.python_types import annotation, duration, quoted
 from cspdiag.model.types import TimeType
 from cspdiag.network.ir import ExternalCall, SubmodelClass, SubmodelEquation
 
-LOCALS = frozenset({"h", "half", "sixth", "step", "t", "time"})
-"""Local variables of an integration."""
+INTEGRATION = frozenset({"h", "half", "sixth", "step", "t", "time", "_steps", "_h", "_derivative", "_derivatives"})
+"""Names that an integration uses itself."""
 
 
 def signal_names(class_: SubmodelClass) -> Names:
     """Python names of everything in a submodel: keywords of its constructor, attributes and local variables alike."""
-    names = Names({*MEMBERS, *LOCALS})
+    names = Names({*MEMBERS, *(INTEGRATION if class_.derivatives else ())})
     for item in (*class_.parameters, *class_.ports, *class_.states):
         names[item.name]
     return names
@@ -55,7 +55,7 @@ class _SubmodelWriter:
         self.names = signal_names(class_)
         self.types = signal_types(class_)
         taken = {self.names[name] for name in self.types}
-        self.imports = Imports(names, taken=taken | LOCALS)
+        self.imports = Imports(names, taken=taken | INTEGRATION)
         self.constants = constants_needed(class_)
         self.integration = Integration(class_, self.names, self._place)
         self.attributes = self._attributes()

@@ -21,7 +21,7 @@ from .runtime import (
 class BoundedBuffer(Process):
     """Takes items while there is room and gives them away, oldest first, while there are any.
 
-    Source: buffer.csp:22
+    Source: buffer.csp:24
 
     Ports:
         input: in, int.
@@ -29,7 +29,7 @@ class BoundedBuffer(Process):
     """
 
     def __init__(self, name: str, *, input_: In[int], output: Out[int]) -> None:
-        super().__init__(name, source="buffer.csp:22")
+        super().__init__(name, source="buffer.csp:24")
         self.output = output
         self.input_ = input_.reader(self)
         self.ring = Variable[tuple[int, ...]](f"{name}.ring", (0, 0, 0, 0))
@@ -40,7 +40,7 @@ class BoundedBuffer(Process):
 
     async def run(self) -> None:
         while True:
-            # buffer.csp:34
+            # buffer.csp:36
             match await self.choice.select(
                 enabled=(self.count.value < capacity, self.count.value > 0),
                 values={1: element(self.ring.value, self.oldest.value)},
@@ -51,11 +51,11 @@ class BoundedBuffer(Process):
                         self.choice.value,
                         remainder(int64(self.oldest.value + self.count.value), capacity),
                     )
-                    self.count.value = int64(self.count.value + 1)  # buffer.csp:35
+                    self.count.value = int64(self.count.value + 1)  # buffer.csp:37
                 case 1:  # output ! ring[oldest]
-                    # buffer.csp:38
+                    # buffer.csp:40
                     self.oldest.value = remainder(int64(self.oldest.value + 1), capacity)
-                    self.count.value = int64(self.count.value - 1)  # buffer.csp:39
-                    self.given.value = int64(self.given.value + 1)  # buffer.csp:40
+                    self.count.value = int64(self.count.value - 1)  # buffer.csp:41
+                    self.given.value = int64(self.given.value + 1)  # buffer.csp:42
             if self.given.value == producers * items:
                 break

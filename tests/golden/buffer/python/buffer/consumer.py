@@ -9,7 +9,7 @@ from .runtime import In, Out, Process, Variable, int64, ms, wait
 class Consumer(Process):
     """Needs some time for each item.
 
-    Source: buffer.csp:47
+    Source: buffer.csp:49
 
     Ports:
         item: in, int.
@@ -17,7 +17,7 @@ class Consumer(Process):
     """
 
     def __init__(self, name: str, *, item: In[int], done: Out[int]) -> None:
-        super().__init__(name, source="buffer.csp:47")
+        super().__init__(name, source="buffer.csp:49")
         self.done = done
         self.item = item.reader(self)
         self.latest = Variable[int](f"{name}.latest")
@@ -25,9 +25,9 @@ class Consumer(Process):
 
     async def run(self) -> None:
         while True:
-            self.latest.value = await self.item.read()  # buffer.csp:57
+            self.latest.value = await self.item.read()  # buffer.csp:59
             await wait(3 * ms)
-            await self.done.write(self.latest.value)  # buffer.csp:57
-            self.taken.value = int64(self.taken.value + 1)  # buffer.csp:57
+            await self.done.write(self.latest.value)  # buffer.csp:59
+            self.taken.value = int64(self.taken.value + 1)  # buffer.csp:59
             if self.taken.value == producers * items:
                 break

@@ -11,14 +11,14 @@ from .runtime import AnyChannel, Channel, Out, Process, ms, parallel
 class Line(Process):
     """Three producers share one channel into the buffer: whoever is there first is served first.
 
-    Source: buffer.csp:62
+    Source: buffer.csp:64
 
     Ports:
         done: out, int.
     """
 
     def __init__(self, name: str, *, done: Out[int]) -> None:
-        super().__init__(name, source="buffer.csp:62")
+        super().__init__(name, source="buffer.csp:64")
         self.arrivals = AnyChannel[int](f"{name}.arrivals")
         self.departures = Channel[int](f"{name}.departures")
         self.producer = [

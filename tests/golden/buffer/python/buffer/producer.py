@@ -25,5 +25,5 @@ class Producer(Process):
     async def run(self) -> None:
         while self.made.value < items:
             await wait(self.period)
-            await self.item.write(int64(100 * self.id_ + self.made.value))  # buffer.csp:15
-            self.made.value = int64(self.made.value + 1)  # buffer.csp:16
+            await self.item.write(int64(100 * self.id_ + self.made.value))  # buffer.csp:17
+            self.made.value = int64(self.made.value + 1)  # buffer.csp:18

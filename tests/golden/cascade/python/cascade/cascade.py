@@ -10,7 +10,7 @@ from .speed_loop import SpeedLoop
 class Cascade(Process):
     """The current loop, which is the faster one, has the higher priority.
 
-    Source: cascade.csp:68
+    Source: cascade.csp:72
 
     Ports:
         reference: in, double<rad/s> @ Tspeed.
@@ -28,7 +28,7 @@ class Cascade(Process):
         current: In[float],
         voltage: Out[float],
     ) -> None:
-        super().__init__(name, source="cascade.csp:68")
+        super().__init__(name, source="cascade.csp:72")
         self.wanted = Channel[float](f"{name}.wanted")
         self.outer = SpeedLoop(
             f"{name}.outer", reference=reference, speed=speed, current=self.wanted

@@ -43,7 +43,7 @@ class CurrentLoop(Process):
 
     async def run(self) -> None:
         while True:
-            match await self.choice.select():  # cascade.csp:47
+            match await self.choice.select():  # cascade.csp:48
                 case 0:  # reference ? target
                     self.target.value = self.choice.value
                 case 1:  # current

@@ -9,7 +9,7 @@ from .speed_controller import SpeedController
 class SpeedLoop(Process):
     """Outer loop.
 
-    Source: cascade.csp:51
+    Source: cascade.csp:53
 
     Ports:
         reference: in, double<rad/s> @ Tspeed.
@@ -25,7 +25,7 @@ class SpeedLoop(Process):
         speed: In[float],
         current: Out[float],
     ) -> None:
-        super().__init__(name, source="cascade.csp:51")
+        super().__init__(name, source="cascade.csp:53")
         self.reference = reference.reader(self)
         self.speed = speed.reader(self)
         self.law = SpeedController(

@@ -15,11 +15,11 @@ from .successor import Successor
 class Commstime(Process):
     """The natural numbers, made by four processes in a circle.
 
-    Source: commstime.csp:44
+    Source: commstime.csp:60
     """
 
     def __init__(self, name: str, *, rounds: int) -> None:
-        super().__init__(name, source="commstime.csp:44")
+        super().__init__(name, source="commstime.csp:60")
         self.a = Channel[int](f"{name}.a")
         self.b = Channel[int](f"{name}.b")
         self.c = Channel[int](f"{name}.c")

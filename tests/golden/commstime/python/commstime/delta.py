@@ -8,7 +8,7 @@ from .runtime import In, Out, Process, Variable
 class Delta(Process):
     """Copies each value to both outputs, one after the other.
 
-    Source: commstime.csp:15
+    Source: commstime.csp:19
 
     Ports:
         input: in, int.
@@ -17,7 +17,7 @@ class Delta(Process):
     """
 
     def __init__(self, name: str, *, input_: In[int], first: Out[int], second: Out[int]) -> None:
-        super().__init__(name, source="commstime.csp:15")
+        super().__init__(name, source="commstime.csp:19")
         self.first = first
         self.second = second
         self.input_ = input_.reader(self)
@@ -25,6 +25,6 @@ class Delta(Process):
 
     async def run(self) -> None:
         while True:
-            self.value.value = await self.input_.read()  # commstime.csp:21
-            await self.first.write(self.value.value)  # commstime.csp:21
-            await self.second.write(self.value.value)  # commstime.csp:21
+            self.value.value = await self.input_.read()  # commstime.csp:28
+            await self.first.write(self.value.value)  # commstime.csp:28
+            await self.second.write(self.value.value)  # commstime.csp:28

@@ -23,5 +23,5 @@ class Prefix(Process):
 
     async def run(self) -> None:
         while True:
-            await self.output.write(self.value.value)  # commstime.csp:11
-            self.value.value = await self.input_.read()  # commstime.csp:11
+            await self.output.write(self.value.value)  # commstime.csp:14
+            self.value.value = await self.input_.read()  # commstime.csp:14

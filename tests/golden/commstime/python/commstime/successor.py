@@ -8,7 +8,7 @@ from .runtime import In, Out, Process, Variable, int64
 class Successor(Process):
     """Adds one.
 
-    Source: commstime.csp:25
+    Source: commstime.csp:33
 
     Ports:
         input: in, int.
@@ -16,12 +16,12 @@ class Successor(Process):
     """
 
     def __init__(self, name: str, *, input_: In[int], output: Out[int]) -> None:
-        super().__init__(name, source="commstime.csp:25")
+        super().__init__(name, source="commstime.csp:33")
         self.output = output
         self.input_ = input_.reader(self)
         self.value = Variable[int](f"{name}.value")
 
     async def run(self) -> None:
         while True:
-            self.value.value = await self.input_.read()  # commstime.csp:31
-            await self.output.write(int64(self.value.value + 1))  # commstime.csp:31
+            self.value.value = await self.input_.read()  # commstime.csp:42
+            await self.output.write(int64(self.value.value + 1))  # commstime.csp:42

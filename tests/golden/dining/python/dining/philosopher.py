@@ -26,9 +26,9 @@ class Philosopher(Process):
     async def run(self) -> None:
         while self.eaten.value < meals:
             await wait(10 * ms)
-            await self.first.write(self.id_)  # table.csp:32
-            await self.second.write(self.id_)  # table.csp:33
+            await self.first.write(self.id_)  # table.csp:34
+            await self.second.write(self.id_)  # table.csp:35
             await wait(20 * ms)
-            await self.first.write(self.id_)  # table.csp:35
-            await self.second.write(self.id_)  # table.csp:36
-            self.eaten.value = int64(self.eaten.value + 1)  # table.csp:37
+            await self.first.write(self.id_)  # table.csp:37
+            await self.second.write(self.id_)  # table.csp:38
+            self.eaten.value = int64(self.eaten.value + 1)  # table.csp:39

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from .runtime import ms
+from .runtime import ms, s
+from .types import ServoGains
 
 rotorInertia = 1.03e-06  # plant.csp:5
 # Gear between motor and joint (published).
@@ -23,3 +24,11 @@ Tsh = 2 * ms  # jiwy.csp:5
 Tsv = 1 * ms  # jiwy.csp:7
 # What the joystick reports when its stop button is pressed.
 stopButton = 2  # jiwy.csp:10
+# Servo of the horizontal joint; the first four are published.
+# jiwy.csp:13
+panGains = ServoGains(kp=2.6, tauD=50 * ms, beta=0.17, tauI=9 * s, friction=0.25, tolerance=0.004)
+# Servo of the vertical joint.
+# jiwy.csp:15
+tiltGains = ServoGains(
+    kp=1.6, tauD=50 * ms, beta=0.001, tauI=10500 * ms, friction=0.165, tolerance=0.015
+)

@@ -5,12 +5,13 @@ from __future__ import annotations
 from .exceptions import ModeFailed
 from .position_controller import PositionController
 from .runtime import After, In, Out, Process, Timeout, Variable, interrupt, ms, s
+from .types import ServoGains
 
 
 class Homing(Process):
     """Servo back to the centre; there, or where its patience ends, the motor is released.
 
-    Source: jiwy.csp:75
+    Source: jiwy.csp:81
 
     Ports:
         leftmax: in, double<rad>.
@@ -24,19 +25,14 @@ class Homing(Process):
         name: str,
         *,
         T: int,
-        kp: float,
-        tauD: int,
-        beta: float,
-        tauI: int,
-        friction: float,
-        tolerance: float,
+        gains: ServoGains,
         patience: int,
         leftmax: In[float],
         rightmax: In[float],
         feedback: In[float],
         control: Out[float],
     ) -> None:
-        super().__init__(name, source="jiwy.csp:75")
+        super().__init__(name, source="jiwy.csp:81")
         self.patience = patience
         self.control = control
         self.leftmax = leftmax.reader(self)
@@ -48,13 +44,8 @@ class Homing(Process):
         self.reference = Variable[float](f"{name}.reference")
         self.servo = PositionController(
             f"{name}.servo",
-            kp=kp,
-            tauD=tauD,
-            beta=beta,
-            tauI=tauI,
+            gains=gains,
             reach=0.0,
-            friction=friction,
-            tolerance=tolerance,
             rate=6.0,
             smoothing=50 * ms,
             dwell=100 * ms,

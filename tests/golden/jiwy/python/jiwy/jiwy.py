@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from .constants import Tsh, Tsv
+from .constants import Tsh, Tsv, panGains, tiltGains
 from .joint_control import JointControl
-from .runtime import In, Out, Process, ms, parallel, s
+from .runtime import In, Out, Process, parallel
 
 
 class Jiwy(Process):
     """The pan-and-tilt end-effector: both joints at the same time, each at its own sample period.
 
-    Source: jiwy.csp:140
+    Source: jiwy.csp:143
 
     Ports:
         joystick_horizontal: in, double @ Tsh.
@@ -34,16 +34,11 @@ class Jiwy(Process):
         control_horizontal: Out[float],
         control_vertical: Out[float],
     ) -> None:
-        super().__init__(name, source="jiwy.csp:140")
+        super().__init__(name, source="jiwy.csp:143")
         self.horizontal = JointControl(
             f"{name}.horizontal",
             T=Tsh,
-            kp=2.6,
-            tauD=50 * ms,
-            beta=0.17,
-            tauI=9 * s,
-            friction=0.25,
-            tolerance=4e-3,
+            gains=panGains,
             reach=1.25,
             alignSpeed=1.0,
             alignKp=0.3,
@@ -56,12 +51,7 @@ class Jiwy(Process):
         self.vertical = JointControl(
             f"{name}.vertical",
             T=Tsv,
-            kp=1.6,
-            tauD=50 * ms,
-            beta=0.001,
-            tauI=10500 * ms,
-            friction=0.165,
-            tolerance=15e-3,
+            gains=tiltGains,
             reach=1.25,
             alignSpeed=1.0,
             alignKp=0.11,

@@ -6,6 +6,7 @@ from .align import Align
 from .homing import Homing
 from .motion_control import MotionControl
 from .runtime import In, Out, Process, Variable, s
+from .types import ServoGains
 
 
 class JointControl(Process):
@@ -25,12 +26,7 @@ class JointControl(Process):
         name: str,
         *,
         T: int,
-        kp: float,
-        tauD: int,
-        beta: float,
-        tauI: int,
-        friction: float,
-        tolerance: float,
+        gains: ServoGains,
         reach: float,
         alignSpeed: float,
         alignKp: float,
@@ -68,13 +64,8 @@ class JointControl(Process):
         self.motionControl = MotionControl(
             f"{name}.motionControl",
             T=T,
-            kp=kp,
-            tauD=tauD,
-            beta=beta,
-            tauI=tauI,
+            gains=gains,
             reach=reach,
-            friction=friction,
-            tolerance=tolerance,
             leftmax=self.leftmax,
             rightmax=self.rightmax,
             feedback=feedback,
@@ -85,12 +76,7 @@ class JointControl(Process):
         self.homing = Homing(
             f"{name}.homing",
             T=T,
-            kp=kp,
-            tauD=tauD,
-            beta=beta,
-            tauI=tauI,
-            friction=friction,
-            tolerance=tolerance,
+            gains=gains,
             patience=3 * s,
             leftmax=self.leftmax,
             rightmax=self.rightmax,

@@ -6,12 +6,13 @@ from .constants import stopButton
 from .exceptions import ModeFailed
 from .position_controller import PositionController
 from .runtime import Alternative, Discard, In, Input, Out, Process, Ready, Timeout, Variable, ms, s
+from .types import ServoGains
 
 
 class MotionControl(Process):
     """Servo that follows the joystick until the stop button is pressed, then releases the motor.
 
-    Source: jiwy.csp:39
+    Source: jiwy.csp:51
 
     Ports:
         leftmax: in, double<rad>.
@@ -27,13 +28,8 @@ class MotionControl(Process):
         name: str,
         *,
         T: int,
-        kp: float,
-        tauD: int,
-        beta: float,
-        tauI: int,
+        gains: ServoGains,
         reach: float,
-        friction: float,
-        tolerance: float,
         leftmax: In[float],
         rightmax: In[float],
         feedback: In[float],
@@ -41,7 +37,7 @@ class MotionControl(Process):
         joystick_buttons: In[int],
         control: Out[float],
     ) -> None:
-        super().__init__(name, source="jiwy.csp:39")
+        super().__init__(name, source="jiwy.csp:51")
         self.control = control
         self.joystick_buttons = joystick_buttons.reader(self)
         self.feedback = feedback.reader(self)
@@ -53,13 +49,8 @@ class MotionControl(Process):
         self.reference = Variable[float](f"{name}.reference")
         self.servo = PositionController(
             f"{name}.servo",
-            kp=kp,
-            tauD=tauD,
-            beta=beta,
-            tauI=tauI,
+            gains=gains,
             reach=reach,
-            friction=friction,
-            tolerance=tolerance,
             rate=6.0,
             smoothing=50 * ms,
             dwell=100 * ms,
@@ -80,7 +71,7 @@ class MotionControl(Process):
     async def run(self) -> None:
         try:
             while True:
-                match await self.choice.select():  # jiwy.csp:67
+                match await self.choice.select():  # jiwy.csp:73
                     case 0:  # joystick_buttons ? status
                         self.status.value = self.choice.value
                     case 1:  # feedback
@@ -88,7 +79,7 @@ class MotionControl(Process):
                 if self.status.value == stopButton:
                     break
         except Timeout:
-            self.failed.value = True  # jiwy.csp:68
-        await self.control.write(0.0)  # jiwy.csp:69
+            self.failed.value = True  # jiwy.csp:74
+        await self.control.write(0.0)  # jiwy.csp:75
         if self.failed.value:
             raise ModeFailed

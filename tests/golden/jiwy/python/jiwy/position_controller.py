@@ -4,17 +4,16 @@ from __future__ import annotations
 
 from .constants import supply
 from .runtime import In, Out, Submodel, limit, read_all, s, write_all
+from .types import ServoGains
 
 
 class PositionController(Submodel):
     """Position servo of one joint. The set-point counts from the centre between the end stops, 1
-    being `reach`; `reference` is the angle that this means. `stop` tells that the joint has
-    stood there for `dwell`.
+    being `reach`; `reference` is the angle that this means. The voltage for the friction is
+    added in the direction in which the profile moves. `stop` tells that the joint has stood
+    where it should for `dwell`.
 
-    `friction` is the voltage that overcomes the Coulomb friction; it is added in the direction
-    of the profile.
-
-    Source: laws.csp:46
+    Source: laws.csp:56
 
     Ports:
         leftmax: in, double<rad>.
@@ -30,13 +29,8 @@ class PositionController(Submodel):
         self,
         name: str,
         *,
-        kp: float,
-        tauD: int,
-        beta: float,
-        tauI: int,
+        gains: ServoGains,
         reach: float,
-        friction: float,
-        tolerance: float,
         rate: float,
         smoothing: int,
         dwell: int,
@@ -50,7 +44,7 @@ class PositionController(Submodel):
         reference: Out[float],
         stop: Out[bool],
     ) -> None:
-        super().__init__(name, source="laws.csp:46")
+        super().__init__(name, source="laws.csp:56")
         self.leftmax = leftmax
         self.rightmax = rightmax
         self.feedback = feedback
@@ -58,19 +52,18 @@ class PositionController(Submodel):
         self.control = control
         self.reference = reference
         self.stop = stop
-        self.kp = kp
-        self.tauD = tauD / s
-        self.beta = beta
-        self.tauI = tauI / s
+        self.gains = gains
         self.reach = reach
-        self.friction = friction
-        self.tolerance = tolerance
         self.rate = rate
         self.smoothing = smoothing / s
         self.dwell = dwell / s
         self.margin = margin
         self.sample = sample
-        self.pid_f = 1.0 / (sample + tauD / s * beta)  # laws.csp:14
+        self.pid_tauD = gains.tauD / s  # laws.csp:6
+        self.pid_beta = gains.beta  # laws.csp:6
+        self.pid_f = 1.0 / (sample + self.pid_tauD * self.pid_beta)  # laws.csp:14
+        self.pid_kp = gains.kp  # laws.csp:6
+        self.pid_tauI = gains.tauI / s  # laws.csp:6
         self.reset()
 
     def reset(self) -> None:
@@ -96,39 +89,40 @@ class PositionController(Submodel):
         setpoint: float,
     ) -> tuple[float, float, bool]:
         pid_ui = self.pid_ui
-        kp = self.kp
-        tauD = self.tauD
+        gains = self.gains
         rate = self.rate
         margin = self.margin
         sample = self.sample
-        centre = (leftmax + rightmax) / 2.0  # laws.csp:62
-        # laws.csp:63
+        pid_tauD = self.pid_tauD
+        pid_kp = self.pid_kp
+        centre = (leftmax + rightmax) / 2.0  # laws.csp:75
+        # laws.csp:76
         reference = limit(centre + self.reach * setpoint, leftmax + margin, rightmax - margin)
-        profile_start = feedback  # laws.csp:64
+        profile_start = feedback  # laws.csp:77
         profile_from = self.profile_last if self.profile_moving else profile_start  # laws.csp:35
-        profile_target = reference  # laws.csp:65
+        profile_target = reference  # laws.csp:78
         # laws.csp:36
         profile_velocity = limit((profile_target - profile_from) / self.smoothing, -rate, rate)
         profile_angle = profile_from + sample * profile_velocity  # laws.csp:37
-        pid_error = profile_angle - feedback  # laws.csp:66
+        pid_error = profile_angle - feedback  # laws.csp:79
         # laws.csp:15
         pid_d = self.pid_f * (
-            tauD * self.beta * self.pid_ud
-            + tauD * kp * (pid_error - self.pid_e1)
-            + sample * kp * pid_error
+            pid_tauD * self.pid_beta * self.pid_ud
+            + pid_tauD * pid_kp * (pid_error - self.pid_e1)
+            + sample * pid_kp * pid_error
         )
-        pid_i = pid_ui + sample * pid_d / self.tauI  # laws.csp:16
+        pid_i = pid_ui + sample * pid_d / self.pid_tauI  # laws.csp:16
         pid_sum = pid_i + pid_d  # laws.csp:17
         pid_output = limit(pid_sum, -0.99, 0.99)  # laws.csp:19
-        assistance = self.friction * limit(profile_velocity / 0.05, -1.0, 1.0)  # laws.csp:68
-        control = limit(supply * pid_output + assistance, -supply, supply)  # laws.csp:69
-        # laws.csp:71
-        standing = self.arrived + sample if abs(reference - feedback) < self.tolerance else 0.0
-        stop = standing >= self.dwell  # laws.csp:73
+        assistance = gains.friction * limit(profile_velocity / 0.05, -1.0, 1.0)  # laws.csp:81
+        control = limit(supply * pid_output + assistance, -supply, supply)  # laws.csp:82
+        # laws.csp:84
+        standing = self.arrived + sample if abs(reference - feedback) < gains.tolerance else 0.0
+        stop = standing >= self.dwell  # laws.csp:86
         self.profile_moving = True  # laws.csp:32
         self.profile_last = profile_angle  # laws.csp:33
         self.pid_e1 = pid_error  # laws.csp:10
         self.pid_ud = pid_d  # laws.csp:11
         self.pid_ui = pid_i if pid_sum == pid_output else pid_ui  # laws.csp:12
-        self.arrived = standing  # laws.csp:60
+        self.arrived = standing  # laws.csp:73
         return control, reference, stop

@@ -10,11 +10,11 @@ from .starter import Starter
 class Ring(Process):
     """A token goes round through `cells` cells.
 
-    Source: ring.csp:31
+    Source: ring.csp:35
     """
 
     def __init__(self, name: str) -> None:
-        super().__init__(name, source="ring.csp:31")
+        super().__init__(name, source="ring.csp:35")
         self.starter_output = Channel[int](f"{name}.starter.output")
         self.cell_output = [Channel[int](f"{name}.cell[{i}].output") for i in range(9)]
         self.back = Channel[int](f"{name}.back")

@@ -25,8 +25,8 @@ class Starter(Process):
 
     async def run(self) -> None:
         while True:
-            await self.output.write(self.token.value)  # ring.csp:14
-            self.token.value = await self.input_.read()  # ring.csp:14
-            self.lap.value = int64(self.lap.value + 1)  # ring.csp:14
+            await self.output.write(self.token.value)  # ring.csp:15
+            self.token.value = await self.input_.read()  # ring.csp:15
+            self.lap.value = int64(self.lap.value + 1)  # ring.csp:15
             if self.lap.value == laps:
                 break

@@ -37,10 +37,10 @@ class Heating(Process):
 
     async def run(self) -> None:
         while True:
-            match await self.choice.select():  # watchdog.csp:21
+            match await self.choice.select():  # watchdog.csp:23
                 case 0:  # thermometer ? latest
                     self.latest.value = self.choice.value
-                    # watchdog.csp:22
+                    # watchdog.csp:24
                     await self.heater.write(
                         limit(5.0 * (self.wanted - self.latest.value.temperature), 0.0, 100.0)
                     )

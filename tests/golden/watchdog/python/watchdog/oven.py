@@ -14,7 +14,7 @@ class Oven(Process):
     """Switches the heater off when the thermometer is lost, and tries again; the third time it
     gives up.
 
-    Source: watchdog.csp:30
+    Source: watchdog.csp:32
 
     Ports:
         thermometer: in, Reading.
@@ -30,14 +30,14 @@ class Oven(Process):
         heater: Out[float],
         losses: Out[int],
     ) -> None:
-        super().__init__(name, source="watchdog.csp:30")
+        super().__init__(name, source="watchdog.csp:32")
         self.heater = heater
         self.losses = losses
         self.lost = Variable[int](f"{name}.lost", 0)
         self.heating = Heating(
             f"{name}.heating",
             patience=550 * ms,
-            wanted=450.0,
+            wanted=340.0,
             thermometer=thermometer,
             heater=heater,
         )
@@ -48,8 +48,8 @@ class Oven(Process):
                 try:
                     await self.heating
                 except SensorLost:
-                    await self.heater.write(0.0)  # watchdog.csp:46
-                    self.lost.value = int64(self.lost.value + 1)  # watchdog.csp:47
-                    await self.losses.write(self.lost.value)  # watchdog.csp:48
+                    await self.heater.write(0.0)  # watchdog.csp:50
+                    self.lost.value = int64(self.lost.value + 1)  # watchdog.csp:51
+                    await self.losses.write(self.lost.value)  # watchdog.csp:52
                     if self.lost.value == 3:
                         raise GivenUp

@@ -10,7 +10,7 @@ from ..runtime import Driver, Signal, ms
 class Shelf:
     """The environment Shelf.
 
-    Source: buffer.csp:78
+    Source: buffer.csp:82
     """
 
     step = 1 * ms

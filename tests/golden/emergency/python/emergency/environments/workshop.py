@@ -13,7 +13,7 @@ wheel_inertia = 2e-4  # emergency.csp:43
 class Workshop:
     """The environment Workshop.
 
-    Source: emergency.csp:65
+    Source: emergency.csp:62
     """
 
     step = 2 * ms
@@ -45,8 +45,8 @@ class Workshop:
         control = self.control.value
         brake = self.brake.value
         wheel_w = self.wheel_w
-        wheel_voltage = control  # emergency.csp:71
-        wheel_brake = brake  # emergency.csp:72
+        wheel_voltage = control  # emergency.csp:68
+        wheel_brake = brake  # emergency.csp:69
         h = (now - self.now) / s
         half = h / 2
         sixth = h / 6
@@ -66,8 +66,8 @@ class Workshop:
         operator_button = (
             Button.none if time < 0.1 else Button.start if time < 0.9 else Button.emergency
         )
-        self.panel.value = operator_button  # emergency.csp:69
-        self.feedback.value = wheel_speed  # emergency.csp:70
+        self.panel.value = operator_button  # emergency.csp:66
+        self.feedback.value = wheel_speed  # emergency.csp:67
 
     def _derivative(self, wheel_w: float, wheel_voltage: float, wheel_brake: bool) -> float:
         wheel_motor = 0.05 * (wheel_voltage - 0.05 * wheel_w) / 1.0  # emergency.csp:49

@@ -7,15 +7,15 @@ from collections.abc import Mapping
 from ..runtime import Driver, Signal, floor, int64, ms, s
 from ..types import Reading
 
-chamber_room = 293.0  # watchdog.csp:57
-chamber_leak = 0.5  # watchdog.csp:57
-chamber_capacity = 50.0  # watchdog.csp:57
+chamber_room = 293.0  # watchdog.csp:63
+chamber_leak = 0.5  # watchdog.csp:63
+chamber_capacity = 20.0  # watchdog.csp:63
 
 
 class Kitchen:
     """The environment Kitchen.
 
-    Source: watchdog.csp:74
+    Source: watchdog.csp:80
     """
 
     step = 100 * ms
@@ -47,11 +47,13 @@ class Kitchen:
         chamber_shown = self.chamber_shown
         chamber_number = self.chamber_number
         chamber_temperature = self.chamber_temperature
-        chamber_round = floor(time / 10.0)  # watchdog.csp:65
-        chamber_contact = time - 10.0 * chamber_round < 9.8 - 0.2 * chamber_round  # watchdog.csp:66
-        chamber_heater = heater  # watchdog.csp:78
+        chamber_round = floor(time / 10.0)  # watchdog.csp:71
+        chamber_contact = time - 10.0 * chamber_round < 9.8 - 0.2 * chamber_round  # watchdog.csp:72
+        chamber_heater = heater  # watchdog.csp:84
         if now % self.step == 0:
+            # watchdog.csp:68
             self.chamber_shown = chamber_temperature if chamber_contact else chamber_shown
+            # watchdog.csp:69
             self.chamber_number = int64(chamber_number + 1) if chamber_contact else chamber_number
         h = (now - self.now) / s
         half = h / 2
@@ -66,9 +68,9 @@ class Kitchen:
         self._evaluate()
 
     def _evaluate(self) -> None:
-        # watchdog.csp:71
+        # watchdog.csp:77
         chamber_thermometer = Reading(number=self.chamber_number, temperature=self.chamber_shown)
-        self.thermometer.value = chamber_thermometer  # watchdog.csp:77
+        self.thermometer.value = chamber_thermometer  # watchdog.csp:83
 
     def _derivative(self, chamber_temperature: float, chamber_heater: float) -> float:
         return (

@@ -1,0 +1,130 @@
+"""Generated submodels and environments calculate what the reference interpreter says, sample by sample."""
+
+from __future__ import annotations
+
+import math
+import random
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+
+from cspdiag.codegen.python_names import PackageNames
+from cspdiag.codegen.python_submodels import signal_names
+from cspdiag.model.types import BoolType, EnumType, IntType, RealType, StructType, Type
+from cspdiag.network.ir import Instantiation, SubmodelClass
+from cspdiag.runtime import Constant, Discard
+from cspdiag.simulate.package import LoadedPackage
+from tests.codegen.packages import MODELS, OWN, network, package
+from tests.laws.interpreter import Interpreter
+
+SAMPLES = 200
+
+
+def laws() -> Iterator[tuple[str, str]]:
+    for name in (*MODELS, *OWN):
+        entry = network(name)
+        submodels = {class_.name for class_ in entry.classes if isinstance(class_, SubmodelClass)}
+        for instance in entry.instances:
+            if instance.class_name in submodels:
+                yield name, instance.path
+
+
+def plants() -> Iterator[tuple[str, str]]:
+    for name in (*MODELS, *OWN):
+        for environment in network(name).environments:
+            if environment.system is not None:
+                yield name, environment.name
+
+
+@pytest.fixture
+def loaded(request: pytest.FixtureRequest) -> Iterator[LoadedPackage]:
+    name = request.node.callspec.params["name"]
+    made = LoadedPackage(network(name).name, package(name))
+    yield made
+    made.close()
+
+
+def some_value(kind: Type, source: random.Random) -> Any:
+    match kind:
+        case RealType():
+            return source.choice((source.uniform(-2, 2), source.uniform(-0.1, 0.1), 0.0))
+        case IntType():
+            return source.randint(0, 3)
+        case BoolType():
+            return source.random() < 0.5
+        case EnumType(literals=literals):
+            return source.randrange(len(literals))
+    pytest.skip(f"no values of {kind} are made here")
+
+
+def same(one: Any, other: Any) -> bool:
+    if isinstance(one, tuple):
+        return len(one) == len(other) and all(map(same, one, other))
+    if isinstance(one, float):
+        return math.isclose(one, other, rel_tol=1e-12, abs_tol=1e-12)
+    return bool(one == other)
+
+
+def in_python(value: Any, kind: Type, loaded: LoadedPackage) -> Any:
+    """A value of the network as generated code has it."""
+    if isinstance(kind, StructType):
+        parts = (in_python(part, field, loaded) for part, (_, field) in zip(value, kind.fields, strict=True))
+        return getattr(loaded.module("types"), kind.name)(*parts)
+    return value
+
+
+def instance_of(name: str, loaded: LoadedPackage, class_: SubmodelClass, instance: Instantiation) -> Any:
+    names, package_names = signal_names(class_), PackageNames(network(name))
+    made = getattr(loaded.module(package_names.modules[class_.name]), package_names.classes[class_.name])
+    types = {parameter.name: parameter.type for parameter in class_.parameters}
+    arguments = {names[key]: in_python(value, types[key], loaded) for key, value in instance.arguments}
+    ports = {names[p.name]: Constant(None) if p.direction == "in" else Discard() for p in class_.ports}
+    return made(instance.path, **arguments, **ports)
+
+
+@pytest.mark.parametrize(("name", "path"), list(laws()))
+def test_submodels_calculate_like_the_interpreter(name: str, path: str, loaded: LoadedPackage) -> None:
+    instance = next(entry for entry in network(name).instances if entry.path == path)
+    class_ = network(name).class_named(instance.class_name)
+    assert isinstance(class_, SubmodelClass)
+    generated = instance_of(name, loaded, class_, instance)
+    reference = Interpreter(class_, dict(instance.arguments))
+    outputs = [port.name for port in class_.ports if port.direction == "out"]
+    source = random.Random(path)
+    for _ in range(SAMPLES):
+        given = {port.name: some_value(port.type, source) for port in class_.ports if port.direction == "in"}
+        expected = reference.sample(**given)
+        calculated = generated.calculate(*given.values())
+        wanted = expected[outputs[0]] if len(outputs) == 1 else tuple(expected[output] for output in outputs)
+        assert same(wanted, calculated)
+
+
+@pytest.mark.parametrize(("name", "environment"), list(plants()))
+def test_environments_advance_like_the_interpreter(name: str, environment: str, loaded: LoadedPackage) -> None:
+    entry = next(entry for entry in network(name).environments if entry.name == environment)
+    system = entry.system
+    assert system is not None
+    generated = loaded.module("environments").ENVIRONMENTS[environment]()
+    reference = Interpreter(system, {})
+    given = {port.name: port.type for port in system.ports if port.direction == "in"}
+    outputs = [port.name for port in system.ports if port.direction == "out"]
+    source = random.Random(environment)
+    generated.start()
+    inputs = {port: generated.drivers[port].read() for port in given}
+    now = 0
+    for instant in sorted({entry.step * k for k in range(SAMPLES)} | {700_000 * k for k in range(100)}):
+        if instant > now:
+            signals = reference.evaluate(**inputs)
+            began = reference.time
+            reference.advance(signals, (instant - now) / 1e9, discrete=instant % entry.step == 0)
+            reference.time = instant / 1e9
+            assert began == now / 1e9
+            generated.advance(instant)
+            now = instant
+        expected = reference.evaluate(**inputs)
+        for output in outputs:
+            assert same(expected[output], generated.drivers[output].read()), (output, instant)
+        inputs = {port: some_value(kind, source) for port, kind in given.items()}
+        for port, value in inputs.items():
+            generated.drivers[port].write(value)
