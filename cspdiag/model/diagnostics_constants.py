@@ -121,9 +121,9 @@ class IndexOutOfRange(Diagnostic):
 
 @record
 class BadSize(Diagnostic):
-    """The size of an array or the count of a replicator is negative, or too large to be drawn out.
+    """The size of an array of values is negative or too large.
 
-    Arrays of instances and ports and everything that is repeated are drawn out one by one before the program runs.
+    Arrays are passed on as a whole and stand in generated code element by element.
 
     Refused::
 
