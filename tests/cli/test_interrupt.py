@@ -1,0 +1,107 @@
+"""Ctrl-C ends a command, whatever it is doing, with exit 130 and without a traceback."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from cspdiag.cli.new import project
+
+ROOT = Path(__file__).parents[2]
+
+DRIVEN = """\
+driver Lamp python "lamp.py:Lamp" { in light : int }
+
+process Blink {
+  out light : int @ 10 ms
+  communication { var n : int = 0 }
+  composition { mu (n := n + 1 ; light ! n ; wait 10 ms) }
+}
+
+environment Bench for Blink {
+  lamp : Lamp
+  light -> lamp.light
+}
+"""
+
+LAMP = """\
+from pathlib import Path
+
+
+class Lamp:
+    def open(self):
+        Path("opened").touch()
+
+    def write(self, port, value):
+        Path("last").write_text(str(value))
+
+    def close(self):
+        Path("closed").touch()
+"""
+
+
+def start(folder: Path, *arguments: str) -> subprocess.Popen[str]:
+    return subprocess.Popen(
+        [sys.executable, "-m", "cspdiag", *arguments],
+        cwd=folder,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+def interrupt(process: subprocess.Popen[str]) -> tuple[int, str, str]:
+    process.send_signal(signal.SIGINT)
+    out, err = process.communicate(timeout=20)
+    return process.returncode, out, err
+
+
+def wait_for(path: Path, process: subprocess.Popen[str]) -> None:
+    deadline = time.monotonic() + 60
+    while not path.exists():
+        assert process.poll() is None, process.communicate()
+        assert time.monotonic() < deadline, f"{path} does not appear"
+        time.sleep(0.02)
+
+
+def test_while_it_waits_for_standard_input(tmp_path: Path) -> None:
+    process = start(tmp_path, "check", "-")
+    time.sleep(1)
+    assert interrupt(process) == (130, "", "")
+
+
+def test_a_run_releases_its_outputs_and_closes_its_recording(tmp_path: Path) -> None:
+    (tmp_path / "blink.csp").write_text(DRIVEN)
+    (tmp_path / "lamp.py").write_text(LAMP)
+    process = start(tmp_path, "run", "blink.csp", "--real-time", "--record", "blink.csv")
+    wait_for(tmp_path / "last", process)
+    time.sleep(0.3)
+    code, out, err = interrupt(process)
+    assert code == 130
+    assert "Traceback" not in out + err
+    assert (tmp_path / "closed").exists()
+    assert (tmp_path / "last").read_text() == "0"
+    assert (tmp_path / "blink.csv").read_text().startswith("time,light\n")
+
+
+@pytest.mark.parametrize("options", [[], ["--real-time"]], ids=["virtual time", "real time"])
+def test_a_run_without_end_is_stopped(tmp_path: Path, options: list[str]) -> None:
+    for path, text in project("gimbal").items():
+        if path.endswith(".csp"):
+            (tmp_path / path).write_text(text)
+    process = start(tmp_path, "run", "gimbal.csp", "--trace", "trace.jsonl", *options)
+    time.sleep(2)
+    assert process.poll() is None, process.communicate()
+    code, out, err = interrupt(process)
+    assert code == 130
+    assert "Traceback" not in out + err
+    assert "stopped" in out + err
+    assert (tmp_path / "trace.jsonl").read_text().endswith("}\n")
