@@ -80,7 +80,7 @@ def check_progress(placed: Placed, waiting: Waiting, report: Report) -> None:
             case Choice():
                 _check_branches(placed, action, report)
             case InterruptOn():
-                _check_condition(action.branch, report)
+                _never_holds(action.branch, report)
             case _:
                 pass
 
@@ -128,7 +128,8 @@ def _check_branches(placed: Placed, choice: Choice, report: Report) -> None:
     always: Branch | None = None
     seen: dict[tuple[str, Key], Branch] = {}
     for branch in choice.branches:
-        _check_condition(branch, report)
+        if _never_holds(branch, report):
+            continue
         if always is not None and choice.prioritized:
             report.add(BranchNeverChosen(span=branch.event.span, earlier=always.event.span))
             continue
@@ -142,10 +143,12 @@ def _check_branches(placed: Placed, choice: Choice, report: Report) -> None:
             always = branch
 
 
-def _check_condition(branch: Branch, report: Report) -> None:
+def _never_holds(branch: Branch, report: Report) -> bool:
     condition = branch.condition
     if isinstance(condition, LiteralValue) and condition.value is False and condition.span is not None:
         report.add(BranchNeverChosen(span=condition.span, earlier=None))
+        return True
+    return False
 
 
 def _end_of(event: Event) -> tuple[str, Key] | None:

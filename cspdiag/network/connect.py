@@ -97,7 +97,8 @@ class _Connector:
             for port, element, key in instance.shape.port_elements():
                 if element in instance.attachments:
                     continue
-                excused = (instance.declaration.name.text, port.name) in self.places.excused
+                name = instance.declaration.name.text
+                excused = not self.places.excused.isdisjoint(((name, port.name), (name, None)))
                 if port.direction == "in" and port.symbol.declaration.default is not None:
                     self._attach(instance, element, Default(port.name), instance.span)
                 elif excused or self.shape.incomplete or instance.shape.incomplete:

@@ -392,14 +392,17 @@ class GuardNotRead(Diagnostic):
     port: str
     first: Span
     what: str
+    beside: str | None
 
     @property
     def message(self) -> str:
-        return f"`{self.port}` guards this branch, but what follows {self.what}"
+        return f"`{self.port}` guards this branch, but {self.what}"
 
     @property
     def help(self) -> str | None:
-        return f"begin with the port of the guard, read it in the guard (`{self.port} ? x -> ...`), or guard with the port read first"
+        if self.beside is not None:
+            return f"keep the latest value of `{self.beside}` in a variable (`{self.beside} ? x`), and connect the variable"
+        return f"begin by reading `{self.port}`, or read it in the guard (`{self.port} ? x -> ...`)"
 
     @property
     def labels(self) -> tuple[Label, ...]:

@@ -8,6 +8,13 @@ from cspdiag.network.relations import Access, Pair
 from cspdiag.syntax import ast
 
 
+def _two(one: Access, other: Access) -> str:
+    """Words for both users of a channel."""
+    if not one.instance and not other.instance:
+        return "two parallel parts of the process"
+    return f"{one.who} and {other.who}"
+
+
 def _both(one: Access, other: Access, verbs: tuple[str, str]) -> tuple[Label, ...]:
     """The places of a pair: the other end of the relationship, and where the two stand in the composition."""
     labels = [Label(other.span, f"{other.who} {verbs[1]} here")]
@@ -47,11 +54,15 @@ class Race(Diagnostic):
     variable: str
     one: Access
     other: Access
-    declared: Span | None
+    both_write: bool
 
     @property
     def message(self) -> str:
-        return f"`{self.variable}` is written by {self.one.who} in parallel with {self.other.who}, which uses it too"
+        if self.both_write:
+            return f"{_two(self.one, self.other)} write `{self.variable}` in parallel, so that either value may be lost"
+        if not self.one.instance and not self.other.instance:
+            return f"`{self.variable}` is written in one parallel part of the process and read in another"
+        return f"{self.one.who} writes `{self.variable}` in parallel with {self.other.who}, which reads it"
 
     @property
     def label(self) -> str:
@@ -63,7 +74,7 @@ class Race(Diagnostic):
 
     @property
     def labels(self) -> tuple[Label, ...]:
-        return _both(self.one, self.other, ("writes", "uses"))
+        return _both(self.one, self.other, ("writes", "writes" if self.both_write else "reads"))
 
 
 @record
@@ -132,7 +143,7 @@ class ParallelWriters(Diagnostic):
 
     @property
     def message(self) -> str:
-        return f"{self.one.who} and {self.other.who} write `{self.channel}` in parallel"
+        return f"{_two(self.one, self.other)} write `{self.channel}` in parallel"
 
     @property
     def help(self) -> str | None:
@@ -211,7 +222,7 @@ class ParallelReaders(Diagnostic):
 
     @property
     def message(self) -> str:
-        return f"{self.one.who} and {self.other.who} read `{self.channel}` in parallel"
+        return f"{_two(self.one, self.other)} read `{self.channel}` in parallel"
 
     @property
     def help(self) -> str | None:
@@ -277,9 +288,13 @@ class EventReadInParallel(Diagnostic):
     declared: Span
 
     @property
+    def _in_parallel(self) -> str:
+        return " in parallel" if self.one.instance or self.other.instance else ""
+
+    @property
     def message(self) -> str:
         return (
-            f"the event `{self.port}` is read by {self.one.who} and {self.other.who} in parallel, "
+            f"the event `{self.port}` is read by {_two(self.one, self.other)}{self._in_parallel}, "
             "so that one can take it from the other"
         )
 

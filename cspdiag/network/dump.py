@@ -192,5 +192,7 @@ def _net(net: Net) -> str:
     elif net.external == "out":
         readers = "the environment"
     period = "" if net.period is None else f" @ {duration(net.period)}"
-    return f"{net.path} : {net.type} {net.kind}{period}: {writers} -> {readers}"
+    external = "" if net.external is None else " sampled" if net.period is not None else " event"
+    kind = "" if net.external and net.kind == "sync" else f" {net.kind}"
+    return f"{net.path} : {net.type}{external}{kind}{period}: {writers} -> {readers}"
 

@@ -62,6 +62,8 @@ class Other:
 
     span: Span
     what: str
+    beside: str | None = None
+    """An input that is read at once with the guard's port and may not be ready."""
 
 
 Beginning: TypeAlias = Reads | Silent | Other
@@ -97,8 +99,8 @@ def _check(placed: Placed, branch: Branch, report: Report) -> None:
     if isinstance(found, Reads):
         return
     if isinstance(found, Silent):
-        found = Other(branch.body.span, "ends without reading it")
-    report.add(GuardNotRead(span=branch.event.span, port=key, first=found.span, what=found.what))
+        found = Other(branch.body.span, "the branch ends without reading it")
+    report.add(GuardNotRead(span=branch.event.span, port=key, first=found.span, what=found.what, beside=found.beside))
 
 
 class _Beginnings:
@@ -121,11 +123,11 @@ class _Beginnings:
             case WriteValue():
                 key = end_key(action.sink)
                 waits = write_may_wait(self.placed, key) and not is_open(self.placed, key)
-                return Other(action.span, f"writes `{key}` first") if waits else _SILENT
+                return Other(action.span, f"the branch writes `{key}` first") if waits else _SILENT
             case AssignValue() | SkipStep() | ResetInstance():
                 return _SILENT
             case WaitStep() | StopStep() | RaiseException():
-                return Other(action.span, "does not read it first")
+                return Other(action.span, "the branch does not begin by reading it")
             case SequentialSteps():
                 return self._first(action.steps)
             case ParallelSteps():
@@ -136,7 +138,9 @@ class _Beginnings:
                 return self.of(action.body)
             case WhileLoop():
                 found = self.of(action.body)
-                return Other(action.span, "may end without reading it") if isinstance(found, Reads) else found
+                return (
+                    Other(action.span, "the branch may end without reading it") if isinstance(found, Reads) else found
+                )
             case IfElse():
                 return _of_alternatives(map(self.of, (action.then, action.otherwise)), action.span)
             case CatchException() | InterruptOn():
@@ -158,13 +162,13 @@ class _Beginnings:
             case SkipEvent():
                 return self.of(branch.body)
             case _:
-                return Other(branch.span, "may choose something else")
+                return Other(branch.span, "the branch may choose something else first")
 
     def _read(self, key: Key, span: Span) -> Beginning:
         if key == self.key:
             return _READS
         waits = read_may_wait(self.placed, key) and not is_open(self.placed, key)
-        return Other(span, f"reads `{key}` first") if waits else _SILENT
+        return Other(span, f"the branch reads `{key}` first") if waits else _SILENT
 
     def _law(self, instance: InstanceShape, span: Span) -> Beginning:
         keys = [key for key in inputs_of(instance) if key is not None]
@@ -173,8 +177,9 @@ class _Beginnings:
             if key == self.key or is_open(self.placed, key) or not read_may_wait(self.placed, key):
                 continue
             if not (reads and self._is_companion(key)):
-                also = "also reads" if reads else "reads"
-                return Other(span, f"`{instance.name}` {also} `{key}`, which may not be ready")
+                if reads:
+                    return Other(span, f"`{instance.name}` also reads `{key}`, which may not be ready", key)
+                return Other(span, f"`{instance.name}` reads `{key}` first")
         if reads:
             return _READS
         outputs = (
@@ -209,11 +214,9 @@ class _Beginnings:
             if self.key is not None and attached_key(attached) == self.key
         ]
         found = _Beginnings(inside, ports[0] if ports else None, self.depth + 1).of(body)
-        return Other(action.span, f"`{instance.name}` {_tail(found)}") if isinstance(found, Other) else found
-
-
-def _tail(found: Other) -> str:
-    return found.what if not found.what.startswith("`") else f"runs {found.what}"
+        if isinstance(found, Other):
+            return Other(action.span, found.what.replace("the branch", f"`{instance.name}`", 1))
+        return found
 
 
 def _of_parallel(found: Iterable[Beginning]) -> Beginning:
@@ -233,5 +236,5 @@ def _of_alternatives(found: Iterable[Beginning], span: Span) -> Beginning:
     if all(isinstance(one, Reads) for one in all_found):
         return _READS
     if any(isinstance(one, Reads) for one in all_found):
-        return Other(span, "may end without reading it")
+        return Other(span, "the branch may end without reading it")
     return _SILENT

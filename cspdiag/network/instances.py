@@ -54,7 +54,9 @@ class _OpenNet:
 def walk_instances(
     top: Occurrence, classes: Classes, ports: tuple[ExternalPort, ...]
 ) -> tuple[tuple[Instantiation, ...], tuple[Net, ...]]:
-    """All instances, outermost first and in text order, and all nets: the external ports, then the channels by owner."""
+    """All instances, outermost first and in text order, and all nets: the external ports, then the channels by owner.
+
+    A variable that only its own process uses is no net."""
     instances: list[Instantiation] = []
     nets: list[_OpenNet] = []
     own_uses: dict[Shape, tuple[list[Key], list[Key]]] = {}
@@ -102,7 +104,7 @@ def walk_instances(
                     inner_net.writers.append((f"{path}.{name}", key))
             inside.append((f"{path}.{name}", occurrence.children[name], theirs))
         pending.extend(reversed(inside))
-    return tuple(instances), tuple(net.closed() for net in nets)
+    return tuple(instances), tuple(net.closed() for net in nets if net.external or net.writers or net.readers)
 
 
 def _own_uses(shape: Shape) -> tuple[list[Key], list[Key]]:

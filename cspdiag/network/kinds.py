@@ -61,7 +61,8 @@ def _check_variable(channel: ChannelShape, use: Uses, report: Report) -> None:
     pair = use.parallel_writes or use.parallel
     if pair is not None and not channel.excused:
         channel.excused = True
-        report.add(Race(span=pair[0].span, variable=channel.name, one=pair[0], other=pair[1], declared=channel.span))
+        both_write = use.parallel_writes is not None
+        report.add(Race(span=pair[0].span, variable=channel.name, one=pair[0], other=pair[1], both_write=both_write))
 
 
 def _infer(shape: Shape, channel: ChannelShape, use: Uses, asked: dict[str, ast.Kind], report: Report) -> None:
@@ -101,7 +102,7 @@ def _asked_kind(channel: ChannelShape, asked: dict[str, ast.Kind], report: Repor
 def _check_sequential(channel: ChannelShape, use: Uses, kind: ast.Kind | None, report: Report) -> None:
     if use.parallel_writes is not None and kind is None:
         one, other = use.parallel_writes
-        _refuse(channel, Race(span=one.span, variable=channel.name, one=one, other=other, declared=None), report)
+        _refuse(channel, Race(span=one.span, variable=channel.name, one=one, other=other, both_write=True), report)
     elif kind is not None and use.sequential is not None:
         writer, reader = use.sequential
         refused = RendezvousInSequence(

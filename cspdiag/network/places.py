@@ -65,8 +65,8 @@ class Places:
         self.loops = loops
         self.aliases: dict[str, ProcessPort] = {}
         """Labels on arrows at a port of the process, by name."""
-        self.excused: set[tuple[str, str]] = set()
-        """Names of instances and ports that occur in references which could not be resolved."""
+        self.excused: set[tuple[str, str | None]] = set()
+        """Instances and ports that occur in references which could not be resolved; None: it could be any port."""
         self.arrays: dict[str, list[InstanceShape]] = {}
 
     def indexes(self, expressions: tuple[ast.Expression, ...], values: Values) -> list[int] | None:
@@ -145,8 +145,7 @@ class Places:
         full = element_name(name, *prefix)
         if full in self.shape.channels:
             return ChannelPlace(span=reference.span, channel=self.shape.channels[full])
-        alias = self.aliases.get(full)
-        return alias and ProcessPort(span=reference.span, port=alias.port, key=alias.key)
+        return self.aliases.get(full)
 
     def indexes_beyond_loops(self, reference: ast.Reference, values: Values) -> tuple[ast.Expression, ...]:
         """Those indexes of a reference to a variable that choose an element of its value."""
@@ -257,7 +256,8 @@ class Places:
     def _excuse(self, reference: ast.Reference) -> None:
         symbol = self.program.bindings.get(reference)
         if reference.member is not None:
-            self.excused.add((reference.name.text, reference.member.text))
+            known = isinstance(self.program.members.get(reference), PortSymbol)
+            self.excused.add((reference.name.text, reference.member.text if known else None))
         elif isinstance(symbol, PortSymbol) and symbol.name in self.shape.ports:
             for element in self.shape.ports[symbol.name].elements:
                 self.shape.port_spans.setdefault(element_name(*element), reference.span)
