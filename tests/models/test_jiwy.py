@@ -162,6 +162,13 @@ def test_button_ends_motion_at_the_instant_it_is_pressed(joint: Joint) -> None:
 
 
 @JOINTS
+def test_button_goes_before_the_sample_of_the_same_instant(joint: Joint) -> None:
+    pressed = float(bench().time("joystick_buttons")[0])
+    samples = bench().time(f"feedback_{joint.name}")
+    assert np.min(np.abs(samples - pressed)) == pytest.approx(float(samples[1] - samples[0]))
+
+
+@JOINTS
 def test_ten_milliseconds_alone_break_the_loops(joint: Joint) -> None:
     result = bench_at_10_ms()
     left, right = found_stops(result, joint)
