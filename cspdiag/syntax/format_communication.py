@@ -2,43 +2,37 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from typing import NamedTuple, assert_never
+from collections.abc import Sequence
+from typing import assert_never
 
 from cspdiag.syntax import ast
+from cspdiag.syntax.columns import Columns
 from cspdiag.syntax.format_expressions import ExpressionFormatter
-from cspdiag.syntax.layout import SPACE, WIDTH, Break, Padding, flat_width
-
-
-class Cell(NamedTuple):
-    """A part of a row that is followed by padding; ``width`` is None if it cannot be on one line."""
-
-    width: int | None
-    padding: Padding
-
-
-WIDEST_ALIGNED = 40
-"""Cells wider than this are left out of the alignment of their column."""
+from cspdiag.syntax.layout import SPACE, Separator
 
 
 class CommunicationFormatter(ExpressionFormatter):
-    """Writes ports and declarations. Rows that follow each other directly are aligned in columns."""
+    """Writes ports and declarations, a line each, in columns where they follow each other directly."""
 
     def ports(self, ports: Sequence[ast.Ports]) -> None:
-        """Port declarations, a line each."""
-        rows: list[list[Cell]] = []
+        """Port declarations."""
+        columns = Columns(self.writer)
         for port in ports:
-            directly = self.writer.begin_line()
-            if not directly:
-                _align(rows)
-                rows = []
-            rows.append(self._port(port))
-        _align(rows)
+            columns.begin_row("port")
+            self._port(port, columns)
+        columns.end()
 
-    def _port(self, node: ast.Ports) -> list[Cell]:
-        cells = [self._cell(lambda: self.token())]
-        cells.append(self._cell(lambda: self._port_names(node.names)))
-        cells.append(self._cell(lambda: self._port_type(node.type)))
+    def _port(self, node: ast.Ports, columns: Columns) -> None:
+        with columns.cell():
+            self.token()
+        with columns.cell(), self.writer.group(" "), self.writer.indented():
+            self.listed(node.names, self._port_name)
+        if node.default is None and node.period is None and node.safe is None:
+            # Nothing follows in the row that would have to be aligned.
+            self._port_type(node.type)
+            return
+        with columns.cell():
+            self._port_type(node.type)
         if node.default is not None:
             self.token(" ")
             self.expression(node.default, " ")
@@ -50,69 +44,58 @@ class CommunicationFormatter(ExpressionFormatter):
         if node.safe is not None:
             self.token(" ")
             self.expression(node.safe, " ")
-        if node.default is None and node.period is None and node.safe is None:
-            # Nothing follows in the row that would have to be aligned.
-            cells.pop()
-        return cells
-
-    def _port_names(self, names: Sequence[ast.PortName]) -> None:
-        with self.writer.group(" "), self.writer.indented():
-            self.listed(names, self._port_name)
 
     def _port_type(self, node: ast.TypeName) -> None:
         self.token(" ")
         self.type_name(node, " ")
 
-    def _port_name(self, node: ast.PortName, before: str | Break) -> None:
+    def _port_name(self, node: ast.PortName, before: Separator) -> None:
         self.token(before)
         self.indexes(node.dimensions)
 
-    def _cell(self, write: Callable[[], None]) -> Cell:
-        begin = len(self.writer.pieces)
-        write()
-        return Cell(flat_width(self.writer.pieces[begin:]), self.writer.padding())
-
     def declarations(self, declarations: Sequence[ast.Declaration]) -> None:
-        """Declarations, a line each; the arrows of communication relationships with one source are aligned."""
-        rows: list[list[Cell]] = []
+        """What is in a communication block or an environment."""
+        columns = Columns(self.writer)
         for declaration in declarations:
-            directly = self.writer.begin_line()
-            row = self._declaration(declaration)
-            if not directly or row is None:
-                _align(rows)
-                rows = []
-            if row is not None:
-                rows.append(row)
-        _align(rows)
+            self._declaration(declaration, columns)
+        columns.end()
 
-    def _declaration(self, node: ast.Declaration) -> list[Cell] | None:
+    def _declaration(self, node: ast.Declaration, columns: Columns) -> None:
         match node:
             case ast.Instance():
+                columns.begin_row("")
                 self.instance(node)
             case ast.Variable(type=variable_type, initial=initial):
-                self.token()
-                self.token(" ")
-                self.token(" ")
-                self.type_name(variable_type, " ")
-                if initial is not None:
-                    self.token(" ")
-                    self.expression(initial, " ")
+                columns.begin_row("var")
+                self.typed_name(variable_type, initial, columns)
             case ast.Channel(type=channel_type, kind=kind):
-                self.token()
-                self.token(" ")
-                self.token(" ")
-                self.type_name(channel_type, " ")
+                columns.begin_row("channel")
+                self.typed_name(channel_type, None, columns)
                 self._kind(kind)
-            case ast.Connection():
-                return self._connection(node)
+            case ast.Connection(sources=sources):
+                columns.begin_row("connection" if len(sources) == 1 else "")
+                self._connection(node, columns)
             case ast.RepeatedDeclarations(replicator=replicator, declarations=declarations):
+                columns.begin_row("")
                 self.token()
                 self.replicator(replicator, " ")
                 with self.writer.block():
                     self.declarations(declarations)
             case _:
                 assert_never(node)
-        return None
+
+    def typed_name(self, declared: ast.TypeName, initial: ast.Expression | None, columns: Columns) -> None:
+        """``var name : type = initial`` and its like."""
+        self.token()
+        with columns.cell():
+            self.token(" ")
+        if initial is None:
+            self._port_type(declared)
+            return
+        with columns.cell():
+            self._port_type(declared)
+        self.token(" ")
+        self.expression(initial, " ")
 
     def instance(self, node: ast.Instance) -> None:
         """``cell[i < 8] : Cell(id = i)``."""
@@ -136,40 +119,34 @@ class CommunicationFormatter(ExpressionFormatter):
         if node.capacity is not None:
             self.expression(node.capacity, " ")
 
-    def _connection(self, node: ast.Connection) -> list[Cell] | None:
-        row = None
+    def _connection(self, node: ast.Connection, columns: Columns) -> None:
+        several = len(node.sources) > 1
         with self.writer.group():
-            with self.writer.group():
-                cell = self._cell(lambda: self.listed(node.sources, self.reference))
-            if len(node.sources) == 1:
-                row = [cell]
+            with columns.cell(), self.writer.group():
+                self.listed(node.sources, self.reference)
             with self.writer.indented():
-                self.token(SPACE if len(node.sources) > 1 else " ")
+                self.token(SPACE if several else " ")
                 if node.label is not None or node.type is not None or node.kind is not None:
-                    self._medium(node)
+                    self._medium(node, columns)
                     if node.sinks:
                         self.token(SPACE)
                 if node.sinks:
                     with self.writer.group(" "), self.writer.indented():
                         self.listed(node.sinks, self.reference)
-        return row
 
-    def _medium(self, node: ast.Connection) -> None:
-        if node.label is not None:
+    def _medium(self, node: ast.Connection, columns: Columns) -> None:
+        if node.label is None:
+            self._medium_type(node)
+            return
+        with columns.cell():
             self.token(" ")
+        if not node.sinks:
+            self._medium_type(node)
+            return
+        with columns.cell():
+            self._medium_type(node)
+
+    def _medium_type(self, node: ast.Connection) -> None:
         if node.type is not None:
-            self.token(" ")
-            self.type_name(node.type, " ")
+            self._port_type(node.type)
         self._kind(node.kind)
-
-
-def _align(rows: list[list[Cell]]) -> None:
-    """Widens the cells of each column to the widest one."""
-    if len(rows) < 2:
-        return
-    for column in range(max(len(row) for row in rows)):
-        cells = [row[column] for row in rows if column < len(row)]
-        widths = [cell.width for cell in cells if cell.width is not None and cell.width <= WIDEST_ALIGNED]
-        for cell in cells:
-            if cell.width is not None and cell.width <= WIDEST_ALIGNED:
-                cell.padding.width = min(max(widths) - cell.width, WIDTH)

@@ -7,7 +7,7 @@ from typing import assert_never
 
 from cspdiag.syntax import ast
 from cspdiag.syntax.format_expressions import ExpressionFormatter
-from cspdiag.syntax.layout import SPACE, Break, Mark
+from cspdiag.syntax.layout import SPACE, Mark, Separator
 
 
 class CompositionFormatter(ExpressionFormatter):
@@ -17,7 +17,7 @@ class CompositionFormatter(ExpressionFormatter):
     line of its own.
     """
 
-    def composition(self, node: ast.Composition, before: str | Break = "") -> None:
+    def composition(self, node: ast.Composition, before: Separator = "") -> None:
         """A composition with its parentheses."""
         if not node.parenthesized:
             self._bare_composition(node, before)
@@ -34,7 +34,7 @@ class CompositionFormatter(ExpressionFormatter):
         pairs = self.writer.parentheses_before(end)
         self.enclosed(pairs, lambda separator: self._bare_composition(node, separator), before)
 
-    def _bare_composition(self, node: ast.Composition, before: str | Break) -> None:
+    def _bare_composition(self, node: ast.Composition, before: Separator) -> None:
         match node:
             case ast.Run(instance=instance):
                 self.reference(instance, before)
@@ -71,7 +71,7 @@ class CompositionFormatter(ExpressionFormatter):
     def _form(
         self,
         node: ast.Guarded | ast.Mu | ast.While | ast.If | ast.Catch | ast.Interrupt | ast.Replicated | ast.Labelled,
-        before: str | Break,
+        before: Separator,
     ) -> None:
         match node:
             case ast.Guarded(guard=guard, process=process):
@@ -149,7 +149,7 @@ class CompositionFormatter(ExpressionFormatter):
         with self.writer.indented():
             self.composition(node, SPACE)
 
-    def _chain(self, processes: Sequence[ast.Composition], before: str | Break) -> None:
+    def _chain(self, processes: Sequence[ast.Composition], before: Separator) -> None:
         with self.writer.group(before):
             for position, process in enumerate(processes):
                 if position == 0:
@@ -162,7 +162,7 @@ class CompositionFormatter(ExpressionFormatter):
                     self.writer.pieces.append(Mark.BROKEN)
                 self.composition(process, SPACE)
 
-    def _guard(self, node: ast.Guard, before: str | Break = "") -> None:
+    def _guard(self, node: ast.Guard, before: Separator = "") -> None:
         if node.condition is not None:
             self.token(before)
             self.expression(node.condition, " ")

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from typing import TypeVar, assert_never
 
 from cspdiag.syntax import ast
-from cspdiag.syntax.layout import NOTHING, SPACE, Break
+from cspdiag.syntax.layout import FILL, NOTHING, SPACE, Mark, Separator
 from cspdiag.syntax.writer import Writer
 
 T = TypeVar("T")
@@ -24,11 +24,11 @@ class ExpressionFormatter:
     def __init__(self, writer: Writer) -> None:
         self.writer = writer
 
-    def token(self, before: str | Break = "") -> None:
+    def token(self, before: Separator = "") -> None:
         """The next token as it is."""
         self.writer.take(before)
 
-    def expression(self, node: ast.Expression, before: str | Break = "") -> None:
+    def expression(self, node: ast.Expression, before: Separator = "") -> None:
         """An expression with its parentheses."""
         if not node.parenthesized:
             self._bare(node, before)
@@ -40,7 +40,7 @@ class ExpressionFormatter:
                 pairs = self.writer.parentheses_before(node.span.end)
         self.enclosed(pairs, lambda separator: self._bare(node, separator), before)
 
-    def enclosed(self, pairs: int, write: Callable[[str | Break], None], before: str | Break) -> None:
+    def enclosed(self, pairs: int, write: Callable[[Separator], None], before: Separator) -> None:
         """What stands within so many pairs of parentheses."""
         if pairs == 0:
             write(before)
@@ -52,7 +52,7 @@ class ExpressionFormatter:
                 self.writer.comments()
             self.token(NOTHING)
 
-    def _bare(self, node: ast.Expression, before: str | Break) -> None:
+    def _bare(self, node: ast.Expression, before: Separator) -> None:
         match node:
             case ast.Number() | ast.Duration() | ast.Boolean() | ast.Text() | ast.Name():
                 self.token(before)
@@ -87,7 +87,7 @@ class ExpressionFormatter:
             case _:
                 assert_never(node)
 
-    def _binary(self, node: ast.Binary, before: str | Break) -> None:
+    def _binary(self, node: ast.Binary, before: Separator) -> None:
         """A chain of operators of one precedence, which break together."""
         precedence = _PRECEDENCE[node.operator]
         chain = [node]
@@ -112,7 +112,7 @@ class ExpressionFormatter:
         self.token()
         self._bracketed(arguments, self._argument)
 
-    def _argument(self, node: ast.Argument, before: str | Break) -> None:
+    def _argument(self, node: ast.Argument, before: Separator) -> None:
         if node.name is None:
             self.expression(node.value, before)
             return
@@ -120,25 +120,30 @@ class ExpressionFormatter:
         self.token(" ")
         self.expression(node.value, " ")
 
-    def _bracketed(self, items: Sequence[T], write: Callable[[T, str | Break], None]) -> None:
-        """A list up to its closing bracket, one item a line if it does not fit."""
+    def _bracketed(self, items: Sequence[T], write: Callable[[T, Separator], None]) -> None:
+        """A list up to its closing bracket.
+
+        It is broken if it does not fit, or if its author broke it after the bracket; then the author's other new lines stay, too.
+        """
         with self.writer.group():
+            broken = bool(items) and self.writer.keep_broken()
             with self.writer.indented():
                 for position, item in enumerate(items):
                     if position:
                         self.token()
-                    write(item, SPACE if position else NOTHING)
+                    stays = position > 0 and broken and self.writer.new_line_before_next()
+                    write(item, Mark.NEW_LINE if stays else FILL if position else NOTHING)
                 self.writer.comments()
             self.token(NOTHING if items else "")
 
-    def listed(self, items: Sequence[T], write: Callable[[T, str | Break], None], before: str | Break = "") -> None:
+    def listed(self, items: Sequence[T], write: Callable[[T, Separator], None], before: Separator = "") -> None:
         """Items with commas between them."""
         for position, item in enumerate(items):
             if position:
                 self.token()
-            write(item, SPACE if position else before)
+            write(item, FILL if position else before)
 
-    def type_name(self, node: ast.TypeName, before: str | Break = "") -> None:
+    def type_name(self, node: ast.TypeName, before: Separator = "") -> None:
         """A type with its unit and dimensions."""
         self.token(before)
         if node.unit is not None:
@@ -152,13 +157,13 @@ class ExpressionFormatter:
             self.expression(index)
             self.token()
 
-    def replicator(self, node: ast.Replicator, before: str | Break = "") -> None:
+    def replicator(self, node: ast.Replicator, before: Separator = "") -> None:
         """``i < N``."""
         self.token(before)
         self.token(" ")
         self.expression(node.count, " ")
 
-    def reference(self, node: ast.Reference | ast.Discard, before: str | Break = "") -> None:
+    def reference(self, node: ast.Reference | ast.Discard, before: Separator = "") -> None:
         """``cell[i].out[j]`` or ``_``."""
         self.token(before)
         if isinstance(node, ast.Discard):
@@ -174,7 +179,7 @@ class ExpressionFormatter:
         self.token()
         self._bracketed(parameters, self._parameter)
 
-    def _parameter(self, node: ast.Parameter, before: str | Break) -> None:
+    def _parameter(self, node: ast.Parameter, before: Separator) -> None:
         self.token(before)
         self.token()
         self.type_name(node.type, " ")

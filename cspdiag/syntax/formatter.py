@@ -9,9 +9,10 @@ from collections.abc import Mapping, Sequence
 from typing import assert_never
 
 from cspdiag.syntax import ast
+from cspdiag.syntax.columns import Columns
 from cspdiag.syntax.format_communication import CommunicationFormatter
 from cspdiag.syntax.format_composition import CompositionFormatter
-from cspdiag.syntax.layout import SPACE, TWO_SPACES, Mark, render
+from cspdiag.syntax.layout import SPACE, TWO_SPACES, render
 from cspdiag.syntax.writer import Writer
 
 
@@ -85,9 +86,12 @@ class _Formatter(CommunicationFormatter, CompositionFormatter):
         self.token(" ")
         self.token(" ")
         with self.writer.group():
-            self._keep_broken()
+            self.writer.keep_broken()
             with self.writer.indented():
-                self.listed(literals, lambda literal, before: self.token(before), SPACE)
+                for position in range(len(literals)):
+                    if position:
+                        self.token()
+                    self.token(SPACE)
                 self.writer.comments()
             self.token(SPACE)
 
@@ -96,7 +100,7 @@ class _Formatter(CommunicationFormatter, CompositionFormatter):
         self.token(" ")
         self.token(" ")
         with self.writer.group():
-            self._keep_broken()
+            self.writer.keep_broken()
             with self.writer.indented():
                 for position, field in enumerate(fields):
                     self.token(TWO_SPACES if position else SPACE)
@@ -104,11 +108,6 @@ class _Formatter(CommunicationFormatter, CompositionFormatter):
                     self.type_name(field.type, " ")
                 self.writer.comments()
             self.token(SPACE)
-
-    def _keep_broken(self) -> None:
-        """What was broken after its opening brace stays so."""
-        if self.writer.new_line_before_next():
-            self.writer.pieces.append(Mark.BROKEN)
 
     def _assertion(self, node: ast.Assertion) -> None:
         self.token()
@@ -165,27 +164,28 @@ class _Formatter(CommunicationFormatter, CompositionFormatter):
         self._clauses({"wcet": node.wcet, "step": node.step})
         with self.writer.block():
             self.ports(node.ports)
+            columns = Columns(self.writer)
             for position, item in enumerate(node.items):
-                self.writer.begin_line(blank=True if position == 0 and node.ports else None)
-                self._equation(item)
+                self._equation(item, columns, blank=True if position == 0 and node.ports else None)
+            columns.end()
 
-    def _equation(self, node: ast.SubmodelItem) -> None:
+    def _equation(self, node: ast.SubmodelItem, columns: Columns, *, blank: bool | None) -> None:
         match node:
             case ast.Instance():
+                columns.begin_row("", blank=blank)
                 self.instance(node)
             case ast.State(type=state_type, initial=initial):
-                self.token()
-                self.token(" ")
-                self.token(" ")
-                self.type_name(state_type, " ")
-                self.token(" ")
-                self.expression(initial, " ")
+                columns.begin_row("state", blank=blank)
+                self.typed_name(state_type, initial, columns)
             case ast.Let(value=value) | ast.Next(value=value) | ast.Derivative(value=value):
+                columns.begin_row(type(node).__name__, blank=blank)
                 self.token()
-                self.token(" ")
+                with columns.cell():
+                    self.token(" ")
                 self.token(" ")
                 self.expression(value, " ")
             case ast.Equation(target=target, value=value):
+                columns.begin_row("", blank=blank)
                 self.reference(target)
                 self.token(" ")
                 self.expression(value, " ")

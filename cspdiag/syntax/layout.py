@@ -30,10 +30,14 @@ class Mark(Enum):
 
 
 class Break:
-    """A new line in a group that is broken, ``flat`` in one that is not."""
+    """A new line in a group that is broken, ``flat`` in one that is not.
 
-    def __init__(self, flat: str) -> None:
+    A break that ``fills`` is a new line only where what follows it up to the next break of its group does not fit.
+    """
+
+    def __init__(self, flat: str, *, fills: bool = False) -> None:
         self.flat = flat
+        self.fills = fills
 
 
 class Padding:
@@ -44,11 +48,14 @@ class Padding:
 
 
 Piece: TypeAlias = str | Mark | Break | Padding
+Separator: TypeAlias = str | Mark | Break
+"""What stands before a token."""
 
 _BREAKING = (Mark.BROKEN, Mark.NEW_LINE, Mark.BLANK_LINE)
 
 SPACE = Break(" ")
 TWO_SPACES = Break("  ")
+FILL = Break(" ", fills=True)
 NOTHING = Break("")
 
 
@@ -77,7 +84,7 @@ def render(pieces: list[Piece]) -> str:
 class _Renderer:
     def __init__(self, pieces: list[Piece]) -> None:
         self._pieces = pieces
-        self._widths = _group_widths(pieces)
+        self._widths = _widths(pieces)
         self._lines: list[str] = []
         self._line = ""
         self._indent = 0
@@ -91,7 +98,7 @@ class _Renderer:
             elif isinstance(piece, Padding):
                 self._write(" " * piece.width)
             elif isinstance(piece, Break):
-                if broken[-1]:
+                if broken[-1] and not (piece.fills and self._fits(self._widths[position])):
                     self._end_line()
                 else:
                     self._write(piece.flat)
@@ -140,43 +147,69 @@ class _Renderer:
             self._at_start = True
 
 
-def _group_widths(pieces: list[Piece]) -> dict[int, int | None]:
-    """For each opening mark the width of its group on one line, with the text that follows up to the next possible break.
+def _widths(pieces: list[Piece]) -> dict[int, int | None]:
+    """What has to fit on the line, for each piece that has to choose.
 
-    None for a group that cannot be on one line.
+    For the opening of a group: the group on one line, with the text that follows up to the next possible break; None if it
+    cannot be on one line. For a break that fills: what follows up to the next break of its group, or up to the first
+    new line before that.
     """
-    widths: dict[int, int | None] = {}
-    opened: list[int] = []
-    unbreakable: set[int] = set()
-    # `total[i]`: the width of all pieces before i; `next_break[i]`: the first break at or after i.
+    ends, unbreakable = _extents(pieces)
     totals = [0]
-    for position, piece in enumerate(pieces):
-        width = 0
+    for piece in pieces:
         if isinstance(piece, str):
-            width = len(piece)
+            totals.append(totals[-1] + len(piece))
         elif isinstance(piece, Break):
-            width = len(piece.flat)
+            totals.append(totals[-1] + len(piece.flat))
         elif isinstance(piece, Padding):
-            width = piece.width
-        totals.append(totals[-1] + width)
-        if piece is Mark.OPEN:
-            opened.append(position)
-        elif piece is Mark.CLOSE:
-            begin = opened.pop()
-            if begin in unbreakable and opened:
-                unbreakable.add(opened[-1])
-            widths[begin] = None if begin in unbreakable else position
-        elif opened and (piece in _BREAKING or (isinstance(piece, str) and "\n" in piece)):
-            unbreakable.add(opened[-1])
-    following = len(pieces)
-    following_break = [0] * (len(pieces) + 1)
-    following_break[len(pieces)] = following
+            totals.append(totals[-1] + piece.width)
+        else:
+            totals.append(totals[-1])
+    widths: dict[int, int | None] = {}
+    # Going backwards: the next break of any kind, and the next certain new line.
+    break_after: dict[int, int] = {}
+    next_break = next_line = len(pieces)
     for position in range(len(pieces) - 1, -1, -1):
         piece = pieces[position]
-        if isinstance(piece, Break) or piece is Mark.NEW_LINE or piece is Mark.BLANK_LINE:
-            following = position
-        following_break[position] = following
-    for begin, end in widths.items():
-        if end is not None:
-            widths[begin] = totals[following_break[end]] - totals[begin]
+        if position in ends and isinstance(piece, Break):
+            widths[position] = totals[min(ends[position], next_line)] - totals[position]
+        elif position in ends:
+            end = break_after[ends[position]]
+            widths[position] = None if position in unbreakable else totals[end] - totals[position]
+        if piece is Mark.NEW_LINE or piece is Mark.BLANK_LINE:
+            next_break = next_line = position
+        elif piece is Mark.BROKEN:
+            next_line = next_break
+        elif isinstance(piece, Break):
+            next_break = position
+        elif piece is Mark.CLOSE:
+            break_after[position] = next_break
     return widths
+
+
+def _extents(pieces: list[Piece]) -> tuple[dict[int, int], set[int]]:
+    """Where each group and what follows each filling break ends, and which groups cannot be on one line."""
+    ends: dict[int, int] = {}
+    unbreakable: set[int] = set()
+    opened: list[int] = []
+    filling: list[int | None] = [None]
+    for position, piece in enumerate(pieces):
+        if isinstance(piece, Break) or piece is Mark.CLOSE:
+            begun = filling[-1]
+            if begun is not None:
+                ends[begun] = position
+            filling[-1] = position if isinstance(piece, Break) and piece.fills else None
+        if piece is Mark.OPEN:
+            opened.append(position)
+            filling.append(None)
+        elif piece is Mark.CLOSE:
+            filling.pop()
+            begin = opened.pop()
+            ends[begin] = position
+            if begin in unbreakable and opened:
+                unbreakable.add(opened[-1])
+        elif opened and (piece in _BREAKING or (isinstance(piece, str) and "\n" in piece)):
+            unbreakable.add(opened[-1])
+    if filling[0] is not None:
+        ends[filling[0]] = len(pieces)
+    return ends, unbreakable

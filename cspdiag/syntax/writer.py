@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from typing import NamedTuple
 
 from cspdiag.syntax.automaton import automaton
-from cspdiag.syntax.layout import Break, Mark, Padding, Piece
+from cspdiag.syntax.layout import Break, Mark, Padding, Piece, Separator
 
 _DURATION = re.compile(r"([0-9.]+(?:[eE][+-]?[0-9]+)?)[ \t]*([A-Za-z]+)")
 
@@ -36,7 +36,7 @@ class Writer:
         self._scan_unit = scanner.unit.match
         self._end = 0
         """Where the last token taken ended."""
-        self._separator: str | Break = ""
+        self._separator: Separator = ""
         self._comments: list[Comment] = []
         self._next = ""
         self._next_start = 0
@@ -93,9 +93,18 @@ class Writer:
 
     def new_line_before_next(self) -> bool:
         """Whether a new line stands between the last token and the next one."""
+        if self._comments:
+            return any(comment.lines_before or comment.lines_after for comment in self._comments)
         return self._new_lines(self._end, self._next_start) > 0
 
-    def take(self, separator: str | Break = "") -> None:
+    def keep_broken(self) -> bool:
+        """Break the group that just began if its author broke it here; returns whether that is so."""
+        broken = self.new_line_before_next()
+        if broken:
+            self.pieces.append(Mark.BROKEN)
+        return broken
+
+    def take(self, separator: Separator = "") -> None:
         """Write the next token after ``separator``, or after the comments before it where they give it a line of its own."""
         self._separator = separator
         self.comments()
@@ -205,7 +214,7 @@ class Writer:
         self._comments = []
 
     @contextmanager
-    def group(self, before: str | Break | None = None) -> Iterator[None]:
+    def group(self, before: Separator | None = None) -> Iterator[None]:
         """What is kept on one line if it fits.
 
         With ``before`` the separator and the comments before the next token come before the group, so that they do not break it.
