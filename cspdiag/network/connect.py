@@ -178,6 +178,7 @@ class _Connector:
 
     def _give_up(self, ends: list[Endpoint]) -> None:
         """What a relationship that was reported touches counts as connected."""
+        self.shape.has_refused_relationship = True
         for end in ends:
             if isinstance(end, InstancePort):
                 end.instance.attachments.setdefault(end.element, Attached(target=Unresolved(), span=end.span))

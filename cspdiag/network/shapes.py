@@ -167,6 +167,8 @@ class Shape:
         self.port_spans: dict[Key, Span] = {}
         """First relationship or communication that uses a port of this process."""
         self.body: Action | None = None
+        self.has_refused_relationship = False
+        """Whether a relationship was reported: what seems unused may have been meant in it."""
         self.incomplete = False
         """Whether something was left out: because a parameter has no value, or because it was reported."""
 

@@ -32,6 +32,8 @@ def check_usage(shape: Shape, uses: UsesByKey, report: Report) -> None:
     if shape.body is None or shape.incomplete:
         return
     _check_values(shape, shape.body, report)
+    if shape.has_refused_relationship:
+        return
     for port, _, key in shape.port_elements():
         if key not in uses and key not in shape.port_spans:
             report.add(PortUnused(span=port.span, port=key, process=shape.name, direction=port.direction))
