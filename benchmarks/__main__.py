@@ -1,0 +1,13 @@
+"""``cspdiag bench``, ``make bench`` or ``python benchmarks``: measures, prints a table, writes a JSON file if asked."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+
+from measuring import main
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

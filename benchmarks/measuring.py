@@ -1,0 +1,139 @@
+"""What is measured, and how: each sample in a process of its own, the contestants in turn, so that a busy machine harms all alike.
+
+A program under ``programs/`` takes the name of a benchmark and prints one number a line, or nothing if it lacks what it needs.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from statistics import median
+
+PROGRAMS = Path(__file__).resolve().parent / "programs"
+OURS = "cspdiag"
+
+
+@dataclass(frozen=True)
+class Benchmark:
+    """``less`` tells whether a smaller figure is the better one; ``contestants`` are programs by the name people know."""
+
+    name: str
+    about: str
+    unit: str
+    contestants: dict[str, str]
+    goal: str = ""
+    less: bool = True
+
+
+_PEERS = {"asyncio": "peer_asyncio", "trio": "peer_trio", "simpy": "peer_simpy", "PyCSP": "peer_pycsp"}
+_ALTERNATING = {"asyncio": "peer_asyncio", "PyCSP": "peer_pycsp"}
+_RUNTIME = {OURS: "ours"}
+
+BENCHMARKS = (
+    Benchmark(
+        "commstime", "a communication in a ring of four processes", "ns", _RUNTIME | _PEERS,
+        "at most 300 ns; asyncio 9 times, PyCSP 4 times",
+    ),
+    Benchmark("alternative-10", "a selection among 10 writers", "ns", _RUNTIME | _ALTERNATING),
+    Benchmark("alternative-100", "a selection among 100 writers", "ns", _RUNTIME | _ALTERNATING),
+    Benchmark("alternative-1000", "a selection among 1000 writers", "ns", _RUNTIME),
+    Benchmark("ring", "a hop in a ring of 1000 processes", "ns", _RUNTIME | _PEERS),
+    Benchmark("parallel", "a parallel of two that do nothing", "ns", _RUNTIME | _PEERS),
+    Benchmark("memory", "a waiting process with its channel", "bytes", _RUNTIME | _PEERS),
+    Benchmark("delay", "a delay in virtual time, ten processes", "ns", {OURS: "ours", "simpy": "peer_simpy"}),
+    Benchmark(
+        "closed-loop", "JIWY against its plant: simulated seconds a second", "", {OURS: "closed_loop"},
+        "at least 40", less=False,
+    ),
+    Benchmark("check-cold", "a cold `cspdiag check` of JIWY", "ms", {OURS: "cold_start"}, "at most 120 ms"),
+    Benchmark("check-1000", "checking 1000 lines of instances", "ms", {OURS: "checking"}),
+    Benchmark("check-10000", "checking 10 000 lines of instances", "ms", {OURS: "checking"}, "at most 2500 ms"),
+    Benchmark("compile-1000", "compiling 1000 lines of instances to Python", "ms", {OURS: "checking"}),
+)  # fmt: skip
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Run the benchmarks; 0, or 2 for a wrong option (from argparse)."""
+    given = _parser().parse_args(arguments)
+    chosen = [benchmark for benchmark in BENCHMARKS if not given.only or benchmark.name in given.only]
+    samples: dict[str, dict[str, list[float]]] = {}
+    for benchmark in chosen:
+        samples[benchmark.name] = measure(benchmark, given.rounds)
+        for line in rows(benchmark, samples[benchmark.name]):
+            print(line, flush=True)
+    if given.json is not None:
+        given.json.write_text(json.dumps(results(chosen, samples), indent=2) + "\n")
+    return 0
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="cspdiag bench", epilog="example: cspdiag bench --only commstime --rounds 7")
+    parser.add_argument(
+        "--only", action="append", choices=[benchmark.name for benchmark in BENCHMARKS], metavar="NAME",
+        help="only this one; may be repeated: " + ", ".join(benchmark.name for benchmark in BENCHMARKS),
+    )  # fmt: skip
+    parser.add_argument("--rounds", type=int, default=3, metavar="N", help="how often each is run (default: 3)")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="also write all samples and medians to FILE")
+    return parser
+
+
+def measure(benchmark: Benchmark, rounds: int) -> dict[str, list[float]]:
+    """All samples of a benchmark by contestant; those that cannot take part are left out."""
+    samples: dict[str, list[float]] = {name: [] for name in benchmark.contestants}
+    for _ in range(rounds):
+        for name, program in benchmark.contestants.items():
+            samples[name] += run_program(program, benchmark.name)
+    return {name: values for name, values in samples.items() if values}
+
+
+def run_program(program: str, benchmark: str) -> list[float]:
+    """The figures that one run of a program prints."""
+    root = str(PROGRAMS.parents[1])
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([root, os.environ.get("PYTHONPATH", "")])}
+    command = [sys.executable, str(PROGRAMS / f"{program}.py"), benchmark]
+    try:
+        done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=120, check=False)
+    except subprocess.TimeoutExpired:
+        print(f"  {program} {benchmark}: no answer within 120 s", file=sys.stderr)
+        return []
+    if done.returncode:
+        print(f"  {program} {benchmark}: {done.stderr.strip().splitlines()[-1:]}", file=sys.stderr)
+        return []
+    return [float(line) for line in done.stdout.split()]
+
+
+def rows(benchmark: Benchmark, samples: dict[str, list[float]]) -> Iterator[str]:
+    """The part of the table for one benchmark: medians, and how many times better ours is."""
+    yield f"{benchmark.name}: {benchmark.about}" + (f" (goal: {benchmark.goal})" if benchmark.goal else "")
+    reference = median(samples[OURS]) if OURS in samples else None
+    for name, values in samples.items():
+        figure = median(values)
+        ratio = "" if name == OURS or not reference else f"{_times(benchmark, figure, reference):8.1f} times"
+        yield f"  {name:10} {figure:12,.4g} {benchmark.unit:6}{ratio}"
+    for name in benchmark.contestants.keys() - samples.keys():
+        yield f"  {name:10} {'not here':>12}"
+
+
+def _times(benchmark: Benchmark, figure: float, reference: float) -> float:
+    return figure / reference if benchmark.less else reference / figure
+
+
+def results(chosen: Sequence[Benchmark], samples: dict[str, dict[str, list[float]]]) -> list[dict[str, object]]:
+    """What the JSON file holds: an object for each benchmark and contestant."""
+    return [
+        {
+            "benchmark": benchmark.name,
+            "unit": benchmark.unit,
+            "contestant": name,
+            "median": median(values),
+            "samples": values,
+        }
+        for benchmark in chosen
+        for name, values in samples[benchmark.name].items()
+    ]
