@@ -53,7 +53,7 @@ class LoadedProgram:
 
     @cached_property
     def network(self) -> Network:
-        """The network of the outermost process. Raises ProgramError."""
+        """The network of the outermost process. Raises what ``build`` raises."""
         return self.build()
 
     def build(
@@ -65,7 +65,8 @@ class LoadedProgram:
     ) -> Network:
         """The network of the process ``top`` for an environment, with constants and parameters set.
 
-        Raises ProgramError, and SettingError for a setting that fits nothing.
+        Raises ProgramError, ``SettingError`` for a setting that fits nothing, and ``cspdiag.network.lower.SelectionError`` where there is
+        no such process or environment, or no process at all.
         """
         settings = {name: str(value) for name, value in (set or {}).items()}
         built = pipeline.build(self.source, read_source, top=top, environment=environment, settings=settings)
@@ -74,7 +75,7 @@ class LoadedProgram:
         return built.network
 
     def compile(self, target: str = "python") -> dict[str, str]:
-        """The generated package: texts by path. Raises ProgramError, and KeyError for an unknown target."""
+        """The generated package: texts by path. Raises what ``build`` raises, and KeyError for an unknown target."""
         return pipeline.generate(self.network, read_source, target)
 
     def run(
@@ -87,7 +88,7 @@ class LoadedProgram:
     ) -> Run:
         """Run the program against an environment (the first one by default), until ``until`` such as ``"20 s"``.
 
-        Raises ProgramError, SettingError, and ``cspdiag.simulate.execute.NoEnvironmentError``.
+        Raises what ``build`` raises, and ``cspdiag.simulate.execute.NoEnvironmentError``.
         """
         from cspdiag.settings import parse_duration
         from cspdiag.simulate.execute import simulate

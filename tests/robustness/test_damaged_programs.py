@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from cspdiag.syntax.formatter import format_tree
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -13,6 +12,7 @@ from cspdiag.diagnostics import SourceFile
 from cspdiag.diagnostics.render_text import render
 from cspdiag.network.lower import SelectionError
 from cspdiag.sources import read_source
+from cspdiag.syntax.formatter import format_tree
 from tests.robustness.damage import damaged
 
 
