@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 
 from cspdiag.model.arithmetic import OutOfRangeError, UndefinedError, checked
@@ -79,10 +80,12 @@ def _time(text: str) -> int:
     number, unit = _quantity(text, "time, such as 10 ms")
     value = float(number)
     if unit in _HERTZ and value > 0:
-        return int(_checked(round(1e9 / (value * _HERTZ[unit])), TimeType(), text))
-    if unit not in _NANOSECONDS:
+        nanoseconds = 1e9 / (value * _HERTZ[unit])
+    elif unit in _NANOSECONDS:
+        nanoseconds = value * _NANOSECONDS[unit]
+    else:
         raise ValueError(f"`{text}` is no time; write it with a unit, such as 10ms")
-    return int(_checked(round(value * _NANOSECONDS[unit]), TimeType(), text))
+    return int(_checked(nanoseconds if math.isinf(nanoseconds) else round(nanoseconds), TimeType(), text))
 
 
 def _real(type_: RealType, text: str) -> float:

@@ -1,0 +1,40 @@
+"""Which name was probably meant."""
+
+from __future__ import annotations
+
+import pytest
+
+from cspdiag.model.spelling import Speller, edits
+
+NAMES = ["feedback", "control", "status", "kp", "T", "joystick_buttons", "max"]
+
+
+@pytest.mark.parametrize(
+    ("written", "meant"),
+    [
+        ("feedbak", "feedback"),
+        ("Control", "control"),
+        ("statsu", "status"),
+        ("joystick_button", "joystick_buttons"),
+        ("mx", None),
+        ("t", None),
+        ("velocity", None),
+        ("feedback", None),
+    ],
+)
+def test_nearest_name(written: str, meant: str | None) -> None:
+    assert Speller().nearest(written, NAMES) == meant
+
+
+def test_a_text_full_of_unknown_names_is_not_searched_for_ever() -> None:
+    speller = Speller(comparisons=10, measurements=10)
+    assert speller.nearest("feedbak", NAMES) == "feedback"
+    assert speller.nearest("feedbak", NAMES) == "feedback"
+    assert [speller.nearest("feedbak", [*NAMES[1:], "feedback"]) for _ in range(5)] == [None] * 5
+
+
+@pytest.mark.parametrize(
+    ("left", "right", "distance"), [("", "abc", 3), ("abc", "acb", 1), ("abc", "abd", 1), ("ab", "ba", 1)]
+)
+def test_edits(left: str, right: str, distance: int) -> None:
+    assert edits(left, right) == distance == edits(right, left)
