@@ -13,7 +13,7 @@ from typing import get_args
 from cspdiag.diagnostics import Report, Span
 from cspdiag.diagnostics.record import node
 from cspdiag.model.program import BuiltinSymbol, PortSymbol, Program, Scope
-from cspdiag.model.types import ArrayType, RealType, TimeType, Type
+from cspdiag.model.types import UNKNOWN, ArrayType, RealType, TimeType, Type, UnknownType
 from cspdiag.network.definitions import arguments_of
 from cspdiag.network.diagnostics_submodels import (
     StepNotPositive,
@@ -22,6 +22,7 @@ from cspdiag.network.diagnostics_submodels import (
     UnknownMethod,
 )
 from cspdiag.network.discretize import Method
+from cspdiag.network.expression_walk import walk
 from cspdiag.network.expressions import (
     ArrayElements,
     ElementValue,
@@ -371,28 +372,18 @@ class Inlining:
         if not self._is_operator(expression):
             return None
         target, self.operator_target = self.operator_target, None
-        method = self.method
-        arguments: dict[str, Expression] = {}
-        for argument in expression.arguments:
-            if argument.name is None:
-                key = PARAMETERS[name][len(arguments)]
-                arguments[key] = lower_expression(self.program, argument.value, self.context)
-            elif isinstance(argument.value, ast.Name) and argument.value.name in get_args(Method):
-                method = argument.value.name  # type: ignore[assignment]
-        if target:
-            output, base = target, target
-        else:
-            self.counts[name] = self.counts.get(name, 0) + 1
-            output = base = self.draft.unique(f"{self.prefix}{name}_{self.counts[name]}")
-            text = expression.span.text
-            self.draft.written[output] = text if len(text) <= 40 and "\n" not in text else f"{name}(...)"
+        arguments = self._operator_arguments(expression)
+        if arguments is None:
+            self.draft.complete = False
+            return LiteralValue(type=UNKNOWN, value=0, span=expression.span)
+        output = target or self._operator_name(expression)
         use = Application(
             operator=name,
             arguments=arguments,
             output=output,
-            base=base,
+            base=output,
             type=_operator_type(self.program.types.get(expression, SECONDS), arguments["x"].type, name),
-            method=method,
+            method=self._operator_method(expression),
             span=expression.span,
         )
         value = realize(self.draft, use, self.report)
@@ -404,6 +395,32 @@ class Inlining:
             return value
         self.draft.equation(output, value, expression.span, kind=use.type)
         return SignalValue(type=use.type, name=output, span=expression.span)
+
+    def _operator_arguments(self, expression: ast.Call) -> dict[str, Expression] | None:
+        """The arguments by name; None where something in them was reported."""
+        positional = [argument.value for argument in expression.arguments if argument.name is None]
+        names = PARAMETERS[expression.function.text]
+        if expression in self.program.poisoned or len(positional) != len(names):
+            return None
+        values = [lower_expression(self.program, value, self.context) for value in positional]
+        if any(isinstance(part.type, UnknownType) for value in values for part in walk(value)):
+            return None
+        return dict(zip(names, values, strict=True))
+
+    def _operator_method(self, expression: ast.Call) -> Method:
+        for argument in expression.arguments:
+            if argument.name and isinstance(argument.value, ast.Name) and argument.value.name in get_args(Method):
+                return argument.value.name  # type: ignore[return-value]
+        return self.method
+
+    def _operator_name(self, expression: ast.Call) -> str:
+        """A name for the output of an operator inside an expression: ``lag_1``."""
+        name = expression.function.text
+        self.counts[name] = self.counts.get(name, 0) + 1
+        chosen = self.draft.unique(f"{self.prefix}{name}_{self.counts[name]}")
+        text = expression.span.text
+        self.draft.written[chosen] = text if len(text) <= 40 and "\n" not in text else f"{name}(...)"
+        return chosen
 
 
 def nested(
