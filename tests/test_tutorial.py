@@ -9,9 +9,12 @@ import pytest
 import cspdiag
 from cspdiag.diagnostics import SourceFile
 from cspdiag.diagnostics.render_text import render
+from cspdiag.diagnostics.report import Report
 from cspdiag.pipeline import check
 from cspdiag.simulate.result import Run
 from cspdiag.sources import read_source
+from cspdiag.syntax.formatter import format_tree
+from cspdiag.syntax.parser import parse
 from tests.literate import Block, cases_of
 
 TUTORIAL = Path(__file__).parents[1] / "docs" / "tutorial.md"
@@ -40,6 +43,13 @@ def test_compiler_says_what_the_text_shows(name: str) -> None:
     expected = following.text if following is not None and following.language == "text" else ""
     checked = check(SourceFile("axis.csp", program(name)), read_source)
     assert render(checked.report.diagnostics) == expected
+
+
+@pytest.mark.parametrize("name", [block.name for block in blocks() if block.language == "csp"])
+def test_program_is_in_the_one_style(name: str) -> None:
+    tree = parse(SourceFile("axis.csp", program(name)), Report())
+    assert tree is not None
+    assert format_tree(tree) == program(name)
 
 
 def test_first_program_reaches_its_set_point(tmp_path: Path) -> None:
