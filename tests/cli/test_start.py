@@ -7,9 +7,13 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-HEAVY = {"numpy", "networkx", "jinja2", "control", "matplotlib", "scipy", "hypothesis", "dataclasses_json"}
+HEAVY = {"numpy", "networkx", "jinja2", "control", "matplotlib", "scipy", "hypothesis"}
 UNNEEDED_BY_CHECK = {
+    "dataclasses",
+    "inspect",
     "json",
+    "pathlib",
+    "shutil",
     "tempfile",
     "subprocess",
     "asyncio",

@@ -33,7 +33,7 @@ def answer(name: str, text: str) -> pipeline.Checked:
     return checked
 
 
-@settings(max_examples=200)
+@settings(max_examples=600)
 @given(damaged())
 def test_a_damaged_program_gets_an_answer(program: tuple[Path, str]) -> None:
     path, text = program
