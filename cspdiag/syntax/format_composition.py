@@ -131,15 +131,10 @@ class CompositionFormatter(ExpressionFormatter):
         if node.otherwise is not None:
             self.token(" " if node.then.parenthesized else SPACE)
             if isinstance(node.otherwise, ast.If) and not node.otherwise.parenthesized:
-                self.token_of_else_if()
+                self.writer.separate(" ")
                 self._if(node.otherwise)
             else:
                 self._body(node.otherwise)
-
-    def token_of_else_if(self) -> None:
-        """The comments and the space between ``else`` and ``if``."""
-        with self.writer.group(" "):
-            pass
 
     def _body(self, node: ast.Composition) -> None:
         """What a form governs: after its parenthesis on the same line, otherwise moved in where the form is broken."""

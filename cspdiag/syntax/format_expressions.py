@@ -70,14 +70,9 @@ class ExpressionFormatter:
                 self.expression(operand, " " if operator == "not" else "")
             case ast.Binary():
                 self._binary(node, before)
-            case ast.Conditional(condition=condition, then=then, otherwise=otherwise):
-                with self.writer.group(before), self.writer.indented():
-                    self.token()
-                    self.expression(condition, " ")
-                    self.token(SPACE)
-                    self.expression(then, " ")
-                    self.token(SPACE)
-                    self.expression(otherwise, " ")
+            case ast.Conditional():
+                with self.writer.group(before):
+                    self._conditional(node)
             case ast.Call(arguments=arguments):
                 self.token(before)
                 self.arguments(arguments)
@@ -106,6 +101,32 @@ class ExpressionFormatter:
                 for link in reversed(chain):
                     self.token(SPACE)
                     self.expression(link.right, " ")
+
+    def _conditional(self, node: ast.Conditional) -> None:
+        """``if a then b`` and, where it is broken, each ``else`` on a line of its own; ``else if`` goes on in the same column."""
+        with self.writer.group():
+            self.token()
+            self.expression(node.condition, " ")
+            with self.writer.indented():
+                self.token(SPACE)
+                self.expression(node.then, " ")
+        self.token(SPACE)
+        if isinstance(node.otherwise, ast.Conditional) and not node.otherwise.parenthesized:
+            self.writer.separate(" ")
+            self._conditional(node.otherwise)
+        else:
+            self.expression(node.otherwise, " ")
+
+    def value(self, node: ast.Expression) -> None:
+        """What stands after ``=`` in an equation: a choice that is broken begins on a line of its own."""
+        if not isinstance(node, ast.Conditional) or node.parenthesized:
+            self.expression(node, " ")
+            return
+        with self.writer.group():
+            self.writer.keep_broken()
+            with self.writer.indented():
+                self.writer.separate(SPACE)
+                self._conditional(node)
 
     def arguments(self, arguments: Sequence[ast.Argument]) -> None:
         """Arguments in parentheses."""

@@ -183,12 +183,13 @@ class _Formatter(CommunicationFormatter, CompositionFormatter):
                 with columns.cell():
                     self.token(" ")
                 self.token(" ")
-                self.expression(value, " ")
+                self.value(value)
             case ast.Equation(target=target, value=value):
-                columns.begin_row("", blank=blank)
-                self.reference(target)
+                columns.begin_row("equation", blank=blank)
+                with columns.cell():
+                    self.reference(target)
                 self.token(" ")
-                self.expression(value, " ")
+                self.value(value)
             case _:
                 assert_never(node)
 

@@ -97,6 +97,12 @@ class Writer:
             return any(comment.lines_before or comment.lines_after for comment in self._comments)
         return self._new_lines(self._end, self._next_start) > 0
 
+    def separate(self, separator: Separator) -> None:
+        """Write a separator and the comments after it, before the group that follows."""
+        self._separator = separator
+        self.comments()
+        self._put_separator()
+
     def keep_broken(self) -> bool:
         """Break the group that just began if its author broke it here; returns whether that is so."""
         broken = self.new_line_before_next()
@@ -220,9 +226,7 @@ class Writer:
         With ``before`` the separator and the comments before the next token come before the group, so that they do not break it.
         """
         if before is not None:
-            self._separator = before
-            self.comments()
-            self._put_separator()
+            self.separate(before)
         self.pieces.append(Mark.OPEN)
         yield
         self.pieces.append(Mark.CLOSE)
