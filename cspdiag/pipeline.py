@@ -55,6 +55,10 @@ def check(main: SourceFile, read: Reader, overrides: Mapping[str, Value] | None 
     program = resolve(trees, overrides or {}, report)
     check_model(program, report)
     check_network(program, report)
+    if not report.has_errors:
+        from cspdiag.analyses import analyse
+
+        analyse(program, report)
     return Checked(program=program, report=report)
 
 

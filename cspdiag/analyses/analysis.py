@@ -1,0 +1,21 @@
+"""What an analysis is."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from cspdiag.diagnostics import Report
+from cspdiag.diagnostics.record import record
+from cspdiag.model.program import Program
+from cspdiag.network.ir import Network
+
+
+@record
+class Analysis:
+    """A pass over the finished network.
+
+    ``concerns`` tells cheaply whether a program gives it anything to say; ``run`` reports what it finds.
+    """
+
+    concerns: Callable[[Program], bool]
+    run: Callable[[Network, Report], None]

@@ -1,0 +1,132 @@
+"""The share of the processor that the control laws need, from their worst-case execution times.
+
+A lower bound: laws without ``wcet`` or without a period count nothing, of parts in sequence only the most demanding counts, and of
+branches of an alternative too. Laws that follow one another on the same sample add up.
+"""
+
+from __future__ import annotations
+
+from typing import assert_never
+
+from cspdiag.analyses.analysis import Analysis
+from cspdiag.analyses.diagnostics_load import Overload
+from cspdiag.diagnostics import Report, Span
+from cspdiag.model.program import Program
+from cspdiag.network.actions import (
+    Action,
+    AssignValue,
+    CatchException,
+    Choice,
+    Group,
+    IfElse,
+    InterruptOn,
+    ParallelSteps,
+    RaiseException,
+    ReadValue,
+    Repeat,
+    ResetInstance,
+    RunInstance,
+    SequentialSteps,
+    SkipStep,
+    StopStep,
+    WaitStep,
+    WhileLoop,
+    WriteValue,
+)
+from cspdiag.network.ir import Network, ProcessClass, SubmodelClass
+from cspdiag.syntax import ast
+
+
+def _states_times(program: Program) -> bool:
+    return any(isinstance(d, ast.SubmodelDefinition) and d.wcet is not None for d in program.definitions.values())
+
+
+def check_load(network: Network, report: Report) -> None:
+    """Warn where the laws need more than the whole processor."""
+    loads = _Loads(network)
+    share = loads.of_instance(network.top)
+    if share > 1:
+        laws = sorted(loads.laws, key=lambda law: (-law[1], law[0]))
+        top = loads.classes[network.top]
+        report.add(Overload(span=top.span, process=network.top, percent=round(100 * share), laws=tuple(laws)))
+
+
+class _Loads:
+    def __init__(self, network: Network) -> None:
+        self.classes = {entry.name: entry for entry in network.classes}
+        self.class_of = {instance.path: self.classes[instance.class_name] for instance in network.instances}
+        self.periods: dict[str, int] = {}
+        """Of leaf processes by path: the shortest period of a net that they are on."""
+        self.samplers: set[str] = set()
+        """Leaf processes that read a sampled net, so that a run of them begins a new period."""
+        for net in network.nets:
+            if net.period is None:
+                continue
+            for path, _ in (*net.writers, *net.readers):
+                self.periods[path] = min(net.period, self.periods.get(path, net.period))
+            self.samplers.update(path for path, _ in net.readers)
+        self.laws: list[tuple[str, int, Span]] = []
+
+    def of_instance(self, path: str) -> float:
+        """The share of the processor that an instance with everything inside it needs."""
+        entry = self.class_of[path]
+        if isinstance(entry, ProcessClass):
+            return self._action(path, entry.body) if entry.body is not None else 0.0
+        return self._law(path, entry, self.periods.get(path))
+
+    def _law(self, path: str, law: SubmodelClass, period: int | None) -> float:
+        if law.wcet is None or period is None:
+            return 0.0
+        share = law.wcet / period
+        self.laws.append((path, round(100 * share), law.span))
+        return share
+
+    def _action(self, path: str, action: Action) -> float:
+        match action:
+            case RunInstance():
+                return self.of_instance(f"{path}.{action.instance}")
+            case SequentialSteps():
+                return self._sequence(path, action.steps)
+            case ParallelSteps():
+                return sum(self._action(path, step) for step in action.steps)
+            case Choice():
+                return max((self._action(path, branch.body) for branch in action.branches), default=0.0)
+            case Repeat() | WhileLoop() | Group():
+                return self._action(path, action.body)
+            case IfElse():
+                return max(self._action(path, action.then), self._action(path, action.otherwise))
+            case CatchException():
+                return max(self._action(path, action.body), self._action(path, action.handler))
+            case InterruptOn():
+                return max(self._action(path, action.body), self._action(path, action.branch.body))
+            case (
+                ReadValue()
+                | WriteValue()
+                | AssignValue()
+                | SkipStep()
+                | StopStep()
+                | WaitStep()
+                | ResetInstance()
+                | RaiseException()
+            ):
+                return 0.0
+            case _:
+                assert_never(action)
+
+    def _sequence(self, path: str, steps: tuple[Action, ...]) -> float:
+        """A law that reads a sample begins a period; those after it that read none run in the same one."""
+        largest = present = 0.0
+        period: int | None = None
+        for step in steps:
+            inner = f"{path}.{step.instance}" if isinstance(step, RunInstance) else ""
+            law = self.class_of.get(inner)
+            if isinstance(law, SubmodelClass) and inner not in self.samplers:
+                present += self._law(inner, law, self.periods.get(inner, period))
+            else:
+                present = self._action(path, step)
+                period = self.periods.get(inner)
+            largest = max(largest, present)
+        return largest
+
+
+LOAD = Analysis(concerns=_states_times, run=check_load)
