@@ -119,7 +119,9 @@ def _square_root(value: float) -> float:
 
 
 def _sign(value: float) -> float:
-    return type(value)((value > 0) - (value < 0))
+    if isinstance(value, int):
+        return (value > 0) - (value < 0)
+    return 1.0 if value > 0 else -1.0 if value < 0 else value
 
 
 def _half_away(value: float) -> float:
@@ -131,13 +133,13 @@ def _half_away(value: float) -> float:
 
 
 def _quantize(value: float, step: float) -> float:
-    if step <= 0:
-        raise UndefinedError("the step of `quantize` must be positive")
-    return type(value)(step * _half_away(value / step))
+    if step == 0:
+        raise UndefinedError("there are no multiples of the step 0")
+    return _half_away(value / step) * step
 
 
 def _deadzone(value: float, width: float) -> float:
-    return type(value)(max(value - width, 0) + min(value + width, 0))
+    return value - width if value > width else value + width if value < -width else 0.0
 
 
 def _whole(function: Callable[[float], int]) -> Callable[[float], float]:
@@ -148,7 +150,7 @@ _FUNCTIONS: dict[str, Callable[..., float]] = {
     "abs": abs,
     "min": min,
     "max": max,
-    "limit": lambda value, lowest, highest: min(max(value, lowest), highest),
+    "limit": lambda value, lowest, highest: lowest if value < lowest else highest if value > highest else value,
     "sign": _sign,
     "sqrt": _square_root,
     "exp": math.exp,

@@ -107,8 +107,10 @@ def function(typer: Typer, node: ast.Call) -> Type:
         case "derivative":
             found = _real(typer, node, arguments[0])
             return RealType(found.bits, divide(found.unit, SECOND)) if isinstance(found, RealType) else found
-        case "min" | "max" | "limit" | "quantize" | "deadzone":
+        case "min" | "max" | "limit":
             return _comparable(typer, node, arguments)
+        case "quantize" | "deadzone":
+            return _reals(typer, node, arguments)
         case "abs":
             return _number(typer, node, arguments[0], takes_time=True)
         case "sign":
@@ -209,11 +211,15 @@ def _square_root(typer: Typer, node: ast.Call, argument: ast.Expression) -> Type
 
 
 def _angle(typer: Typer, node: ast.Call, arguments: list[ast.Expression]) -> Type:
+    found = _reals(typer, node, arguments)
+    return RealType(found.bits) if isinstance(found, RealType) else UNKNOWN
+
+
+def _reals(typer: Typer, node: ast.Call, arguments: list[ast.Expression]) -> Type:
     for argument in arguments:
         if isinstance(_real(typer, node, argument), UnknownType):
             return UNKNOWN
-    found = _unified(typer, node, arguments)
-    return RealType(found.bits) if isinstance(found, RealType) else UNKNOWN
+    return _unified(typer, node, arguments)
 
 
 def _comparable(typer: Typer, node: ast.Call, arguments: list[ast.Expression]) -> Type:

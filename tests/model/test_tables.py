@@ -42,7 +42,17 @@ process Main(T: time = 1 ms) {
 
 
 def expressions(program: Program) -> list[ast.Node]:
-    kinds = ast.Number | ast.Duration | ast.Name | ast.Member | ast.Index | ast.Unary | ast.Binary | ast.Call
+    kinds = (
+        ast.Number
+        | ast.Duration
+        | ast.Name
+        | ast.Member
+        | ast.Index
+        | ast.Unary
+        | ast.Binary
+        | ast.Call
+        | ast.ArrayValue
+    )
     return [part for part in walk(program.main) if isinstance(part, kinds)]
 
 
@@ -63,7 +73,7 @@ def test_numbers_in_the_text_take_the_type_of_their_surroundings() -> None:
     assert type_of(program, "2 * gains[1]") == "double"
     assert type_of(program, "2", at=1) == "double"
     assert type_of(program, "[1, 2]") == "double[2]"
-    assert type_of(program, "1") == "double"
+    assert type_of(program, "1", at=1) == "double"
     assert type_of(program, "10") == "int"
     assert [str(program.types[part]) for part in expressions(program) if part.span.text == "0"] == [
         "double<rad>",
