@@ -21,7 +21,8 @@ from cspdiag.network.expressions import Expression, SignalValue
 from cspdiag.network.ir import DriverInstance, Environment, ExternalPort, Port, SubmodelClass
 from cspdiag.network.lower_expression import LoweringContext, lower_expression
 from cspdiag.network.submodel_draft import SECONDS, Draft
-from cspdiag.network.submodel_inline import Inlining, Surroundings, external_body, nested
+from cspdiag.network.submodel_inline import Inlining, external_body, nested
+from cspdiag.network.submodel_signals import Surroundings
 from cspdiag.network.submodel_system import complete
 from cspdiag.network.syntax_walk import nodes
 from cspdiag.syntax import ast

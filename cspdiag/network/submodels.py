@@ -11,8 +11,9 @@ from cspdiag.network.expressions import Value
 from cspdiag.network.ir import ClassParameter, Direction, Port, SubmodelClass
 from cspdiag.network.lower_expression import lower_expression
 from cspdiag.network.submodel_draft import SECONDS, Draft
-from cspdiag.network.submodel_inline import Inlining, Surroundings, external_body
+from cspdiag.network.submodel_inline import Inlining, external_body
 from cspdiag.network.submodel_operators import PARAMETERS
+from cspdiag.network.submodel_signals import Surroundings
 from cspdiag.network.submodel_system import complete
 from cspdiag.network.syntax_walk import declarations, declared_in, nodes
 from cspdiag.syntax import ast
