@@ -63,8 +63,8 @@ class CommunicationFormatter(ExpressionFormatter):
     def _declaration(self, node: ast.Declaration, columns: Columns) -> None:
         match node:
             case ast.Instance():
-                columns.begin_row("")
-                self.instance(node)
+                columns.begin_row("instance")
+                self.instance(node, columns)
             case ast.Variable(type=variable_type, initial=initial):
                 columns.begin_row("var")
                 self.typed_name(variable_type, initial, columns)
@@ -97,16 +97,17 @@ class CommunicationFormatter(ExpressionFormatter):
         self.token(" ")
         self.expression(initial, " ")
 
-    def instance(self, node: ast.Instance) -> None:
+    def instance(self, node: ast.Instance, columns: Columns) -> None:
         """``cell[i < 8] : Cell(id = i)``."""
-        self.token()
-        if node.size is not None:
+        with columns.cell():
             self.token()
-            if isinstance(node.size, ast.Replicator):
-                self.replicator(node.size)
-            else:
-                self.expression(node.size)
-            self.token()
+            if node.size is not None:
+                self.token()
+                if isinstance(node.size, ast.Replicator):
+                    self.replicator(node.size)
+                else:
+                    self.expression(node.size)
+                self.token()
         self.token(" ")
         self.token(" ")
         if self.writer.next == "(":

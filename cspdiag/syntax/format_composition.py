@@ -97,19 +97,17 @@ class CompositionFormatter(ExpressionFormatter):
             case ast.Catch(process=process, handler=handler):
                 with self.writer.group(before):
                     self.composition(process)
-                    with self.writer.indented():
-                        self.token(SPACE)
-                        self.token(" ")
-                        self.token(" ")
-                        self.composition(handler, " ")
+                    self.token(SPACE)
+                    self.token(" ")
+                    self.token(" ")
+                    self.composition(handler, " ")
             case ast.Interrupt(process=process, guard=guard, handler=handler):
                 with self.writer.group(before):
                     self.composition(process)
-                    with self.writer.indented():
-                        self.token(SPACE)
-                        self._guard(guard, " ")
-                        self.token(" ")
-                        self.composition(handler, " ")
+                    self.token(SPACE)
+                    self._guard(guard, " ")
+                    self.token(" ")
+                    self.composition(handler, " ")
             case ast.Replicated(replicator=replicator, process=process):
                 with self.writer.group(before):
                     self.token()

@@ -172,8 +172,8 @@ class _Formatter(CommunicationFormatter, CompositionFormatter):
     def _equation(self, node: ast.SubmodelItem, columns: Columns, *, blank: bool | None) -> None:
         match node:
             case ast.Instance():
-                columns.begin_row("", blank=blank)
-                self.instance(node)
+                columns.begin_row("instance", blank=blank)
+                self.instance(node, columns)
             case ast.State(type=state_type, initial=initial):
                 columns.begin_row("state", blank=blank)
                 self.typed_name(state_type, initial, columns)
