@@ -19,6 +19,13 @@ TARGETS: dict[str, Callable[[Network, Mapping[str, str]], dict[str, str]]] = {"p
 """By name: from a network, and the texts of the external modules that it names by path, to the files of a package by path."""
 
 
+def target_errors() -> type[ValueError]:
+    """The exception, with one line for people, that a target raises for a correct program that it cannot express."""
+    from cspdiag.codegen.python_external import TargetError
+
+    return TargetError
+
+
 def external_modules(network: Network) -> tuple[str, ...]:
     """The files of external bodies to read and hand to a target, as paths joined to the folder of the file that names them."""
     from cspdiag.codegen.python_external import external_paths

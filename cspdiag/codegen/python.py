@@ -38,7 +38,7 @@ def generate(network: Network, modules: Mapping[str, str] | None = None) -> dict
     def add(path: str, template: str, **values: object) -> None:
         files[path] = render(template, **values)
 
-    project = project_view(network, names)
+    project = project_view(network, names, external)
     add("pyproject.toml", "pyproject.toml.j2", project=project)
     add("README.md", "README.md.j2", project=project)
     add(f"{package}/__init__.py", "__init__.py.j2", project=project)

@@ -369,7 +369,13 @@ class Composition:
         return self.imports.names.place(action.span.file, action.span.line)
 
     def _checked_place(self, action: Action) -> str | None:
-        return self._place(action) if isinstance(action, WriteValue | StopStep) else None
+        """The place of what waits in this very statement, rather than in a process or coroutine that it runs."""
+        match action:
+            case WriteValue() | StopStep():
+                return self._place(action)
+            case ParallelSteps(steps=steps) if any(isinstance(step, WriteValue) for step in steps):
+                return self._place(action)
+        return None
 
 
 def coroutine_name(action: Action) -> str:

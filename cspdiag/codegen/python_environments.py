@@ -24,7 +24,7 @@ from cspdiag.codegen.python_external import ExternalModules, external_call
 from cspdiag.codegen.python_imports import Imports
 from cspdiag.codegen.python_integration import Integration
 from cspdiag.codegen.python_names import Names, PackageNames
-from cspdiag.codegen.python_statements import Block, Line, Statement, assign, docstring, lines
+from cspdiag.codegen.python_statements import Block, Line, Statement, assign, docstring, lines, run
 from cspdiag.codegen.python_submodels import INTEGRATION
 from cspdiag.codegen.python_types import annotation, duration, literal, quoted, zero
 from cspdiag.model.types import BOOL, DOUBLE, INT, TEXT, Type
@@ -175,6 +175,11 @@ class _EnvironmentWriter:
             statements += [
                 assign(f"self.{self.names[state.name]}", printer.print(state.initial)) for state in self.system.states
             ]
+        statements += [
+            run(call(f"self.{self.names[item.name]}.reset"))
+            for item in self._calls()
+            if self.modules.describe(item.external).has_reset
+        ]
         if self._result_equations():
             statements.append(Line("self._evaluate()"))
         return _method("start", "self", "Go to time 0 and evaluate the outputs.", statements)

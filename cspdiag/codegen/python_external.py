@@ -28,6 +28,10 @@ class Body:
     takes_time: bool
 
 
+class TargetError(ValueError):
+    """A program that is correct but cannot be made into Python; the message is one line for people."""
+
+
 class ExternalModules:
     """The texts of the modules that a program names, by the path they were read from."""
 
@@ -35,13 +39,20 @@ class ExternalModules:
         self._texts = texts
 
     def describe(self, body: ExternalBody) -> Body:
-        """What the text of its module says about a class; an installed module is taken to have the required parts only."""
+        """What the text of its module says about a class; an installed module is taken to have the required parts only.
+
+        Raises TargetError for a body in another language, or a class that its module does not have.
+        """
+        if body.language != "python":
+            raise TargetError(f"{body.span}: the Python target cannot run a body in {body.language}")
         file, _, name = body.target.rpartition(":")
         text = self._texts.get(source_path(body) or "")
         if text is None:
             module = file.removesuffix(".py").replace("/", ".")
             return Body(module, name, copied=False, has_reset=False, takes_time=False)
         methods = _methods(text, name)
+        if methods is None:
+            raise TargetError(f"{body.span}: {file} has no class `{name}`")
         return Body(
             module_name(file),
             name,
@@ -58,9 +69,7 @@ class ExternalModules:
     def imported(self, body: ExternalBody, imports: Imports) -> str:
         """The name of the class in a module that imports it."""
         facts = self.describe(body)
-        if facts.copied:
-            return imports.external(facts.module, facts.name)
-        return imports.absolute(facts.module, facts.name)
+        return imports.body(facts.module, facts.name, copied=facts.copied)
 
     def copies(self, network: Network) -> dict[str, str]:
         """Files of the folder ``external``, adapted to import the runtime of the package."""
@@ -88,7 +97,7 @@ def bodies(network: Network) -> list[ExternalBody]:
     """Every body in Python that a network names, each once."""
     found: dict[ExternalBody, None] = {}
     for part in parts((network.classes, network.environments)):
-        if isinstance(part, ExternalBody) and part.language == "python":
+        if isinstance(part, ExternalBody):
             found[part] = None
     return list(found)
 
@@ -96,9 +105,15 @@ def bodies(network: Network) -> list[ExternalBody]:
 def source_path(body: ExternalBody) -> str | None:
     """The path of the module's file, as the file that names it is called; None for an installed module."""
     file = body.target.rpartition(":")[0]
-    if not file.endswith(".py"):
+    if body.language != "python" or not file.endswith(".py"):
         return None
     return posixpath.normpath(posixpath.join(posixpath.dirname(body.span.file), file))
+
+
+def installed_modules(network: Network, modules: ExternalModules) -> list[str]:
+    """Modules of bodies that are not part of the package."""
+    described = (modules.describe(body) for body in bodies(network))
+    return list(dict.fromkeys(body.module for body in described if not body.copied))
 
 
 def external_paths(network: Network) -> tuple[str, ...]:
@@ -112,16 +127,20 @@ def module_name(file: str) -> str:
     return identifier(posixpath.basename(file).removesuffix(".py"))
 
 
-def _methods(text: str, name: str) -> dict[str, list[str]]:
+def _methods(text: str, name: str) -> dict[str, list[str]] | None:
+    """The methods of a class with the names of their parameters; None if there is no such class."""
     try:
         tree = ast.parse(text)
     except (SyntaxError, ValueError):
-        return {}
+        return {}  # Python will say what is wrong with it, and where.
     for node in tree.body:
         if isinstance(node, ast.ClassDef) and node.name == name:
             functions = [item for item in node.body if isinstance(item, ast.FunctionDef)]
             return {item.name: _keywords(item.args) for item in functions}
-    return {}
+    imported = any(
+        isinstance(node, ast.Import | ast.ImportFrom | ast.Assign) and name in ast.unparse(node) for node in tree.body
+    )
+    return {} if imported else None
 
 
 def _keywords(arguments: ast.arguments) -> list[str]:

@@ -20,6 +20,7 @@ class Imports:
         self._dots = dots
         self._relative: dict[str, set[str]] = defaultdict(set)
         self._standard: dict[str, set[str]] = defaultdict(set)
+        self._installed: dict[str, set[str]] = defaultdict(set)
 
     def runtime(self, name: str) -> str:
         """A name of the runtime, qualified where the module has the plain name for something of its own."""
@@ -58,15 +59,15 @@ class Imports:
             return None
         return self._from("constants", python)
 
-    def external(self, module: str, name: str) -> str:
-        """A class of a module that was copied into the package, under the name ``<name>Body``."""
-        self._relative[f"external.{module}"].add(f"{name} as {name}Body")
-        return f"{name}Body"
+    def body(self, module: str, name: str, *, copied: bool) -> str:
+        """A class written by hand, of a module that was copied into the package or of an installed one.
 
-    def absolute(self, module: str, name: str) -> str:
-        """A class of an installed module."""
-        self._standard[module].add(name)
-        return name
+        It is called ``<name>Body`` where the package has something of that name.
+        """
+        wanted = self._relative[f"external.{module}"] if copied else self._installed[module]
+        taken = name in self._taken or name in self.names.environments.values()
+        wanted.add(f"{name} as {name}Body" if taken else name)
+        return f"{name}Body" if taken else name
 
     def _from(self, module: str, name: str) -> str:
         self._relative[module].add(name)
@@ -76,8 +77,10 @@ class Imports:
         """The import statements, sorted as isort does, with a blank line between the groups."""
         standard = [f"import {module}" for module, names in sorted(self._standard.items()) if not names]
         standard += import_lines(self._standard, "")
-        relative = import_lines(self._relative, self._dots)
-        return [*standard, "", *relative] if standard and relative else [*standard, *relative]
+        lines: list[str] = []
+        for group in (standard, import_lines(self._installed, ""), import_lines(self._relative, self._dots)):
+            lines += ["", *group] if lines and group else group
+        return lines
 
 
 def import_lines(wanted: Mapping[str, set[str]], dots: str) -> list[str]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping
 
-from cspdiag.network.ir import Network
+from cspdiag.network.ir import Network, ProcessClass
 
 
 def _words(text: str) -> frozenset[str]:
@@ -126,7 +126,9 @@ class PackageNames:
         self.environment_modules: Mapping[str, str] = {
             entry.name: folder[snake_case(entry.name)] for entry in network.environments
         }
-        self.globals = frozenset((*self.classes.values(), *self.types.values(), *self.constants.values()))
+        by_hand = {entry.name for entry in network.classes if isinstance(entry, ProcessClass) and entry.external}
+        made = (python for name, python in self.classes.items() if name not in by_hand)
+        self.globals = frozenset((*made, *self.types.values(), *self.constants.values()))
         self.globals |= frozenset(self.exceptions.values())
 
     def place(self, file: str, line: int) -> str:

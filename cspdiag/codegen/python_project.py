@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from cspdiag.codegen.python_docs import sentence
 from cspdiag.codegen.python_environments import port_key
+from cspdiag.codegen.python_external import ExternalModules, installed_modules
 from cspdiag.codegen.python_names import PackageNames
 from cspdiag.codegen.python_types import quoted
 from cspdiag.network.ir import ExternalPort, Network
@@ -35,9 +36,11 @@ class Project:
     quoted_summary: str
     ports: list[PortRow]
     environments: list[str]
+    copied: bool
+    installed: list[str]
 
 
-def project_view(network: Network, names: PackageNames) -> Project:
+def project_view(network: Network, names: PackageNames, modules: ExternalModules) -> Project:
     """The frame of the package of a network."""
     top = network.class_named(network.top)
     doc = sentence(top.doc or network.doc or f"The process {network.top}, generated from its CSP diagram.")
@@ -53,6 +56,8 @@ def project_view(network: Network, names: PackageNames) -> Project:
         quoted_summary=quoted(summary),
         ports=[_row(port) for port in network.external_ports],
         environments=[entry.name for entry in network.environments],
+        copied=bool(modules.copies(network)),
+        installed=installed_modules(network, modules),
     )
 
 

@@ -125,7 +125,7 @@ def _loop(
         count = (len(groups) - start) // size
         chunks = ["\n".join(texts[start + n * size : start + (n + 1) * size]) for n in range(count)]
         end = _run_end(chunks, 0) if count >= LEAST else 0
-        if end < LEAST or chunks[0] == chunks[1]:
+        if end < LEAST:
             continue
         bodies = [
             tuple(item for group in groups[start + n * size : start + (n + 1) * size] for item in group)
@@ -133,7 +133,8 @@ def _loop(
         ]
         body = statements_template(bodies, variable, 0)
         if body is not None:
-            return Block(Line(f"for {variable} in range({end}):"), body), start + end * size
+            counter = "_" if chunks[0] == chunks[1] else variable
+            return Block(Line(f"for {counter} in range({end}):"), body), start + end * size
     return None
 
 

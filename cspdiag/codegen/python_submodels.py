@@ -24,11 +24,11 @@ from cspdiag.codegen.python_external import ExternalModules, external_call
 from cspdiag.codegen.python_imports import Imports
 from cspdiag.codegen.python_integration import Integration
 from cspdiag.codegen.python_modules import ClassModule, port_annotation
-from cspdiag.codegen.python_names import MEMBERS, Names, PackageNames
+from cspdiag.codegen.python_names import MEMBERS, Names, PackageNames, identifier
 from cspdiag.codegen.python_statements import Line, Statement, Unpack, assign, docstring, lines, run, signature
 from cspdiag.codegen.python_types import annotation, duration, quoted
 from cspdiag.model.types import TimeType
-from cspdiag.network.ir import ExternalCall, SubmodelClass, SubmodelEquation
+from cspdiag.network.ir import ExternalBody, ExternalCall, SubmodelClass, SubmodelEquation
 
 INTEGRATION = frozenset({"h", "half", "sixth", "step", "t", "time", "_steps", "_h", "_derivative", "_derivatives"})
 """Names that an integration uses itself."""
@@ -36,7 +36,7 @@ INTEGRATION = frozenset({"h", "half", "sixth", "step", "t", "time", "_steps", "_
 
 def signal_names(class_: SubmodelClass) -> Names:
     """Python names of everything in a submodel: keywords of its constructor, attributes and local variables alike."""
-    names = Names({*MEMBERS, *(INTEGRATION if class_.derivatives else ())})
+    names = Names({*MEMBERS, "_body", *(INTEGRATION if class_.derivatives else ())})
     for item in (*class_.parameters, *class_.ports, *class_.states):
         names[item.name]
     return names
@@ -44,6 +44,8 @@ def signal_names(class_: SubmodelClass) -> Names:
 
 def submodel_module(class_: SubmodelClass, names: PackageNames, modules: ExternalModules) -> ClassModule:
     """The module of a submodel class."""
+    if class_.external is not None:
+        return _BodyWriter(class_, names, modules, class_.external).module()
     return _SubmodelWriter(class_, names, modules).module()
 
 
@@ -59,12 +61,13 @@ class _SubmodelWriter:
         self.constants = constants_needed(class_)
         self.integration = Integration(class_, self.names, self._place)
         self.attributes = self._attributes()
+        self.place = names.place(class_.span.file, class_.span.line)
 
     def module(self) -> ClassModule:
-        place = self.package.place(self.class_.span.file, self.class_.span.line)
-        functions = [self._constructor(place)]
-        if self.class_.states or self._calls():
-            functions.append(self._reset())
+        functions = [self._constructor()]
+        reset = self._reset_statements()
+        if reset:
+            functions.append(["    def reset(self) -> None:", *lines(reset, "        ")])
         functions += [self._run(), self._calculate()]
         if self.class_.derivatives:
             printer = self._printer(local=[*self.integration.held, *self._moving()])
@@ -74,7 +77,7 @@ class _SubmodelWriter:
             f"The submodel {self.class_.definition}.",
             self.imports.lines(),
             f"class {name}({base}):",
-            docstring(class_doc(self.class_, place, "submodel"), "    "),
+            docstring(class_doc(self.class_, self.place, "submodel"), "    "),
             functions,
         )
 
@@ -121,24 +124,28 @@ class _SubmodelWriter:
 
         return Printer(self.imports, parameter=parameter, signal=signal, seconds=seconds)
 
-    def _constructor(self, place: str) -> list[str]:
+    def _constructor(self) -> list[str]:
         class_ = self.class_
         keywords = [f"{self.names[p.name]}: {annotation(p.type, self.imports)}" for p in class_.parameters]
         keywords += [f"{self.names[p.name]}: {port_annotation(p, self.imports)}" for p in class_.ports]
         head = signature(
             "def __init__", ["self", "name: str", *(["*", *keywords] if keywords else [])], " -> None:", "    "
         )
-        source = Argument(Atom(quoted(place)), "source")
+        source = Argument(Atom(quoted(self.place)), "source")
         statements: list[Statement] = [run(Call("super().__init__", (Argument(Atom("name")), source)))]
         ports = [self.names[port.name] for port in class_.ports]
         statements += [assign(f"self.{port}", Atom(port)) for port in ports]
-        statements += self._kept_parameters()
-        statements += self._constants()
-        statements += self._sub_steps()
-        statements += [self._external_body(item) for item in self._calls()]
-        if class_.states:
-            statements.append(Line("self.reset()"))
+        statements += self._made()
         return [*head, *lines(statements, "        ")]
+
+    def _made(self) -> Iterable[Statement]:
+        """What the constructor does after it has the ports."""
+        yield from self._kept_parameters()
+        yield from self._constants()
+        yield from self._sub_steps()
+        yield from (self._external_body(item) for item in self._calls())
+        if self.class_.states:
+            yield Line("self.reset()")
 
     def _kept_parameters(self) -> Iterable[Statement]:
         for item in self.class_.parameters:
@@ -171,7 +178,7 @@ class _SubmodelWriter:
         given = {name: printer.print(value) for name, value in item.arguments}
         return assign(f"self.{self.names[item.name]}", self.modules.construct(item.external, given, self.imports))
 
-    def _reset(self) -> list[str]:
+    def _reset_statements(self) -> list[Statement]:
         printer = self._printer()
         statements: list[Statement] = [
             Line(f"self.{self.names[state.name]} = ", printer.print(state.initial)) for state in self.class_.states
@@ -181,7 +188,7 @@ class _SubmodelWriter:
             for item in self._calls()
             if self.modules.describe(item.external).has_reset
         ]
-        return ["    def reset(self) -> None:", *lines(statements or [Line("pass")], "        ")]
+        return statements
 
     def _run(self) -> list[str]:
         """All inputs are read at once, and then all outputs are written at once."""
@@ -225,6 +232,10 @@ class _SubmodelWriter:
             statements += self._integrate()
         statements += self._returned(statements, results, printer)
 
+        return self._calculation(statements)
+
+    def _calculation(self, statements: Sequence[Statement]) -> list[str]:
+        given, results = inputs(self.class_), outputs(self.class_)
         types = self._annotations()
         parameters_ = [f"{self.names[name]}: {types[name]}" for name in given]
         returned = _return_annotation([types[name] for name in results])
@@ -282,6 +293,36 @@ class _SubmodelWriter:
         if not results:
             return []
         return [Line("return ", Atom(", ".join(self.names[name] for name in results)))]
+
+
+class _BodyWriter(_SubmodelWriter):
+    """A law written by hand: the class around it has its ports, and hands on what it calculates."""
+
+    def __init__(
+        self, class_: SubmodelClass, names: PackageNames, modules: ExternalModules, body: ExternalBody
+    ) -> None:
+        super().__init__(class_, names, modules)
+        self.body = body
+
+    def _made(self) -> Iterable[Statement]:
+        given = {item.name: Atom(self.names[item.name]) for item in self.class_.parameters if not item.derived}
+        yield assign("self._body", self.modules.construct(self.body, given, self.imports))
+
+    def _reset_statements(self) -> list[Statement]:
+        return [run(call("self._body.reset"))] if self.modules.describe(self.body).has_reset else []
+
+    def _calculate(self) -> list[str]:
+        arguments = tuple(Argument(Atom(self.names[name]), identifier(name)) for name in inputs(self.class_))
+        calculated = Call("self._body.calculate", arguments)
+        results = outputs(self.class_)
+        if not results:
+            return self._calculation([run(calculated)])
+        types = self._annotations()
+        returned = _return_annotation([types[name] for name in results])
+        target = self.names[results[0]] if len(results) == 1 else "calculated"
+        return self._calculation(
+            [assign(f"{target}: {returned}", calculated, self.place), Line("return ", Atom(target))]
+        )
 
 
 def _return_annotation(types: Sequence[str]) -> str:

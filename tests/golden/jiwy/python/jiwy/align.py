@@ -10,7 +10,7 @@ from .velocity_controller import VelocityController
 class Align(Process):
     """Turns one joint at constant speed until it meets its end stop, and remembers where that was.
 
-    Source: jiwy.csp:28
+    Source: jiwy.csp:23
 
     Ports:
         feedback: in, double<rad> @ T.
@@ -31,7 +31,7 @@ class Align(Process):
         control: Out[float],
         max_: Out[float],
     ) -> None:
-        super().__init__(name, source="jiwy.csp:28")
+        super().__init__(name, source="jiwy.csp:23")
         self.patience = patience
         self.control = control
         self.feedback = feedback.reader(self)
@@ -57,8 +57,8 @@ class Align(Process):
         try:
             await interrupt(self._repeat_velocity(), After(self.patience), self._interrupted)
         except Timeout:
-            self.failed.value = True  # jiwy.csp:44
-        await self.control.write(0.0)  # jiwy.csp:45
+            self.failed.value = True  # jiwy.csp:39
+        await self.control.write(0.0)  # jiwy.csp:40
         if self.failed.value:
             raise ModeFailed
 
@@ -69,4 +69,4 @@ class Align(Process):
                 break
 
     async def _interrupted(self) -> None:
-        self.failed.value = True  # jiwy.csp:44
+        self.failed.value = True  # jiwy.csp:39

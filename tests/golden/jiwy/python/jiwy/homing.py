@@ -11,7 +11,7 @@ from .types import ServoGains
 class Homing(Process):
     """Servo back to the centre; there, or where its patience ends, the motor is released.
 
-    Source: jiwy.csp:81
+    Source: jiwy.csp:76
 
     Ports:
         leftmax: in, double<rad>.
@@ -32,7 +32,7 @@ class Homing(Process):
         feedback: In[float],
         control: Out[float],
     ) -> None:
-        super().__init__(name, source="jiwy.csp:81")
+        super().__init__(name, source="jiwy.csp:76")
         self.patience = patience
         self.control = control
         self.leftmax = leftmax.reader(self)
@@ -64,8 +64,8 @@ class Homing(Process):
         try:
             await interrupt(self._repeat_servo(), After(self.patience), self._go_on)
         except Timeout:
-            self.failed.value = True  # jiwy.csp:102
-        await self.control.write(0.0)  # jiwy.csp:103
+            self.failed.value = True  # jiwy.csp:97
+        await self.control.write(0.0)  # jiwy.csp:98
         if self.failed.value:
             raise ModeFailed
 

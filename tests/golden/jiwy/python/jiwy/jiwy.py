@@ -10,7 +10,7 @@ from .runtime import In, Out, Process, parallel
 class Jiwy(Process):
     """The pan-and-tilt end-effector: both joints at the same time, each at its own sample period.
 
-    Source: jiwy.csp:143
+    Source: jiwy.csp:134
 
     Ports:
         joystick_horizontal: in, double @ Tsh.
@@ -34,7 +34,7 @@ class Jiwy(Process):
         control_horizontal: Out[float],
         control_vertical: Out[float],
     ) -> None:
-        super().__init__(name, source="jiwy.csp:143")
+        super().__init__(name, source="jiwy.csp:134")
         self.horizontal = JointControl(
             f"{name}.horizontal",
             T=Tsh,

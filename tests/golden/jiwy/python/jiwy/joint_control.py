@@ -12,7 +12,7 @@ from .types import ServoGains
 class JointControl(Process):
     """One joint through its four modes.
 
-    Source: jiwy.csp:109
+    Source: jiwy.csp:104
 
     Ports:
         feedback: in, double<rad> @ T.
@@ -36,7 +36,7 @@ class JointControl(Process):
         joystick_buttons: In[int],
         control: Out[float],
     ) -> None:
-        super().__init__(name, source="jiwy.csp:109")
+        super().__init__(name, source="jiwy.csp:104")
         self.leftmax = Variable[float](f"{name}.leftmax")
         self.rightmax = Variable[float](f"{name}.rightmax")
         self.alignL = Align(

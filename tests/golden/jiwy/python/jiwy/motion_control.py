@@ -12,7 +12,7 @@ from .types import ServoGains
 class MotionControl(Process):
     """Servo that follows the joystick until the stop button is pressed, then releases the motor.
 
-    Source: jiwy.csp:51
+    Source: jiwy.csp:46
 
     Ports:
         leftmax: in, double<rad>.
@@ -37,7 +37,7 @@ class MotionControl(Process):
         joystick_buttons: In[int],
         control: Out[float],
     ) -> None:
-        super().__init__(name, source="jiwy.csp:51")
+        super().__init__(name, source="jiwy.csp:46")
         self.control = control
         self.joystick_buttons = joystick_buttons.reader(self)
         self.feedback = feedback.reader(self)
@@ -71,7 +71,7 @@ class MotionControl(Process):
     async def run(self) -> None:
         try:
             while True:
-                match await self.choice.select():  # jiwy.csp:73
+                match await self.choice.select():  # jiwy.csp:68
                     case 0:  # joystick_buttons ? status
                         self.status.value = self.choice.value
                     case 1:  # feedback
@@ -79,7 +79,7 @@ class MotionControl(Process):
                 if self.status.value == stopButton:
                     break
         except Timeout:
-            self.failed.value = True  # jiwy.csp:74
-        await self.control.write(0.0)  # jiwy.csp:75
+            self.failed.value = True  # jiwy.csp:69
+        await self.control.write(0.0)  # jiwy.csp:70
         if self.failed.value:
             raise ModeFailed

@@ -95,16 +95,16 @@ class PositionController(Submodel):
         sample = self.sample
         pid_tauD = self.pid_tauD
         pid_kp = self.pid_kp
-        centre = (leftmax + rightmax) / 2.0  # laws.csp:75
-        # laws.csp:76
+        centre = (leftmax + rightmax) / 2.0  # laws.csp:71
+        # laws.csp:72
         reference = limit(centre + self.reach * setpoint, leftmax + margin, rightmax - margin)
-        profile_start = feedback  # laws.csp:77
+        profile_start = feedback  # laws.csp:73
         profile_from = self.profile_last if self.profile_moving else profile_start  # laws.csp:35
-        profile_target = reference  # laws.csp:78
+        profile_target = reference  # laws.csp:74
         # laws.csp:36
         profile_velocity = limit((profile_target - profile_from) / self.smoothing, -rate, rate)
         profile_angle = profile_from + sample * profile_velocity  # laws.csp:37
-        pid_error = profile_angle - feedback  # laws.csp:79
+        pid_error = profile_angle - feedback  # laws.csp:75
         # laws.csp:15
         pid_d = self.pid_f * (
             pid_tauD * self.pid_beta * self.pid_ud
@@ -114,15 +114,15 @@ class PositionController(Submodel):
         pid_i = pid_ui + sample * pid_d / self.pid_tauI  # laws.csp:16
         pid_sum = pid_i + pid_d  # laws.csp:17
         pid_output = limit(pid_sum, -0.99, 0.99)  # laws.csp:19
-        assistance = gains.friction * limit(profile_velocity / 0.05, -1.0, 1.0)  # laws.csp:81
-        control = limit(supply * pid_output + assistance, -supply, supply)  # laws.csp:82
-        # laws.csp:84
+        assistance = gains.friction * limit(profile_velocity / 0.05, -1.0, 1.0)  # laws.csp:77
+        control = limit(supply * pid_output + assistance, -supply, supply)  # laws.csp:78
+        # laws.csp:80
         standing = self.arrived + sample if abs(reference - feedback) < gains.tolerance else 0.0
-        stop = standing >= self.dwell  # laws.csp:86
+        stop = standing >= self.dwell  # laws.csp:82
         self.profile_moving = True  # laws.csp:32
         self.profile_last = profile_angle  # laws.csp:33
         self.pid_e1 = pid_error  # laws.csp:10
         self.pid_ud = pid_d  # laws.csp:11
         self.pid_ui = pid_i if pid_sum == pid_output else pid_ui  # laws.csp:12
-        self.arrived = standing  # laws.csp:73
+        self.arrived = standing  # laws.csp:69
         return control, reference, stop

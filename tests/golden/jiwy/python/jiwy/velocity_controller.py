@@ -10,7 +10,7 @@ class VelocityController(Submodel):
     presses gently on the end stop. The end stop is the joint standing still for `dwell`
     although the controller drives with more than `effort`; `max` is where the joint is.
 
-    Source: laws.csp:92
+    Source: laws.csp:88
 
     Ports:
         feedback: in, double<rad>.
@@ -36,7 +36,7 @@ class VelocityController(Submodel):
         max_: Out[float],
         stop: Out[bool],
     ) -> None:
-        super().__init__(name, source="laws.csp:92")
+        super().__init__(name, source="laws.csp:88")
         self.feedback = feedback
         self.control = control
         self.max_ = max_
@@ -69,21 +69,21 @@ class VelocityController(Submodel):
         speed = self.speed
         pressure = self.pressure
         sample = self.sample
-        difference = (feedback - self.last) / sample if self.moving else 0.0  # laws.csp:112
-        # laws.csp:113
+        difference = (feedback - self.last) / sample if self.moving else 0.0  # laws.csp:103
+        # laws.csp:104
         velocity = filtered + sample / (self.filter_ + sample) * (difference - filtered)
-        error = speed - velocity  # laws.csp:114
-        i = ui + sample * self.ki * error  # laws.csp:115
-        sum_ = self.kp * error + i  # laws.csp:116
-        control = limit(sum_, -pressure, pressure)  # laws.csp:118
-        # laws.csp:124
+        error = speed - velocity  # laws.csp:105
+        i = ui + sample * self.ki * error  # laws.csp:106
+        sum_ = self.kp * error + i  # laws.csp:107
+        control = limit(sum_, -pressure, pressure)  # laws.csp:109
+        # laws.csp:115
         pressing = abs(velocity) < 0.1 * abs(speed) and control * sign(speed) > self.effort
-        held = self.pressed + sample if pressing else 0.0  # laws.csp:125
-        stop = held >= self.dwell  # laws.csp:127
-        max_ = feedback  # laws.csp:128
-        self.moving = True  # laws.csp:106
-        self.last = feedback  # laws.csp:107
-        self.filtered = velocity  # laws.csp:108
-        self.ui = i if sum_ == control else ui  # laws.csp:109
-        self.pressed = held  # laws.csp:110
+        held = self.pressed + sample if pressing else 0.0  # laws.csp:116
+        stop = held >= self.dwell  # laws.csp:118
+        max_ = feedback  # laws.csp:119
+        self.moving = True  # laws.csp:97
+        self.last = feedback  # laws.csp:98
+        self.filtered = velocity  # laws.csp:99
+        self.ui = i if sum_ == control else ui  # laws.csp:100
+        self.pressed = held  # laws.csp:101
         return control, max_, stop

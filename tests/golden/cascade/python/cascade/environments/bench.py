@@ -8,16 +8,16 @@ from math import ceil
 from ..runtime import Driver, Signal, s, us
 
 motor_resistance = 1.0  # cascade.csp:96
-motor_constant = 0.05  # cascade.csp:98
-motor_inductance = 1e-3  # cascade.csp:97
-motor_friction = 1e-5  # cascade.csp:100
-motor_inertia = 1e-4  # cascade.csp:99
+motor_constant = 0.05  # cascade.csp:97
+motor_inductance = 1e-3  # cascade.csp:96
+motor_friction = 1e-5  # cascade.csp:98
+motor_inertia = 1e-4  # cascade.csp:97
 
 
 class Bench:
     """The environment Bench.
 
-    Source: cascade.csp:124
+    Source: cascade.csp:122
     """
 
     step = 100 * us
@@ -49,7 +49,7 @@ class Bench:
         voltage = self.voltage.value
         motor_i = self.motor_i
         motor_w = self.motor_w
-        motor_voltage = voltage  # cascade.csp:130
+        motor_voltage = voltage  # cascade.csp:128
         steps = ceil((now - self.now) / (100 * us))
         h = (now - self.now) / s / steps
         half = h / 2
@@ -75,12 +75,12 @@ class Bench:
 
     def _evaluate(self) -> None:
         time = self.now / s
-        motor_current = self.motor_i  # cascade.csp:111
-        motor_speed = self.motor_w  # cascade.csp:112
-        trial_reference = 0.0 if time < 0.02 else 100.0  # cascade.csp:120
-        self.reference.value = trial_reference  # cascade.csp:128
-        self.current.value = motor_current  # cascade.csp:131
-        self.speed.value = motor_speed  # cascade.csp:132
+        motor_current = self.motor_i  # cascade.csp:109
+        motor_speed = self.motor_w  # cascade.csp:110
+        trial_reference = 0.0 if time < 0.02 else 100.0  # cascade.csp:118
+        self.reference.value = trial_reference  # cascade.csp:126
+        self.current.value = motor_current  # cascade.csp:129
+        self.speed.value = motor_speed  # cascade.csp:130
 
     def _derivatives(
         self,
@@ -89,8 +89,8 @@ class Bench:
         motor_voltage: float,
         time: float,
     ) -> tuple[float, float]:
-        trial_load = 0.0 if time < 0.3 else 0.05  # cascade.csp:121
-        motor_load = trial_load  # cascade.csp:129
+        trial_load = 0.0 if time < 0.3 else 0.05  # cascade.csp:119
+        motor_load = trial_load  # cascade.csp:127
         return (
             (motor_voltage - motor_resistance * motor_i - motor_constant * motor_w)
             / motor_inductance,

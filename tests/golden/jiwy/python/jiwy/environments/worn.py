@@ -8,37 +8,37 @@ from math import ceil, pi
 from ..constants import counts, drive, induction, ratio, rotorInertia, stiffness
 from ..runtime import Driver, Signal, cos, limit, ms, power, quantize, s, sin
 
-pan_start = 1.4  # plant.csp:32
-pan_left = -1.62  # plant.csp:29
-pan_damper = 0.3  # plant.csp:31
-pan_right = 1.5  # plant.csp:30
+pan_start = 1.4  # plant.csp:26
+pan_left = -1.62  # plant.csp:26
+pan_damper = 0.3  # plant.csp:26
+pan_right = 1.5  # plant.csp:26
 pan_inertia = 1e-3  # plant.csp:25
-pan_mass = pan_inertia + power(ratio, 2.0) * rotorInertia  # plant.csp:45
-pan_viscous = 1.3e-3  # plant.csp:26
-pan_gravity = 0.0  # plant.csp:28
-pan_coulomb = 0.0156  # plant.csp:27
-pan_stiction = 1.3 * pan_coulomb  # plant.csp:47
-pan_creep = 0.02  # plant.csp:33
-pan_settling = 0.002  # plant.csp:34
-tilt_start = -2.0  # plant.csp:32
-tilt_left = -2.05  # plant.csp:29
-tilt_damper = 0.15  # plant.csp:31
-tilt_right = 1.85  # plant.csp:30
+pan_mass = pan_inertia + power(ratio, 2.0) * rotorInertia  # plant.csp:39
+pan_viscous = 1.3e-3  # plant.csp:25
+pan_gravity = 0.0  # plant.csp:25
+pan_coulomb = 0.0156  # plant.csp:25
+pan_stiction = 1.3 * pan_coulomb  # plant.csp:41
+pan_creep = 0.02  # plant.csp:27
+pan_settling = 0.002  # plant.csp:27
+tilt_start = -2.0  # plant.csp:26
+tilt_left = -2.05  # plant.csp:26
+tilt_damper = 0.15  # plant.csp:26
+tilt_right = 1.85  # plant.csp:26
 tilt_inertia = 3e-4  # plant.csp:25
-tilt_mass = tilt_inertia + power(ratio, 2.0) * rotorInertia  # plant.csp:45
-tilt_viscous = 6.5e-4  # plant.csp:26
-tilt_gravity = 0.01  # plant.csp:28
-tilt_coulomb = 0.0104  # plant.csp:27
-tilt_stiction = 1.3 * tilt_coulomb  # plant.csp:47
-tilt_creep = 0.04  # plant.csp:33
-tilt_settling = 0.002  # plant.csp:34
+tilt_mass = tilt_inertia + power(ratio, 2.0) * rotorInertia  # plant.csp:39
+tilt_viscous = 6.5e-4  # plant.csp:25
+tilt_gravity = 0.01  # plant.csp:25
+tilt_coulomb = 0.0104  # plant.csp:25
+tilt_stiction = 1.3 * tilt_coulomb  # plant.csp:41
+tilt_creep = 0.04  # plant.csp:27
+tilt_settling = 0.002  # plant.csp:27
 
 
 class Worn:
     """A worn machine, its friction up by 30 %, switched on near its end stops, in the hand of an
     impatient operator.
 
-    Source: jiwy.csp:204
+    Source: jiwy.csp:183
     """
 
     step = 1 * ms
@@ -80,8 +80,8 @@ class Worn:
         pan_speed = self.pan_speed
         tilt_angle = self.tilt_angle
         tilt_speed = self.tilt_speed
-        pan_voltage = control_horizontal  # jiwy.csp:227
-        tilt_voltage = control_vertical  # jiwy.csp:228
+        pan_voltage = control_horizontal  # jiwy.csp:194
+        tilt_voltage = control_vertical  # jiwy.csp:195
         steps = ceil((now - self.now) / (1 * ms))
         h = (now - self.now) / s / steps
         half = h / 2
@@ -131,17 +131,17 @@ class Worn:
 
     def _evaluate(self) -> None:
         time = self.now / s
-        pan_encoder = quantize(self.pan_angle - pan_start, 2.0 * pi / counts)  # plant.csp:54
-        tilt_encoder = quantize(self.tilt_angle - tilt_start, 2.0 * pi / counts)  # plant.csp:54
-        hand_phase = 2.0 * pi * 0.4 * time  # plant.csp:77
-        hand_x = 0.5 * sin(hand_phase)  # plant.csp:78
-        hand_y = 0.5 * cos(hand_phase)  # plant.csp:79
-        hand_buttons = 2 if (time >= 2.0 and time < 2.2) or time >= 15.0 else 0  # plant.csp:80
-        self.feedback_horizontal.value = pan_encoder  # jiwy.csp:229
-        self.feedback_vertical.value = tilt_encoder  # jiwy.csp:230
-        self.joystick_horizontal.value = hand_x  # jiwy.csp:231
-        self.joystick_vertical.value = hand_y  # jiwy.csp:232
-        self.joystick_buttons.value = hand_buttons  # jiwy.csp:233
+        pan_encoder = quantize(self.pan_angle - pan_start, 2.0 * pi / counts)  # plant.csp:49
+        tilt_encoder = quantize(self.tilt_angle - tilt_start, 2.0 * pi / counts)  # plant.csp:49
+        hand_phase = 2.0 * pi * 0.4 * time  # plant.csp:74
+        hand_x = 0.5 * sin(hand_phase)  # plant.csp:75
+        hand_y = 0.5 * cos(hand_phase)  # plant.csp:76
+        hand_buttons = 2 if (time >= 2.0 and time < 2.2) or time >= 15.0 else 0  # plant.csp:77
+        self.feedback_horizontal.value = pan_encoder  # jiwy.csp:196
+        self.feedback_vertical.value = tilt_encoder  # jiwy.csp:197
+        self.joystick_horizontal.value = hand_x  # jiwy.csp:198
+        self.joystick_vertical.value = hand_y  # jiwy.csp:199
+        self.joystick_buttons.value = hand_buttons  # jiwy.csp:200
 
     def _derivatives(
         self,
@@ -152,7 +152,7 @@ class Worn:
         pan_voltage: float,
         tilt_voltage: float,
     ) -> tuple[float, float, float, float]:
-        # plant.csp:42
+        # plant.csp:35
         pan_stop = (
             max(0.0, stiffness * (pan_left - pan_angle) - pan_damper * pan_speed)
             if pan_angle < pan_left
@@ -160,7 +160,7 @@ class Worn:
             if pan_angle > pan_right
             else 0.0
         )
-        # plant.csp:42
+        # plant.csp:35
         tilt_stop = (
             max(0.0, stiffness * (tilt_left - tilt_angle) - tilt_damper * tilt_speed)
             if tilt_angle < tilt_left
@@ -168,14 +168,14 @@ class Worn:
             if tilt_angle > tilt_right
             else 0.0
         )
-        # plant.csp:46
+        # plant.csp:40
         pan_torque = (
             drive * (pan_voltage - induction * pan_speed)
             - pan_viscous * pan_speed
             - pan_gravity * sin(pan_angle)
             + pan_stop
         )
-        # plant.csp:48
+        # plant.csp:42
         pan_friction = (
             limit(pan_torque + pan_mass * pan_speed / pan_settling, -pan_stiction, pan_stiction)
             if abs(pan_speed) < pan_creep
@@ -183,14 +183,14 @@ class Worn:
             if pan_speed > 0.0
             else -pan_coulomb
         )
-        # plant.csp:46
+        # plant.csp:40
         tilt_torque = (
             drive * (tilt_voltage - induction * tilt_speed)
             - tilt_viscous * tilt_speed
             - tilt_gravity * sin(tilt_angle)
             + tilt_stop
         )
-        # plant.csp:48
+        # plant.csp:42
         tilt_friction = (
             limit(
                 tilt_torque + tilt_mass * tilt_speed / tilt_settling, -tilt_stiction, tilt_stiction

@@ -1,0 +1,20 @@
+"""A device with three ports."""
+
+from __future__ import annotations
+
+
+class Panel:
+    """Its button counts how often it was looked at."""
+
+    def __init__(self, *, name: str, rate: int) -> None:
+        self.name = name
+        self.rate = rate
+        self.looks = 0
+        self.written: list[tuple[str, float]] = []
+
+    def read(self, port: str) -> int:
+        self.looks += 1
+        return self.looks // self.rate
+
+    def write(self, port: str, value: float) -> None:
+        self.written.append((port, value))
