@@ -14,7 +14,7 @@ from typing import Any, TypeVar
 
 from .exceptions import Cancelled
 from .process import Process
-from .scheduler import Party, Priority, Task, Waits, scheduler
+from .scheduler import Party, Task, Waits, scheduler
 
 T = TypeVar("T")
 
@@ -35,13 +35,14 @@ class Branches:
         self._abandoned = False
         self.cancelled = False
 
-    def start(self, bodies: tuple[Awaitable[object], ...], priorities: list[Priority]) -> None:
+    def start(self, bodies: tuple[Awaitable[object], ...], *, prioritized: bool = False) -> None:
         """Makes the branches and puts them into the ready queue."""
         parent = self._parent
-        self.tasks = [Task(as_coroutine(body), self, parent.process) for body in bodies]
+        self.tasks = [Task(as_coroutine(body), self, parent) for body in bodies]
         self.pending = len(self.tasks)
-        for task, priority in zip(self.tasks, priorities, strict=True):
-            scheduler.set_priority(task, priority)
+        if prioritized:
+            for rank, task in enumerate(self.tasks):
+                scheduler.set_priority(task, (*parent.priority, rank))
         for task in self.tasks:
             scheduler.enqueue(task)
 
@@ -120,7 +121,7 @@ def parallel(*bodies: Awaitable[object]) -> Generator[None, None, None]:
     """
     task = _parent_of(bodies)
     branches = Branches(task)
-    branches.start(bodies, [task.priority] * len(bodies))
+    branches.start(bodies)
     yield from branches.wait()
 
 
@@ -133,7 +134,7 @@ def prioritized_parallel(*bodies: Awaitable[object]) -> Generator[None, None, No
     """
     task = _parent_of(bodies)
     branches = Branches(task)
-    branches.start(bodies, [(*task.priority, rank) for rank in range(len(bodies))])
+    branches.start(bodies, prioritized=True)
     yield from branches.wait()
 
 

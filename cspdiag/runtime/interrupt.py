@@ -37,7 +37,7 @@ def interrupt(
     if task.cancelled:
         raise Cancelled
     branches = Branches(task)
-    branches.start((body,), [task.priority])
+    branches.start((body,))
     interruption = _Interruption((guard,))
     interruption.body = branches.tasks[0]
     interruption.begin_waiting(task, 1, {}, {})

@@ -109,24 +109,72 @@ class _Run:
 
     def _ending(self) -> Outcome:
         self._start()
+        return self._in_real_time() if self._clock.real else self._in_virtual_time()
+
+    def _in_virtual_time(self) -> Outcome:
+        run_ready = scheduler.run_ready
+        timers = scheduler.timers
+        instants = self._instants
+        until = self._until
         while True:
-            self._run_ready()
+            while run_ready():
+                pass
             if self._root.ended:
                 return self._ended_by_itself()
-            if not self._instants.can_come():
-                return Outcome("deadlock", scheduler.now, deadlock=report_deadlock(self._root, scheduler.now))
+            instant = timers.next_instant()
+            if instant is None and not instants.can_come():
+                return self._deadlocked()
+            tick = instants.after(scheduler.now)
+            if instant is None or (tick is not None and tick < instant):
+                instant = tick
+            assert instant is not None
+            if until is not None and instant > until:
+                return self._limit_reached()
+            scheduler.now = instant
+            if instant == tick:
+                instants.meet(instant)
+            timers.fall_due(instant)
+
+    def _in_real_time(self) -> Outcome:
+        """The same against the clock.
+
+        All instants that have passed are met before the next steps of processes, so that who computes too long finds its samples overwritten.
+        """
+        while True:
+            ready = scheduler.run_ready(_REAL_TIME_STEPS)
+            if self._root.ended:
+                return self._ended_by_itself()
+            if not ready and not self._instants.can_come():
+                return self._deadlocked()
             instant = self._next_instant()
-            until = self._until
-            if until is not None and (instant is None or instant > until):
-                if self._clock.reach(until):
-                    scheduler.now = until
-                    return Outcome("time limit", until)
-                self._take_over(until)
-            elif self._clock.reach(instant):
-                assert instant is not None
+            while self._reached(self._limited(instant), ready):
+                if instant is None or instant != self._limited(instant):
+                    return self._limit_reached()
                 self._meet(instant)
-            else:
+                instant = self._next_instant()
+                ready = True
+            if self._devices.has_news:
                 self._take_over(instant)
+
+    def _limited(self, instant: int | None) -> int | None:
+        """The instant, or the time limit if that comes first."""
+        if self._until is None or (instant is not None and instant <= self._until):
+            return instant
+        return self._until
+
+    def _limit_reached(self) -> Outcome:
+        assert self._until is not None
+        scheduler.now = self._until
+        return Outcome("time limit", self._until)
+
+    def _reached(self, instant: int | None, ready: bool) -> bool:
+        """Whether the clock has reached the instant; waits for it, or for news, only while no process is ready."""
+        if ready:
+            return instant is not None and self._clock.now() >= instant
+        return self._clock.reach(instant)
+
+    def _deadlocked(self) -> Outcome:
+        return Outcome("deadlock", scheduler.now, deadlock=report_deadlock(self._root, scheduler.now))
 
     def _ended_by_itself(self) -> Outcome:
         if self._root_error is None:
@@ -156,19 +204,6 @@ class _Run:
         scheduler.observe = observe
         scheduler.watcher = observer
 
-    def _run_ready(self) -> None:
-        """Runs processes until none is ready; in real time also meets the instants that come meanwhile."""
-        if not self._clock.real:
-            while scheduler.run_ready():
-                pass
-            return
-        while scheduler.run_ready(_REAL_TIME_STEPS):
-            instant = self._next_instant()
-            if instant is not None and self._clock.now() >= instant:
-                self._meet(instant)
-            elif self._devices.has_news:
-                self._take_over(instant)
-
     def _take_over(self, instant: int | None) -> None:
         """Takes over what came from outside before ``instant``."""
         now = self._clock.now()
@@ -183,10 +218,9 @@ class _Run:
         return tick
 
     def _meet(self, instant: int) -> None:
-        if self._clock.real:
-            late = self._clock.now() - instant
-            for period in self._instants.periods_at(instant):
-                self._jitter[period].add(late)
+        late = self._clock.now() - instant
+        for period in self._instants.periods_at(instant):
+            self._jitter[period].add(late)
         scheduler.now = instant
         self._instants.meet(instant)
         scheduler.timers.fall_due(instant)

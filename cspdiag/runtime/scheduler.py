@@ -93,17 +93,21 @@ class Task:
         "waiting",
     )
 
-    def __init__(self, body: Coroutine[Any, Any, object], join: Join, process: Process | None) -> None:
+    def __init__(self, body: Coroutine[Any, Any, object], join: Join, parent: Task | None) -> None:
         self.coroutine = body
         self.resume: Callable[[None], object] = body.send
         self.join = join
-        self.process = process
+        self.process: Process | None
+        self.priority: Priority
+        self.ready_queue: list[Party] | deque[Party]
         self.received: Any = None
         self.waiting: Waiting | None = None
         self.cancelled = False
         self.ended = False
-        self.priority: Priority = ()
-        self.ready_queue: list[Party] | deque[Party] = scheduler.queue
+        if parent is None:
+            self.process, self.priority, self.ready_queue = None, (), scheduler.queue
+        else:
+            self.process, self.priority, self.ready_queue = parent.process, parent.priority, parent.ready_queue
 
     def cancel(self) -> None:
         """Ends the task at its next communication: the one at which it waits, or else the next that it begins."""
@@ -211,7 +215,7 @@ class Scheduler:
         return created
 
     def run_ready(self, most: int = 4096) -> bool:
-        """Runs up to ``most`` ready parties; False if none was ready.
+        """Runs up to ``most`` ready parties; False if none is ready any more.
 
         The queue of the highest level is a list that grows while it is walked, and is then cut: a FIFO without the
         price of ``popleft``. When a task ends, its StopIteration leaves the loop but not the iterator.
@@ -231,7 +235,7 @@ class Scheduler:
             except (Exception, Cancelled) as error:
                 self._task_ended(error)
         del queue[:most]
-        return True
+        return bool(queue or self._levels)
 
     def _run_lower_level(self) -> bool:
         for _, queue in self._levels:

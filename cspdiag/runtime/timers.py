@@ -57,6 +57,13 @@ class Timers:
 
     def fall_due(self, instant: int) -> None:
         """Tells the timers of ``instant``; one of them may stop others that come after it."""
-        for timer in list(self._at.get(instant, ())):
+        timers = self._at.get(instant)
+        if timers is None:
+            return
+        if len(timers) == 1:
+            del self._at[instant]
+            next(iter(timers)).due()
+            return
+        for timer in list(timers):
             if self.stop(instant, timer):
                 timer.due()

@@ -283,10 +283,8 @@ def test_two_parties_that_read_and_write_all_at_once_cannot_deadlock() -> None:
     there, back = Channel[int]("there"), Channel[int]("back")
 
     async def node(output: Channel[int], source: Channel[int]) -> None:
-        value = 0
-        for _ in range(3):
+        for value in range(3):
             await parallel(output.write(value), source.read())
-            value += 1
 
     async def top() -> None:
         await parallel(node(there, back), node(back, there))
