@@ -121,8 +121,8 @@ def _panel(run: Run, axes: Axes, group: ModeGroup, unit: str, names: set[str], t
     color = iter(_LINE_COLORS * 4)
     for name in group.ports:
         if name in names:
-            signal = run.signals[name]
-            axes.plot(signal.time, signal.value.astype(float), drawstyle="steps-post", label=name, color=next(color))
+            times, values = _held(run, name)
+            axes.plot(times, values, drawstyle="steps-post", label=name, color=next(color))
     for name, (times, values) in _variables(run, group, unit).items():
         axes.plot(times, values, drawstyle="steps-post", label=name, color=next(color), linewidth=0.9, zorder=1.5)
     for instant, label in _events(run, group):
@@ -136,6 +136,13 @@ def _panel(run: Run, axes: Axes, group: ModeGroup, unit: str, names: set[str], t
     axes.grid(axis="y", linewidth=0.3, color="#bbbbbb")
     if axes.lines:
         axes.legend(loc="best")
+
+
+def _held(run: Run, name: str) -> tuple[list[float], list[float]]:
+    """A signal with its last value held to the end of the run."""
+    signal = run.signals[name]
+    times, values = signal.time.tolist(), signal.value.astype(float).tolist()
+    return [*times, run.outcome.time / 1e9], [*values, *values[-1:]]
 
 
 _MOST_EVENTS = 20
