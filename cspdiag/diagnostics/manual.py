@@ -57,6 +57,7 @@ def manual_page(kind: type[Diagnostic]) -> ManualPage:
 
 def _sections(text: str) -> tuple[str, str, str]:
     prose, _, rest = text.partition("Refused::")
+    prose = prose.replace("``", "`")
     refused, _, mended = rest.partition("Mended::")
     return prose.strip(), _program(refused), _program(mended)
 
