@@ -7,18 +7,19 @@ is no concern of Python's; the tree it makes is at most ``DEEPEST`` levels deep,
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from cspdiag.diagnostics import Diagnostic, Report, SourceFile
 from cspdiag.diagnostics.span import Span
-from cspdiag.syntax import ast, recovery
+from cspdiag.syntax import ast
 from cspdiag.syntax.automaton import automaton
 from cspdiag.syntax.build_definitions import DefinitionBuilder
 from cspdiag.syntax.diagnostics import NestedTooDeeply
 from cspdiag.syntax.lexer import Lexer, Token, is_doc
-from cspdiag.syntax.situation import Repair, Situation
 from cspdiag.syntax.tables import END
-from cspdiag.syntax.unexpected import explain
+
+if TYPE_CHECKING:
+    from cspdiag.syntax.situation import Repair
 
 DEEPEST = 200
 """Levels of nesting that a tree may have."""
@@ -134,6 +135,10 @@ class Parser:
 
     def _mend(self) -> None:
         """The present token cannot be taken: say why, and make the best of it."""
+        # A text without mistakes does not pay for this.
+        from cspdiag.syntax.situation import Situation
+        from cspdiag.syntax.unexpected import explain
+
         at, times = self._mended
         self._mended = (self.lexer.start, times + 1 if at == self.lexer.start else 1)
         if self._mended[1] > _MOST_STATES:
@@ -165,6 +170,8 @@ class Parser:
 
     def _skip_after(self, diagnostic: Diagnostic) -> None:
         """Report, then forget the declaration or definition being read and go to the next one."""
+        from cspdiag.syntax import recovery
+
         self._tell(diagnostic)
         height = recovery.skip(self.automaton, self.states, self.lexer)
         del self.states[height:], self.values[height - 1 :], self.starts[height - 1 :], self.depths[height - 1 :]
