@@ -40,11 +40,13 @@ from cspdiag.network.actions import (
     WhileLoop,
     WriteValue,
 )
+from cspdiag.network.array_sizes import check_sizes
 from cspdiag.network.diagnostics_composition import MixedAlternative, UnguardedBranch
 from cspdiag.network.diagnostics_relations import LabelOfPortRead
 from cspdiag.network.expressions import Expression, LiteralValue, VariableValue
 from cspdiag.network.lower_expression import LoweringContext, lower_expression
 from cspdiag.network.places import ChannelPlace, Places, ProcessPort
+from cspdiag.network.relations import end_key
 from cspdiag.network.shapes import Shape
 from cspdiag.syntax import ast
 
@@ -80,6 +82,7 @@ class _Composer:
                 source, target = self._end(part.channel, values), self._variable(part.target, values)
                 if source is None or target is None:
                     return self._broken(span)
+                self._check_sizes(source, target, part.target)
                 return ReadValue(span=span, source=source, target=target)
             case ast.Write():
                 sink, value = self._end(part.channel, values), self._expression(part.value, values)
@@ -144,8 +147,12 @@ class _Composer:
         if part.operator in ("alt", "prialt"):
             prioritized = part.operator == "prialt"
             branches = tuple(self._branches((part,), values, prioritized))
+            if not branches:
+                return StopStep(span=part.span)
             return Choice(span=part.span, branches=branches, prioritized=prioritized)
         steps = tuple(self.action(part.process, inner) for inner in self._repeated(part.replicator, values))
+        if not steps:
+            return SkipStep(span=part.span)
         if part.operator == "seq":
             return SequentialSteps(span=part.span, steps=steps)
         return ParallelSteps(span=part.span, steps=steps, prioritized=part.operator == "pripar")
@@ -230,6 +237,12 @@ class _Composer:
                 return ChannelEnd(place.channel.name)
             case None:
                 return None
+
+    def _check_sizes(self, source: End, target: Target, written: ast.Reference) -> None:
+        known = self.shape.port_or_channel_type(end_key(source))
+        wanted = self.shape.channels[target.channel].type
+        if not target.indexes and written.member is None:
+            check_sizes(known, wanted, written.span, end_key(source), target.channel, self.report)
 
     def _variable(self, reference: ast.Reference, values: Values) -> Target | None:
         symbol = self.program.bindings.get(reference)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from cspdiag.diagnostics import Report
+from cspdiag.model.types import UnknownType
 from cspdiag.network.actions import (
     Action,
     AfterEvent,
@@ -30,6 +31,7 @@ from cspdiag.network.diagnostics_composition import (
     SamePortTwice,
 )
 from cspdiag.network.ends import all_actions
+from cspdiag.network.expression_walk import walk
 from cspdiag.network.expressions import Expression, LiteralValue
 from cspdiag.network.relations import UsesByKey, end_key, run_key, variables_read
 from cspdiag.network.shapes import InstanceShape, Key, Shape, attached_key
@@ -95,6 +97,8 @@ def _check_loop(
         if isinstance(loop, WhileLoop) and isinstance(condition, LiteralValue) and condition.value is False:
             return
         if isinstance(loop, Repeat) and isinstance(condition, LiteralValue) and condition.value is True:
+            return
+        if any(isinstance(part.type, UnknownType) for part in walk(condition)):
             return
         looked_at = {value.channel for value in variables_read(condition)}
         if looked_at & _written_in(placed.shape, loop.body) or any(is_open(placed, key) for key in looked_at):

@@ -9,6 +9,7 @@ from cspdiag.diagnostics import Span
 from cspdiag.diagnostics.record import node
 from cspdiag.model.program import Value
 from cspdiag.model.types import UNKNOWN, Type
+from cspdiag.network.array_sizes import check_sizes
 from cspdiag.network.diagnostics_communication import (
     ArraysDiffer,
     ConnectedTwice,
@@ -266,6 +267,11 @@ class _Connector:
         self, instance: InstanceShape, element: tuple[str, int | None], target: AttachmentShape, span: Span
     ) -> None:
         before = instance.attachments.get(element)
+        if isinstance(target, OwnPort | OwnChannel):
+            port, known = f"{instance.name}.{element[0]}", instance.shape.ports[element[0]].type
+            other = self.shape.port_or_channel_type(target.key)
+            if known is not other:
+                check_sizes(known, other, span, port, target.key, self.report)
         if before is None:
             instance.attachments[element] = Attached(target=target, span=span)
             return

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from cspdiag.diagnostics import Diagnostic, Label, Span
 from cspdiag.diagnostics.record import record
+from cspdiag.model.types import Type
 
 
 @record
@@ -613,6 +614,69 @@ class ArraysDiffer(Diagnostic):
     @property
     def labels(self) -> tuple[Label, ...]:
         return (Label(self.other, "the other end"),)
+
+
+@record
+class ValueSizesDiffer(Diagnostic):
+    """Arrays of different lengths are passed from one end of a communication to the other.
+
+    Both ends of a communication have the same type, and the length of an array belongs to its type. Here it depends on a parameter,
+    and the values given for it do not fit together.
+
+    Refused::
+
+        submodel Mean(n: int) {
+          in  values : double[n]
+          out mean   : double
+          mean = values[0] / 2 + values[n - 1] / 2
+        }
+
+        process Main {
+          in  values : double[4]
+          out mean   : double
+          communication {
+            law : Mean(n = 3)
+            values   -> law.values
+            law.mean -> mean
+          }
+          composition { mu law }
+        }
+
+    Mended::
+
+        submodel Mean(n: int) {
+          in  values : double[n]
+          out mean   : double
+          mean = values[0] / 2 + values[n - 1] / 2
+        }
+
+        process Main {
+          in  values : double[4]
+          out mean   : double
+          communication {
+            law : Mean(n = 4)
+            values   -> law.values
+            law.mean -> mean
+          }
+          composition { mu law }
+        }
+    """
+
+    code = "E0513"
+    title = "arrays of different lengths"
+
+    one: str
+    one_type: Type
+    other: str
+    other_type: Type
+
+    @property
+    def message(self) -> str:
+        return f"`{self.one}` carries a {self.one_type}, but `{self.other}` a {self.other_type}"
+
+    @property
+    def help(self) -> str | None:
+        return "give the parameter that the length depends on the value that fits"
 
 
 @record

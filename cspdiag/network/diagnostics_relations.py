@@ -8,11 +8,11 @@ from cspdiag.network.relations import Access, Pair
 from cspdiag.syntax import ast
 
 
-def _two(one: Access, other: Access) -> str:
-    """Words for both users of a channel."""
+def _do_in_parallel(one: Access, other: Access, verb: str, channel: str) -> str:
+    """Who does the same to a channel at the same time: ```one` and `other` read `c` in parallel``."""
     if not one.instance and not other.instance:
-        return "two parallel parts of the process"
-    return f"{one.who} and {other.who}"
+        return f"two parallel parts of the process {verb} `{channel}`"
+    return f"{one.who} and {other.who} {verb} `{channel}` in parallel"
 
 
 def _both(one: Access, other: Access, verbs: tuple[str, str]) -> tuple[Label, ...]:
@@ -59,7 +59,8 @@ class Race(Diagnostic):
     @property
     def message(self) -> str:
         if self.both_write:
-            return f"{_two(self.one, self.other)} write `{self.variable}` in parallel, so that either value may be lost"
+            writing = _do_in_parallel(self.one, self.other, "write", self.variable)
+            return f"{writing}, so that either value may be lost"
         if not self.one.instance and not self.other.instance:
             return f"`{self.variable}` is written in one parallel part of the process and read in another"
         return f"{self.one.who} writes `{self.variable}` in parallel with {self.other.who}, which reads it"
@@ -143,7 +144,7 @@ class ParallelWriters(Diagnostic):
 
     @property
     def message(self) -> str:
-        return f"{_two(self.one, self.other)} write `{self.channel}` in parallel"
+        return _do_in_parallel(self.one, self.other, "write", self.channel)
 
     @property
     def help(self) -> str | None:
@@ -222,7 +223,7 @@ class ParallelReaders(Diagnostic):
 
     @property
     def message(self) -> str:
-        return f"{_two(self.one, self.other)} read `{self.channel}` in parallel"
+        return _do_in_parallel(self.one, self.other, "read", self.channel)
 
     @property
     def help(self) -> str | None:
@@ -288,15 +289,9 @@ class EventReadInParallel(Diagnostic):
     declared: Span
 
     @property
-    def _in_parallel(self) -> str:
-        return " in parallel" if self.one.instance or self.other.instance else ""
-
-    @property
     def message(self) -> str:
-        return (
-            f"the event `{self.port}` is read by {_two(self.one, self.other)}{self._in_parallel}, "
-            "so that one can take it from the other"
-        )
+        reading = _do_in_parallel(self.one, self.other, "read the event", self.port)
+        return f"{reading}, so that one can take it from the other"
 
     @property
     def help(self) -> str | None:

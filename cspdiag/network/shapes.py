@@ -187,6 +187,11 @@ class Shape:
         """Whether the body is in another language."""
         return self.definition.external is not None
 
+    def port_or_channel_type(self, key: Key) -> Type:
+        """The type of what passes a port or a channel of this process."""
+        channel = self.channels.get(key)
+        return channel.type if channel is not None else self.ports[key.partition("[")[0]].type
+
     def port_elements(self) -> Iterator[tuple[PortShape, PortElement, Key]]:
         """Every port or element of an array of ports, with its key."""
         for port in self.ports.values():
