@@ -75,10 +75,9 @@ def _wrong_operator(situation: Situation) -> Finding | None:
         ("&&", "and", "the logical operator"),
         ("||", "or", "the logical operator"),
         ("!", "not", "the logical operator"),
-        ("?", ":", "the type of a port or variable"),
     ):
         whole = situation.text == found or (len(found) == 2 and situation.text + following == found)
-        if whole and situation.can(wanted) and found != "?":
+        if whole and situation.can(wanted):
             end = situation.lexer.start + len(found)
             span = Span(situation.source, situation.lexer.start, end)
             return WrongOperator(span, found, wanted, purpose), Repair("replace", situation.terminal(wanted), end)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from random import Random
 
 import pytest
@@ -92,3 +93,12 @@ def test_lines_that_are_too_long_are_broken() -> None:
 def test_doc_comments_stay_with_their_definition() -> None:
     text = "/// what it is\n/// and does\nprocess P {\n  /// the angle\n  in x : int\n}\n"
     assert formatted(text) == text
+
+
+ROOT = Path(__file__).parents[2]
+PROGRAMS = sorted([*ROOT.glob("models/*/*.csp"), *ROOT.glob("cspdiag/std/*.csp")])
+
+
+@pytest.mark.parametrize("path", PROGRAMS, ids=lambda path: str(path.relative_to(ROOT)))
+def test_models_and_library_keep_their_meaning(path: Path) -> None:
+    assert_kept(path.read_text(encoding="utf-8"))
