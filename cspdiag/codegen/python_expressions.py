@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import pi
+from operator import eq, ge, gt, le, lt, ne
 from typing import assert_never
 
 from cspdiag.codegen.python_code import (
@@ -48,6 +49,7 @@ from cspdiag.network.expressions import (
     SignalValue,
     StructValue,
     UnaryOperation,
+    Value,
     VariableValue,
 )
 
@@ -125,8 +127,11 @@ class Printer:
         assert_never(expression)
 
     def _operation(self, expression: BinaryOperation) -> Code:
-        left, right = self.print(expression.left), self.print(expression.right)
         operator = expression.operator
+        known = _known_comparison(expression)
+        if known is not None:
+            return Atom(repr(known))
+        left, right = self.print(expression.left), self.print(expression.right)
         whole = isinstance(expression.left.type, IntType | TimeType)
         match operator:
             case "^":
@@ -180,6 +185,27 @@ class Printer:
                 widened = isinstance(operand.type, RealType)
                 return code if widened else call("float", code)
         return code
+
+
+_COMPARISONS = {"==": eq, "!=": ne, "<": lt, "<=": le, ">": gt, ">=": ge}
+
+
+def _known_comparison(expression: BinaryOperation) -> bool | None:
+    """What a comparison of two literals says; type checkers rightly complain about code that asks."""
+    left, right = _literal_value(expression.left), _literal_value(expression.right)
+    compare = _COMPARISONS.get(expression.operator)
+    if compare is None or left is None or right is None:
+        return None
+    return bool(compare(left, right))
+
+
+def _literal_value(expression: Expression) -> Value | None:
+    match expression:
+        case LiteralValue(value=value, name=None):
+            return value
+        case UnaryOperation(operator="-", operand=LiteralValue(value=int(value) | float(value), name=None)):
+            return -value
+    return None
 
 
 def integer_function(type_: IntType) -> str:

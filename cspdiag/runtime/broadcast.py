@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from .process import Process
 
 
-class Broadcast(Out[T]):
+class Broadcast(In[T], Out[T]):
     """One writer, and as many readers as ``reader`` has made ends; the writer goes on when all have taken the value."""
 
     __slots__ = ("_ends", "_outputs", "_value", "_writer", "name")

@@ -63,6 +63,7 @@ def test_replicated_branches_each_have_their_index() -> None:
         assert values(trace, f"Line.pool.pool.task[{index}]") == [index + 1, 0]
         assert values(trace, f"Line.pool.worker[{index}].result") == [(index + 1) * index, 0]
     assert values(trace, "Line.total") == [70]
+    assert values(trace, "Line.teller.news") == [0, 0, 1, 1, 4, 4, 9, 9]
 
 
 def test_bodies_written_by_hand_take_part() -> None:
