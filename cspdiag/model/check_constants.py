@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from cspdiag.diagnostics import Report
-from cspdiag.diagnostics.record import field_names
+from collections.abc import Iterator
+
+from cspdiag.diagnostics import Report, Span
 from cspdiag.model.arithmetic import OutOfRangeError, UndefinedError, checked
 from cspdiag.model.diagnostics_constants import IndexOutOfRange, NumberTooLarge
 from cspdiag.model.evaluate import evaluate
+from cspdiag.model.graphs import walk
 from cspdiag.model.program import Program
 from cspdiag.model.types import INT, TIME, UNKNOWN, ArrayType, IntType, RealType, TimeType
 from cspdiag.syntax import ast
@@ -17,34 +19,26 @@ def check_constants(program: Program, report: Report) -> None:
 
     What stands behind a condition may never be computed, and is left to the running program.
     """
-    for tree in program.trees:
-        negated: set[ast.Node] = set()
-        pending: list[tuple[object, bool]] = [(tree.items, True)]
-        while pending:
-            part, is_certain = pending.pop()
-            if isinstance(part, tuple):
-                pending += [(item, is_certain) for item in part]
-                continue
-            if not isinstance(part, ast.Node):
-                continue
-            match part:
-                case ast.Unary() if part.operator == "-":
-                    negated.add(part.operand)
-                case ast.Number():
-                    _check_number(program, part, report, negative=part in negated)
-                case ast.Duration():
-                    _check_duration(program, part, report)
-                case ast.Binary() if is_certain and part.operator in {"/", "%"}:
-                    _check_division(program, part, report)
-                case ast.Index() if is_certain:
-                    _check_index(program, part, report)
-                case _:
-                    pass
-            conditional = _CONDITIONAL.get(type(part), ())
-            if isinstance(part, ast.Binary) and part.operator in {"and", "or"}:
-                conditional = ("right",)
-            for name in field_names(part):
-                pending.append((getattr(part, name), is_certain and name not in conditional))
+    found = Report()
+    negated = {part.operand for part in program.types if isinstance(part, ast.Unary) and part.operator == "-"}
+    for part in program.types:
+        match part:
+            case ast.Number():
+                _check_number(program, part, report, negative=part in negated)
+            case ast.Duration():
+                _check_duration(program, part, report)
+            case ast.Binary() if part.operator in {"/", "%"}:
+                _check_division(program, part, found)
+            case ast.Index():
+                _check_index(program, part, found)
+            case _:
+                pass
+    if found.diagnostics:
+        doubtful = {(span.file, span.start, span.end) for span in _doubtful_places(program)}
+        for diagnostic in found.diagnostics:
+            span = diagnostic.span
+            if (span.file, span.start, span.end) not in doubtful:
+                report.add(diagnostic)
 
 
 _CONDITIONAL: dict[type[ast.Node], tuple[str, ...]] = {
@@ -54,6 +48,19 @@ _CONDITIONAL: dict[type[ast.Node], tuple[str, ...]] = {
     ast.Guarded: ("process",),
 }
 """Parts that are looked at only if something else holds."""
+
+
+def _doubtful_places(program: Program) -> Iterator[Span]:
+    """The places of all expressions that stand behind a condition."""
+    for tree in program.trees:
+        for part in walk(tree):
+            names = _CONDITIONAL.get(type(part), ())
+            if isinstance(part, ast.Binary) and part.operator in {"and", "or"}:
+                names = ("right",)
+            for name in names:
+                inner = getattr(part, name)
+                if inner is not None:
+                    yield from (below.span for below in walk(inner))
 
 
 def _check_duration(program: Program, duration: ast.Duration, report: Report) -> None:

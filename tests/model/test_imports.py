@@ -6,6 +6,7 @@ import pytest
 
 from cspdiag.diagnostics import Report, SourceFile
 from cspdiag.model.imports import load
+from cspdiag.model.resolve import resolve
 
 
 @pytest.mark.parametrize(
@@ -57,3 +58,16 @@ def test_a_long_chain_of_imports() -> None:
     trees = load(SourceFile(name="main.csp", text='import "0.csp"\n'), read, report)
     assert not report.diagnostics
     assert len(trees) == 2002
+
+
+def test_a_definition_of_the_bundled_library_cannot_be_replaced() -> None:
+    def read(path: str) -> SourceFile:
+        raise FileNotFoundError(path)
+
+    report = Report()
+    text = "import std.control\n\nexception LowPass\n"
+    resolve(load(SourceFile(name="main.csp", text=text), read, report), {}, report)
+    (found,) = report.diagnostics
+    assert (found.code, found.span.text) == ("E0201", "LowPass")
+    assert found.help == "the bundled library std.control defines `LowPass`; choose another name"
+    assert found.labels[0].span.file == "std/control.csp"
