@@ -13,7 +13,7 @@ from cspdiag.network.assignment import Flow, check_assignment
 from cspdiag.network.composition import check_progress, check_runs
 from cspdiag.network.contexts import Contexts, Placed
 from cspdiag.network.definitions import Definitions
-from cspdiag.network.diagnostics_communication import TooManyInstances
+from cspdiag.network.diagnostics_arrays import TooManyInstances
 from cspdiag.network.diagnostics_periods import SampleUnknown
 from cspdiag.network.elaborate import Elaboration
 from cspdiag.network.guards import check_guards

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from cspdiag.diagnostics import Report, Span
 from cspdiag.model.types import ArrayType, Type
-from cspdiag.network.diagnostics_communication import ValueSizesDiffer
+from cspdiag.network.diagnostics_arrays import ValueSizesDiffer
 
 
 def check_sizes(one: Type, other: Type, span: Span, one_name: str, other_name: str, report: Report) -> None:

@@ -41,7 +41,7 @@ from cspdiag.network.actions import (
     WhileLoop,
     WriteValue,
 )
-from cspdiag.network.diagnostics_composition import ReadBeforeWrite, Unreachable
+from cspdiag.network.diagnostics_runs import ReadBeforeWrite, Unreachable
 from cspdiag.network.expressions import Expression
 from cspdiag.network.relations import UsesByKey, end_key, variables_read
 from cspdiag.network.shapes import InstanceShape, Key, Shape, attached_key, element_name

@@ -41,8 +41,8 @@ from cspdiag.network.actions import (
     WriteValue,
 )
 from cspdiag.network.array_sizes import check_sizes
-from cspdiag.network.diagnostics_composition import MixedAlternative, UnguardedBranch
-from cspdiag.network.diagnostics_relations import LabelOfPortRead
+from cspdiag.network.diagnostics_alternatives import MixedAlternative, UnguardedBranch
+from cspdiag.network.diagnostics_channels import LabelOfPortRead
 from cspdiag.network.expressions import Expression, LiteralValue, VariableValue
 from cspdiag.network.lower_expression import LoweringContext, lower_expression
 from cspdiag.network.places import ChannelPlace, Places, ProcessPort

@@ -22,14 +22,8 @@ from cspdiag.network.actions import (
     WhileLoop,
 )
 from cspdiag.network.contexts import Placed
-from cspdiag.network.diagnostics_composition import (
-    BranchNeverChosen,
-    EndlessLoop,
-    InstanceNeverRun,
-    NoComposition,
-    RunTwiceAtOnce,
-    SamePortTwice,
-)
+from cspdiag.network.diagnostics_alternatives import BranchNeverChosen, SamePortTwice
+from cspdiag.network.diagnostics_runs import EndlessLoop, InstanceNeverRun, NoComposition, RunTwiceAtOnce
 from cspdiag.network.ends import all_actions
 from cspdiag.network.expression_walk import walk
 from cspdiag.network.expressions import Expression, LiteralValue

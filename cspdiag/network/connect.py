@@ -10,8 +10,8 @@ from cspdiag.diagnostics.record import node
 from cspdiag.model.program import Value
 from cspdiag.model.types import UNKNOWN, Type
 from cspdiag.network.array_sizes import check_sizes
-from cspdiag.network.diagnostics_communication import (
-    ArraysDiffer,
+from cspdiag.network.diagnostics_arrays import ArraysDiffer
+from cspdiag.network.diagnostics_connections import (
     ConnectedTwice,
     JoinsTwoObjects,
     NotConnected,

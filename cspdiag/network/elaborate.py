@@ -16,7 +16,7 @@ from cspdiag.model.types import ArrayType, RealType, Type
 from cspdiag.network.compose import compose
 from cspdiag.network.connect import connect
 from cspdiag.network.definitions import Definitions, Instantiable, arguments_of
-from cspdiag.network.diagnostics_communication import SizeNotPositive, TooManyInstances
+from cspdiag.network.diagnostics_arrays import SizeNotPositive, TooManyInstances
 from cspdiag.network.diagnostics_periods import PeriodNotPositive
 from cspdiag.network.places import Places
 from cspdiag.network.shapes import InstanceShape, Overrides, PortShape, Shape, element_name

@@ -39,7 +39,7 @@ from cspdiag.network.actions import (
     WriteValue,
 )
 from cspdiag.network.contexts import Placed
-from cspdiag.network.diagnostics_composition import GuardNotRead
+from cspdiag.network.diagnostics_alternatives import GuardNotRead
 from cspdiag.network.ends import all_actions
 from cspdiag.network.relations import end_key
 from cspdiag.network.shapes import InstanceShape, Key, attached_key, element_name

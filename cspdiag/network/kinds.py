@@ -6,18 +6,15 @@ from collections.abc import Mapping
 from typing import TypeAlias
 
 from cspdiag.diagnostics import Diagnostic, Report
-from cspdiag.network.diagnostics_relations import (
+from cspdiag.network.diagnostics_channels import ChannelOneSided
+from cspdiag.network.diagnostics_kinds import (
     BroadcastInSequence,
-    ChannelOneSided,
-    EventReadInParallel,
     KindContradicts,
     KindsDisagree,
     MixedRelation,
-    ParallelReaders,
-    ParallelWriters,
-    Race,
     RendezvousInSequence,
 )
+from cspdiag.network.diagnostics_parallel import EventReadInParallel, ParallelReaders, ParallelWriters, Race
 from cspdiag.network.relations import Uses, UsesByKey
 from cspdiag.network.shapes import ChannelShape, Key, Shape, attached_key, element_name
 from cspdiag.syntax import ast

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from cspdiag.diagnostics import Span
 from cspdiag.diagnostics.record import node
 from cspdiag.model.program import EndLabelSymbol, PortSymbol, Value
-from cspdiag.network.diagnostics_communication import IndexMissing, IndexOutOfRange
+from cspdiag.network.diagnostics_arrays import IndexMissing, IndexOutOfRange
 from cspdiag.network.shapes import ChannelShape, InstanceShape, Key, PortElement, PortShape, Shape, element_name
 from cspdiag.syntax import ast
 

@@ -18,8 +18,8 @@ from cspdiag.network.actions import (
     WhileLoop,
     WriteValue,
 )
-from cspdiag.network.diagnostics_communication import PortUnused, VariableUnused
-from cspdiag.network.diagnostics_relations import ChannelReadAsVariable
+from cspdiag.network.diagnostics_channels import ChannelReadAsVariable
+from cspdiag.network.diagnostics_usage import PortUnused, VariableUnused
 from cspdiag.network.ends import all_actions
 from cspdiag.network.expressions import Expression
 from cspdiag.network.relations import UsesByKey, variables_read

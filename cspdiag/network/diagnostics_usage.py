@@ -1,0 +1,95 @@
+"""What is declared and never used."""
+
+from __future__ import annotations
+
+from cspdiag.diagnostics import Diagnostic
+from cspdiag.diagnostics.record import record
+
+
+@record
+class VariableUnused(Diagnostic):
+    """A variable or a channel is declared and never used.
+
+    It does no harm, but a reader of the diagram looks for its purpose in vain; often another name was meant where it should occur.
+
+    Refused::
+
+        process Main {
+          out output : int
+          communication {
+            var count : int = 0
+            var limit : int = 10
+          }
+          composition { mu (output ! count ; count := count + 1) until count == 10 }
+        }
+
+    Mended::
+
+        process Main {
+          out output : int
+          communication {
+            var count : int = 0
+            var limit : int = 10
+          }
+          composition { mu (output ! count ; count := count + 1) until count == limit }
+        }
+    """
+
+    code = "W0511"
+    title = "variable, channel or label that nobody uses"
+    severity = "warning"
+
+    name: str
+
+    @property
+    def message(self) -> str:
+        return f"nobody uses `{self.name}`"
+
+    @property
+    def help(self) -> str | None:
+        return "leave it away"
+
+
+@record
+class PortUnused(Diagnostic):
+    """A process declares a port and never uses it.
+
+    Whoever is connected to an input that nobody reads may wait there for ever; an output that nobody writes never has a value. If
+    an input is ignored on purpose, the communication block says so with `port -> _`.
+
+    Refused::
+
+        process Main {
+          in  request : int
+          out answer  : int
+          composition { mu (answer ! 1 ; wait 1 ms) }
+        }
+
+    Mended::
+
+        process Main {
+          in  request : int
+          out answer  : int
+          communication { var last : int = 0 }
+          composition { mu (request ? last ; answer ! last) }
+        }
+    """
+
+    code = "W0512"
+    title = "port that its process never uses"
+    severity = "warning"
+
+    port: str
+    process: str
+    direction: str
+
+    @property
+    def message(self) -> str:
+        verb = "reads" if self.direction == "in" else "writes"
+        return f"`{self.process}` never {verb} its port `{self.port}`"
+
+    @property
+    def help(self) -> str | None:
+        if self.direction == "in":
+            return f"use it, leave it away, or say that it is ignored with `{self.port} -> _`"
+        return "write it with `!` or connect an instance to it, or leave it away"
