@@ -23,7 +23,7 @@ from cspdiag.network.lower_expression import LoweringContext, lower_expression
 from cspdiag.network.submodel_draft import SECONDS, Draft
 from cspdiag.network.submodel_inline import Inlining, external_body, nested
 from cspdiag.network.submodel_signals import Surroundings
-from cspdiag.network.submodel_system import complete
+from cspdiag.network.submodel_system import complete, evaluation_order
 from cspdiag.network.syntax_walk import nodes
 from cspdiag.syntax import ast
 
@@ -45,8 +45,9 @@ def check(program: Program, definition: ast.EnvironmentDefinition, report: Repor
         # What is in doubt may be what seems to be missing.
         _refuse_gaps(program, definition, process, drawn, values, own)
     if not own.has_errors:
-        ports = _open_ports(program, process, values, own)
-        _system(program, definition, drawn, ports, step, {}, own, concrete=False)
+        draft = Draft(owner=definition.name.span, sample=step, arguments={}, concrete=False, closed=True)
+        _assemble(program, draft, drawn, _open_ports(program, process, values, own), own)
+        evaluation_order(draft, own)
     for diagnostic in own.diagnostics:
         report.add(diagnostic)
 
@@ -68,7 +69,8 @@ def lower_environment(
     values = _process_values(program, process, definition, report)
     drawn = wiring(program, definition, values, report)
     step = _step(program, definition, external_ports, report)
-    system = _system(program, definition, drawn, external_ports, step, overrides, report, concrete=True)
+    draft = Draft(owner=definition.name.span, sample=step, arguments={}, closed=True, overrides=overrides)
+    system = _system(program, definition, drawn, external_ports, draft, report)
     drivers = tuple(
         _driver(program, member, drawn, overrides, report) for member in drawn.members.values() if member.is_driver
     )
@@ -194,39 +196,12 @@ def _system(
     definition: ast.EnvironmentDefinition,
     drawn: Wiring,
     external_ports: tuple[ExternalPort, ...],
-    step: int,
-    overrides: Mapping[str, Value],
+    draft: Draft,
     report: Report,
-    *,
-    concrete: bool,
 ) -> SubmodelClass | None:
     """All submodels and the relationships between them; None where there are none, or something was reported."""
-    draft = Draft(
-        owner=definition.name.span, sample=step, arguments={}, concrete=concrete, closed=True, overrides=overrides
-    )
-    inner = {
-        member.name: _inlined(program, draft, member, report)
-        for member in drawn.members.values()
-        if not member.is_driver
-    }
-    drivers = {member.name for member in drawn.members.values() if member.is_driver}
-    types = {port.name: port.type for port in external_ports}
-    for name, inlining in inner.items():
-        for _, key, kind in (*inlining.ports("in"), *inlining.ports("out")):
-            types[key] = kind
-        draft.kept.update(key for _, key, _ in inlining.ports("out"))
-        inlining.run()
-        draft.names.add(name)
-    used: set[str] = set()
-    for wire in drawn.wires:
-        if drivers & {wire.source.member, wire.sink.member} or wire.sink.name not in types:
-            continue
-        source = SignalValue(type=types.get(wire.source.name, SECONDS), name=wire.source.name, span=wire.span)
-        draft.equation(wire.sink.name, source, wire.span, kind=types[wire.sink.name])
-        used.update(terminal.port for terminal in (wire.source, wire.sink) if not terminal.member)
-    for name, inlining in inner.items():
-        inlining.close(name)
-    if not inner and not used:
+    used = _assemble(program, draft, drawn, external_ports, report)
+    if not draft.equations and not used:
         return None
     ports = tuple(
         Port(
@@ -239,14 +214,35 @@ def _system(
         for port in external_ports
         if port.name in used
     )
-    system = SubmodelClass(
-        name=definition.name.text,
-        definition=definition.name.text,
-        doc=definition.doc,
-        span=definition.name.span,
-        ports=ports,
-    )
+    name = definition.name.text
+    system = SubmodelClass(name=name, definition=name, doc=definition.doc, span=definition.name.span, ports=ports)
     return complete(system, draft, report)
+
+
+def _assemble(
+    program: Program, draft: Draft, drawn: Wiring, external_ports: tuple[ExternalPort, ...], report: Report
+) -> set[str]:
+    """Add all submodels and relationships to the draft; gives the ports of the program that these concern."""
+    submodels = [member for member in drawn.members.values() if not member.is_driver]
+    inner = {member.name: _inlined(program, draft, member, report) for member in submodels}
+    types = {port.name: port.type for port in external_ports}
+    for name, inlining in inner.items():
+        for _, key, kind in (*inlining.ports("in"), *inlining.ports("out")):
+            types[key] = kind
+        draft.kept.update(key for _, key, _ in inlining.ports("out"))
+        inlining.run()
+        draft.names.add(name)
+    used: set[str] = set()
+    for wire in drawn.wires:
+        ends = (wire.source, wire.sink)
+        if any(end.member and end.member not in inner for end in ends) or wire.sink.name not in types:
+            continue
+        source = SignalValue(type=types.get(wire.source.name, SECONDS), name=wire.source.name, span=wire.span)
+        draft.equation(wire.sink.name, source, wire.span, kind=types[wire.sink.name])
+        used.update(end.port for end in ends if not end.member)
+    for name, inlining in inner.items():
+        inlining.close(name)
+    return used
 
 
 def _inlined(program: Program, draft: Draft, member: Member, report: Report) -> Inlining:

@@ -21,6 +21,14 @@ from cspdiag.network.submodel_draft import Draft, LinearOperator
 SystemT = TypeVar("SystemT")
 
 
+def evaluation_order(draft: Draft, report: Report) -> tuple[Item, ...] | None:
+    """The equations of a draft, each after those that it reads; None where loops prevent that, which are reported."""
+    order = ordered(list(draft.equations.values()))
+    for loop in order.loops:
+        report.add(_shown(loop, draft))
+    return None if order.loops else order.items
+
+
 def complete(system: SubmodelClass, draft: Draft, report: Report) -> SubmodelClass | None:
     """``system`` with the equations of the draft; its ports and names are those it has.
 
@@ -29,20 +37,16 @@ def complete(system: SubmodelClass, draft: Draft, report: Report) -> SubmodelCla
     outputs = {
         port.name if port.size is None else f"{port.name}[{index}]"
         for port in system.ports
-        for index in range(port.size or 1)
+        for index in range(1 if port.size is None else port.size)
         if port.direction == "out"
     }
-    order = ordered(list(draft.equations.values()))
-    for loop in order.loops:
-        report.add(_shown(loop, draft))
-    if order.loops or not draft.complete:
+    items = evaluation_order(draft, report)
+    if items is None or not draft.complete:
         return None
-    constants, equations = _constants_apart(order.items, outputs)
-    if draft.concrete:
-        _discretize(draft, report)
-        constants = tuple(
-            item for item in map(draft.equations.get, (c.name for c in constants)) if isinstance(item, SubmodelEquation)
-        )
+    _discretize(draft, report)
+    # Discretization gives values to constants of a closed system.
+    items = tuple(draft.equations[item.name] for item in items)
+    constants, equations = _constants_apart(items, outputs)
     kept = _alive(draft, constants, equations, outputs)
     constants = tuple(item for item in constants if item.name in kept)
     equations = tuple(item for item in equations if not kept.isdisjoint(provides(item)))

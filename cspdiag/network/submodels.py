@@ -14,7 +14,7 @@ from cspdiag.network.submodel_draft import SECONDS, Draft
 from cspdiag.network.submodel_inline import Inlining, external_body
 from cspdiag.network.submodel_operators import PARAMETERS
 from cspdiag.network.submodel_signals import Surroundings
-from cspdiag.network.submodel_system import complete
+from cspdiag.network.submodel_system import complete, evaluation_order
 from cspdiag.network.syntax_walk import declarations, declared_in, nodes
 from cspdiag.syntax import ast
 
@@ -34,23 +34,15 @@ def flatten(
     sample: int | None,
     report: Report,
     *,
-    discretize: bool = True,
     environment: bool = False,
 ) -> Flattened | None:
     """The class of an instance with these arguments that runs every ``sample`` nanoseconds.
 
     The arguments decide only sizes and the values in ``derived``: two instances whose classes are equal share one. None
-    where something is wrong that was reported. Without ``discretize`` no numbers are needed, as in a check. ``environment`` tells
-    that there is a ``time``.
+    where something is wrong that was reported. ``environment`` tells that there is a ``time``.
     """
-    draft = Draft(owner=definition.name.span, sample=sample, arguments=arguments, concrete=discretize)
-    inlining = Inlining(program, draft, definition, report, Surroundings(path=(), environment=environment))
-    for parameter in definition.parameters:
-        name = parameter.name.text
-        kind = inlining.declared(parameter.type, program.types.get(parameter, SECONDS))
-        draft.parameters[name] = ClassParameter(name=name, doc=parameter.doc, span=parameter.name.span, type=kind)
-        draft.names.add(name)
-    inlining.run()
+    draft = Draft(owner=definition.name.span, sample=sample, arguments=arguments)
+    inlining = _inlined(program, draft, definition, environment, report)
     result: SubmodelClass | None = SubmodelClass(
         name=definition.name.text,
         definition=definition.name.text,
@@ -66,6 +58,20 @@ def flatten(
     if result is None or not draft.complete:
         return None
     return Flattened(cls=result, derived=draft.derived)
+
+
+def _inlined(
+    program: Program, draft: Draft, definition: ast.SubmodelDefinition, environment: bool, report: Report
+) -> Inlining:
+    """The outermost submodel of a draft, with everything in it."""
+    inlining = Inlining(program, draft, definition, report, Surroundings(path=(), environment=environment))
+    for parameter in definition.parameters:
+        name = parameter.name.text
+        kind = inlining.declared(parameter.type, program.types.get(parameter, SECONDS))
+        draft.parameters[name] = ClassParameter(name=name, doc=parameter.doc, span=parameter.name.span, type=kind)
+        draft.names.add(name)
+    inlining.run()
+    return inlining
 
 
 def _ports(inlining: Inlining) -> tuple[Port, ...]:
@@ -121,7 +127,7 @@ def needs_sample(program: Program, definition: ast.SubmodelDefinition) -> bool:
 
 
 def check(program: Program, report: Report, samples: Iterable[tuple[ast.SubmodelDefinition, int]] = ()) -> None:
-    """Flatten, without numbers, every submodel that runs in a process and every one of the text that runs nowhere.
+    """Look for loops and impossible operators in every submodel that runs in a process and every one of the text that runs nowhere.
 
     What is inside others is checked with them. ``samples`` are submodels with a sample period at which they run, as far as known.
     """
@@ -131,12 +137,20 @@ def check(program: Program, report: Report, samples: Iterable[tuple[ast.Submodel
         periods.setdefault(definition, []).append(period)
     for definition in in_processes:
         for sample in periods.get(definition, [None]):
-            flatten(program, definition, {}, sample, report, discretize=False)
+            _check(program, definition, sample, report, environment=False)
     libraries = {item for tree in program.trees if tree.source.name.startswith("std/") for item in tree.items}
     for candidate in program.definitions.values():
         is_used = candidate in in_processes or candidate in elsewhere or candidate in libraries
         if isinstance(candidate, ast.SubmodelDefinition) and not is_used:
-            flatten(program, candidate, {}, None, report, discretize=False, environment=True)
+            _check(program, candidate, None, report, environment=True)
+
+
+def _check(
+    program: Program, definition: ast.SubmodelDefinition, sample: int | None, report: Report, *, environment: bool
+) -> None:
+    draft = Draft(owner=definition.name.span, sample=sample, arguments={}, concrete=False)
+    _inlined(program, draft, definition, environment, report)
+    evaluation_order(draft, report)
 
 
 def _uses(program: Program) -> tuple[dict[ast.SubmodelDefinition, None], set[object]]:
