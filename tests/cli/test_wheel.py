@@ -87,6 +87,13 @@ def test_check_compile_and_run_work_elsewhere(installed: Installed) -> None:
     assert recorded.stdout.startswith("time,"), ran.stderr
 
 
+def test_the_benchmarks_run_elsewhere(installed: Installed) -> None:
+    for name in ("commstime", "check-cold"):
+        result = installed("cspdiag", "bench", "--only", name, "--rounds", "1")
+        assert result.returncode == 0, result.stderr
+        assert "cspdiag" in result.stdout
+
+
 def test_a_project_can_be_started_and_a_page_read(installed: Installed) -> None:
     assert installed("cspdiag", "new", "gimbal").returncode == 0
     assert installed("cspdiag", "check", "gimbal/gimbal.csp").returncode == 0
