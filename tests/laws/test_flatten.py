@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import math
+from random import Random
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from cspdiag.diagnostics import Report
 from cspdiag.network.expression_walk import walk
@@ -272,3 +275,27 @@ def test_an_unstable_discretization_is_warned_of() -> None:
     flatten(model, definition, {}, 10 * MS, report)
     assert [d.code for d in report.diagnostics] == ["W0457", "W0457"]
     assert not report.has_errors
+
+
+sums = st.lists(st.lists(st.integers(0, 9), min_size=1, max_size=3), min_size=1, max_size=10)
+
+
+@settings(max_examples=40, deadline=None)
+@given(sums, st.randoms(use_true_random=False))
+def test_equations_may_be_written_in_any_order_and_in_nested_submodels(graph: list[list[int]], source: Random) -> None:
+    """Every equation adds one to the sum of some earlier ones; some are computed by an instance."""
+    values: list[int] = []
+    texts: list[str] = []
+    for k, read in enumerate(graph):
+        terms = [f"v{other}" for other in read if other < k]
+        values.append(sum(values[other] for other in read if other < k) + 1)
+        total = " + ".join([*terms, "0 * x"])
+        if source.random() < 0.3:
+            texts.append(f"next{k} : Next  next{k}.x = {total}  let v{k} = next{k}.y")
+        else:
+            texts.append(f"let v{k} = {total} + 1")
+    texts.append(f"y = v{len(graph) - 1}")
+    source.shuffle(texts)
+    text = "submodel Next { in x : double  out y : double  y = x + 1 }"
+    text += "submodel Law { in x : double  out y : double " + "\n".join(texts) + "}"
+    assert instance(text, "Law").evaluate(x=3.0)["y"] == values[-1]
