@@ -33,6 +33,9 @@ def _check_targets(program: Program, definition: ast.SubmodelDefinition, report:
     first: dict[str, ast.Equation] = {}
     given: set[str] = set()
     for item in definition.items:
+        if isinstance(item, ast.Let):
+            # Reported where an output has the same name.
+            given.add(item.name.text)
         if not isinstance(item, ast.Equation):
             continue
         target = item.target

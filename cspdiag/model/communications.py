@@ -18,45 +18,44 @@ from cspdiag.syntax import ast
 def resolve_declarations(
     typer: Typer, declarations: Sequence[ast.Declaration], where: str, kinds: Definitions, wanted: str
 ) -> None:
-    """Declare everything first, so that relationships may name what stands below them; then resolve these."""
-    _declare_all(typer, declarations, where, kinds, wanted, repeated=False)
+    """Declare all names first, so that anything may stand before what it names."""
+    _declare_all(typer, declarations, where, repeated=False)
+    _resolve_all(typer, declarations, kinds, wanted)
     _connect_all(typer, declarations, where)
 
 
-def _declare_all(
-    typer: Typer,
-    declarations: Sequence[ast.Declaration],
-    where: str,
-    kinds: Definitions,
-    wanted: str,
-    *,
-    repeated: bool,
-) -> None:
-    context, scope = typer.context, typer.surroundings.scope
-    types = context.program.types
+def _declare_all(typer: Typer, declarations: Sequence[ast.Declaration], where: str, *, repeated: bool) -> None:
+    for item in declarations:
+        match item:
+            case ast.Instance() | ast.Variable() | ast.Channel():
+                if repeated and isinstance(item, ast.Instance):
+                    typer.context.repeated.add(item)
+                declare(typer.context, typer.surroundings.scope, item.name, item, where)
+            case ast.RepeatedDeclarations():
+                _declare_all(typer, item.declarations, where, repeated=True)
+            case ast.Connection():
+                pass
+
+
+def _resolve_all(typer: Typer, declarations: Sequence[ast.Declaration], kinds: Definitions, wanted: str) -> None:
+    types = typer.context.program.types
     for item in declarations:
         match item:
             case ast.Instance():
-                if repeated:
-                    context.repeated.add(item)
                 resolve_instance(typer, item, kinds, wanted)
-                declare(context, scope, item.name, item, where)
             case ast.Variable():
                 types[item] = declared_type(typer, item.type)
                 if item.initial is not None:
                     what = f"the variable `{item.name.text}`"
                     purpose = Purpose(what=what, declared=item.type.span, declared_text="its type")
                     typer.constant(item.initial, types[item], purpose)
-                declare(context, scope, item.name, item, where)
             case ast.Channel():
                 types[item] = declared_type(typer, item.type)
                 _resolve_kind(typer, item.kind)
-                declare(context, scope, item.name, item, where)
             case ast.RepeatedDeclarations():
                 check_replicator(typer, item.replicator)
                 size_of(typer, item.replicator.count, "the count of a replicator")
-                inner = typer.within(item.replicator)
-                _declare_all(inner, item.declarations, where, kinds, wanted, repeated=True)
+                _resolve_all(typer.within(item.replicator), item.declarations, kinds, wanted)
             case ast.Connection():
                 pass
 

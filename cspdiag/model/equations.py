@@ -24,16 +24,15 @@ def resolve_submodel(context: Context, definition: ast.SubmodelDefinition) -> No
     typer = Typer(context, Surroundings(place="submodel", owner=definition, scope=scope, replicators={}))
     where = definition_text(definition)
     for item in definition.items:
+        if isinstance(item, ast.Let | ast.State | ast.Instance):
+            declare(context, scope, item.name, item, where)
+    for item in definition.items:
         match item:
-            case ast.Let():
-                declare(context, scope, item.name, item, where)
             case ast.State():
                 found = context.program.types[item] = declared_type(typer, item.type)
-                declare(context, scope, item.name, item, where)
                 typer.constant(item.initial, found, _purpose("state", item.name, item.type))
             case ast.Instance():
                 resolve_instance(typer, item, (ast.SubmodelDefinition,), "a submodel")
-                declare(context, scope, item.name, item, where)
             case _:
                 pass
     _resolve_lets(typer, [item for item in definition.items if isinstance(item, ast.Let)])

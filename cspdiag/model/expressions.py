@@ -12,6 +12,7 @@ from cspdiag.model.diagnostics_availability import NotAvailableHere, NotConstant
 from cspdiag.model.diagnostics_constants import NumberTooLarge
 from cspdiag.model.diagnostics_names import UnknownName, WrongKind
 from cspdiag.model.diagnostics_types import NotCondition
+from cspdiag.model.evaluate import evaluate
 from cspdiag.model.members import array_of_ports, index, member
 from cspdiag.model.operators import binary, unary, unified
 from cspdiag.model.program import BuiltinSymbol, EndLabelSymbol, PortSymbol, Symbol
@@ -67,9 +68,14 @@ class Typer:
         return require(self.context, expression, typer.infer(expression), wanted, purpose)
 
     def constant(self, expression: ast.Expression, wanted: Type | None, purpose: Purpose) -> Type:
-        """The type of a value that must be known before the program runs; any type where ``wanted`` is None."""
+        """The type of a value that must be known before the program runs; any type where ``wanted`` is None.
+
+        What goes wrong in computing it from constants is reported.
+        """
         typer = self.before_running()
-        return typer.infer(expression) if wanted is None else typer.require(expression, wanted, purpose)
+        found = typer.infer(expression) if wanted is None else typer.require(expression, wanted, purpose)
+        evaluate(self.context.program, expression, {}, self.context.report)
+        return found
 
     def condition(self, expression: ast.Expression) -> None:
         """Require a bool."""

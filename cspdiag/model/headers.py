@@ -24,24 +24,24 @@ def resolve_header(context: Context, definition: WithPorts) -> None:
         found = declared_type(typer, parameter.type, allows_text=definition.external is not None)
         context.program.types[parameter] = found
         if parameter.default is not None:
-            typer.require(parameter.default, found, _purpose("parameter", parameter.name, parameter.type))
+            typer.constant(parameter.default, found, _purpose("parameter", parameter.name, parameter.type))
         declare(context, scope, parameter.name, parameter, where)
     for ports in definition.ports:
         _resolve_ports(context, typer, scope, ports, where)
     if not isinstance(definition, ast.DriverDefinition) and definition.wcet is not None:
-        typer.require(definition.wcet, TIME, Purpose(what="a worst-case execution time"))
+        typer.constant(definition.wcet, TIME, Purpose(what="a worst-case execution time"))
     if isinstance(definition, ast.SubmodelDefinition) and definition.step is not None:
-        typer.require(definition.step, TIME, Purpose(what="the step of the integration"))
+        typer.constant(definition.step, TIME, Purpose(what="the step of the integration"))
 
 
 def _resolve_ports(context: Context, typer: Typer, scope: Scope, ports: ast.Ports, where: str) -> None:
     found: Type = declared_type(typer, ports.type)
     if ports.default is not None:
-        typer.require(ports.default, found, _purpose("port", ports.names[0].name, ports.type))
+        typer.constant(ports.default, found, _purpose("port", ports.names[0].name, ports.type))
     if ports.safe is not None:
-        typer.require(ports.safe, found, _purpose("port", ports.names[0].name, ports.type))
+        typer.constant(ports.safe, found, _purpose("port", ports.names[0].name, ports.type))
     if ports.period is not None:
-        typer.require(ports.period, TIME, Purpose(what="a sample period"))
+        typer.constant(ports.period, TIME, Purpose(what="a sample period"))
     for port in ports.names:
         array_sizes(typer, port.dimensions)
         declare(context, scope, port.name, PortSymbol(declaration=ports, port=port, type=found), where)
