@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from cspdiag.diagnostics.record import node
 from cspdiag.diagnostics.report import Report
 from cspdiag.diagnostics.span import SourceFile
+from cspdiag.syntax.nesting import room_to_recurse
 
 if TYPE_CHECKING:
     from cspdiag.model.program import Program, Value
@@ -37,6 +38,7 @@ class Built:
     network: Network | None
 
 
+@room_to_recurse()
 def check(main: SourceFile, read: Reader, overrides: Mapping[str, Value] | None = None) -> Checked:
     """Find everything that is wrong with a program and the files it imports.
 
@@ -62,6 +64,7 @@ def check(main: SourceFile, read: Reader, overrides: Mapping[str, Value] | None 
     return Checked(program=program, report=report)
 
 
+@room_to_recurse()
 def compile_network(
     checked: Checked,
     *,
@@ -107,6 +110,7 @@ def build(
     return Built(checked=checked, network=network)
 
 
+@room_to_recurse()
 def generate(network: Network, read: Reader, target: str = "python") -> dict[str, str]:
     """The files of a target's package, by path relative to its folder.
 

@@ -13,13 +13,15 @@ from cspdiag.syntax.columns import Columns
 from cspdiag.syntax.format_communication import CommunicationFormatter
 from cspdiag.syntax.format_composition import CompositionFormatter
 from cspdiag.syntax.layout import SPACE, TWO_SPACES, render
+from cspdiag.syntax.nesting import room_to_recurse
 from cspdiag.syntax.writer import Writer
 
 
 def format_tree(tree: ast.SourceTree) -> str:
     """The text of a file in the one style; the file must be without syntax errors."""
     writer = Writer(tree.source.text)
-    _Formatter(writer).file(tree)
+    with room_to_recurse():
+        _Formatter(writer).file(tree)
     return render(writer.pieces)
 
 

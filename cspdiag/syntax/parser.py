@@ -16,13 +16,11 @@ from cspdiag.syntax.automaton import automaton
 from cspdiag.syntax.build_definitions import DefinitionBuilder
 from cspdiag.syntax.diagnostics import NestedTooDeeply
 from cspdiag.syntax.lexer import Lexer, Token, is_doc
+from cspdiag.syntax.nesting import DEEPEST
 from cspdiag.syntax.tables import END
 
 if TYPE_CHECKING:
     from cspdiag.syntax.situation import Repair
-
-DEEPEST = 200
-"""Levels of nesting that a tree may have."""
 
 _MOST_STATES = 25 * DEEPEST
 """More than the levels of a legal text can put on the stack."""
