@@ -21,6 +21,7 @@ from cspdiag.network.diagnostics_connections import (
 from cspdiag.network.lower_expression import LoweringContext, lower_expression
 from cspdiag.network.places import ChannelPlace, Endpoint, InstancePort, Places, ProcessPort
 from cspdiag.network.shapes import (
+    AskedKind,
     Attached,
     AttachmentShape,
     ChannelShape,
@@ -134,13 +135,14 @@ class _Connector:
         if isinstance(item, ast.Variable) and item.initial is not None:
             channel.initial = lower_expression(self.program, item.initial, LoweringContext(values=dict(_known(values))))
         if isinstance(item, ast.Channel) and item.kind is not None:
-            channel.capacity = self._capacity(item.kind, values)
+            channel.asked = self._asked(item.kind, values)
         self.shape.channels[name] = channel
 
-    def _capacity(self, kind: ast.Kind, values: Values) -> int | None:
-        if kind.capacity is None:
-            return None
-        return self.elaboration.size(kind.capacity, f"the capacity of the `{kind.name}`", values) or 1
+    def _asked(self, kind: ast.Kind, values: Values) -> AskedKind:
+        capacity = None
+        if kind.capacity is not None:
+            capacity = self.elaboration.size(kind.capacity, f"the `{kind.name}`", values) or 1
+        return AskedKind(kind.name, kind.span, capacity)
 
     def _relationship(self, item: ast.Connection, values: Values) -> None:
         """Whole arrays are connected element by element."""
@@ -223,7 +225,7 @@ class _Connector:
         if item.label is not None:
             self.places.aliases[self._label_name(item, values, None)] = place
         if item.kind is not None:
-            self.shape.asked.setdefault(place.key, []).append(item.kind)
+            self.shape.asked.setdefault(place.key, []).append(self._asked(item.kind, values))
         return OwnPort(place.key)
 
     def _report_joined(self, ends: _Ends) -> None:
@@ -260,7 +262,7 @@ class _Connector:
             known = self.elaboration.type_of(item.type, self.program.types.get(item.type, known), values)
         channel = ChannelShape(name, item, known, span)
         if item.kind is not None:
-            channel.capacity = self._capacity(item.kind, values)
+            channel.asked = self._asked(item.kind, values)
         return self.shape.channels.setdefault(name, channel)
 
     def _attach(

@@ -6,7 +6,7 @@ from cspdiag.diagnostics import Diagnostic, Label, Span
 from cspdiag.diagnostics.record import record
 from cspdiag.network.diagnostics_parallel import both
 from cspdiag.network.relations import Access, Pair
-from cspdiag.syntax import ast
+from cspdiag.network.shapes import AskedKind
 
 
 @record
@@ -174,7 +174,7 @@ class KindsDisagree(Diagnostic):
 
     channel: str
     kind: str
-    other: ast.Kind
+    other: AskedKind
 
     @property
     def message(self) -> str:

@@ -21,7 +21,7 @@ from cspdiag.model.types import (
 )
 from cspdiag.network.ir import ChannelKind, ExternalPort
 from cspdiag.network.kinds import Asked
-from cspdiag.network.shapes import Key, PortShape, Shape
+from cspdiag.network.shapes import AskedKind, Key, PortShape, Shape
 from cspdiag.syntax import ast
 
 
@@ -58,7 +58,7 @@ def _external(
     )
 
 
-def _kind(asked: dict[str, ast.Kind]) -> ChannelKind:
+def _kind(asked: dict[str, AskedKind]) -> ChannelKind:
     return "broadcast" if "broadcast" in asked else "any" if "any" in asked else "sync"
 
 

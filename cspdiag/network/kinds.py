@@ -16,10 +16,10 @@ from cspdiag.network.diagnostics_kinds import (
 )
 from cspdiag.network.diagnostics_parallel import EventReadInParallel, ParallelReaders, ParallelWriters, Race
 from cspdiag.network.relations import Uses, UsesByKey
-from cspdiag.network.shapes import ChannelShape, Key, Shape, attached_key, element_name
+from cspdiag.network.shapes import AskedKind, ChannelShape, Key, Shape, attached_key, element_name
 from cspdiag.syntax import ast
 
-Asked: TypeAlias = "dict[Key, dict[str, ast.Kind]]"
+Asked: TypeAlias = "dict[Key, dict[str, AskedKind]]"
 """For every port and channel the kinds that relationships ask for, at this process and inside its instances."""
 
 _NOBODY = Uses()
@@ -62,11 +62,10 @@ def _check_variable(channel: ChannelShape, use: Uses, report: Report) -> None:
         report.add(Race(span=pair[0].span, variable=channel.name, one=pair[0], other=pair[1], both_write=both_write))
 
 
-def _infer(shape: Shape, channel: ChannelShape, use: Uses, asked: dict[str, ast.Kind], report: Report) -> None:
+def _infer(shape: Shape, channel: ChannelShape, use: Uses, asked: dict[str, AskedKind], report: Report) -> None:
     kind = _asked_kind(channel, asked, report)
     word = None if kind is None else kind.name
-    if kind is not None and kind.name in ("buffer", "overwrite") and channel.asked is None:
-        channel.capacity = 1
+    channel.capacity = None if kind is None else kind.capacity
     channel.kind = word or ("sync" if use.parallel else "var")
     if channel.excused or shape.incomplete:
         return
@@ -87,7 +86,7 @@ def _infer(shape: Shape, channel: ChannelShape, use: Uses, asked: dict[str, ast.
         _check_several(channel, use, word, report)
 
 
-def _asked_kind(channel: ChannelShape, asked: dict[str, ast.Kind], report: Report) -> ast.Kind | None:
+def _asked_kind(channel: ChannelShape, asked: dict[str, AskedKind], report: Report) -> AskedKind | None:
     kinds = list(asked.values())
     if len(kinds) > 1:
         first, second = kinds[:2]
@@ -96,7 +95,7 @@ def _asked_kind(channel: ChannelShape, asked: dict[str, ast.Kind], report: Repor
     return kinds[0] if kinds else None
 
 
-def _check_sequential(channel: ChannelShape, use: Uses, kind: ast.Kind | None, report: Report) -> None:
+def _check_sequential(channel: ChannelShape, use: Uses, kind: AskedKind | None, report: Report) -> None:
     if use.parallel_writes is not None and kind is None:
         one, other = use.parallel_writes
         _refuse(channel, Race(span=one.span, variable=channel.name, one=one, other=other, both_write=True), report)

@@ -17,6 +17,7 @@ from cspdiag.network.actions import Action
 from cspdiag.network.expressions import Expression
 from cspdiag.network.ir import ChannelKind, Direction
 from cspdiag.syntax import ast
+from cspdiag.syntax.ast import KindName
 
 Key: TypeAlias = str
 """A port element (``request[3]``) or a channel of a shape, by its name; both live in one space of names."""
@@ -118,6 +119,14 @@ class InstanceShape:
         return self.declaration.name.span
 
 
+class AskedKind(NamedTuple):
+    """A kind that a relationship or a declaration asks for, with the capacity of a FIFO."""
+
+    name: KindName
+    span: Span
+    capacity: int | None
+
+
 class ChannelShape:
     """A channel that a process owns: declared, a variable, or the object of a relationship.
 
@@ -133,7 +142,7 @@ class ChannelShape:
         self.span = span
         self.excused = False
         """Whether something about it was reported, so that the rest is silence."""
-        self.asked: ast.Kind | None = None if isinstance(declaration, ast.Variable) else declaration.kind
+        self.asked: AskedKind | None = None
         self.kind: ChannelKind = "var"
         self.capacity: int | None = None
         self.initial: Expression | None = None
@@ -162,7 +171,7 @@ class Shape:
         self.ports: dict[str, PortShape] = {}
         self.instances: dict[str, InstanceShape] = {}
         self.channels: dict[Key, ChannelShape] = {}
-        self.asked: dict[Key, list[ast.Kind]] = {}
+        self.asked: dict[Key, list[AskedKind]] = {}
         """Kinds that relationships of this process ask for on its own ports."""
         self.port_spans: dict[Key, Span] = {}
         """First relationship or communication that uses a port of this process."""

@@ -249,3 +249,28 @@ def test_a_deep_hierarchy_is_no_recursion() -> None:
             "  composition { mu (a -> x) } }\n"
         )
     assert len(network(text).instances) == 600
+
+
+def test_a_capacity_asked_for_inside_an_instance_is_that_of_the_channel_outside() -> None:
+    text = """
+process Sink { in x : int  communication { var v : int }  composition { mu x ? v } }
+process Shell(n: int) {
+  in x : int
+  communication {
+    sink : Sink
+    x -> buffer n + 1 -> sink.x
+  }
+  composition { sink }
+}
+process Source { out x : int  composition { mu x ! 1 } }
+process Main {
+  communication {
+    source : Source
+    shell  : Shell(3)
+    source.x -> values : int -> shell.x
+  }
+  composition { source || shell }
+}
+"""
+    (channel,) = process(network(text), "Main").channels
+    assert (channel.name, channel.kind, channel.capacity) == ("values", "buffer", 4)
