@@ -28,6 +28,7 @@ def constant_lines(network: Network, names: PackageNames) -> tuple[list[str], li
         value = literal(constant.value, constant.type, imports)
         place = names.place(constant.span.file, constant.span.line)
         if constant.doc:
+            rows += [""] if rows else []
             rows += [f"# {row}".rstrip() for row in constant.doc.strip().split("\n")]
         rows += lines([assign(names.constants[constant.name], value, place)], "")
     return imports.lines(), rows

@@ -5,13 +5,16 @@ from __future__ import annotations
 import textwrap
 
 from cspdiag.codegen.python_layout import LINE_LENGTH
+from cspdiag.model.types import TimeType
 from cspdiag.network.expressions import Expression
-from cspdiag.network.ir import Port, ProcessClass, SubmodelClass
+from cspdiag.network.ir import ClassParameter, Port, ProcessClass, SubmodelClass
 
 
 def class_doc(class_: ProcessClass | SubmodelClass, place: str, kind: str) -> str:
-    """The doc comment, the place in the text, and the ports."""
+    """The doc comment, the place in the text, the parameters and the ports."""
     rows = [sentence(class_.doc) if class_.doc else f"The {kind} {class_.definition}.", "", f"Source: {place}"]
+    if class_.parameters:
+        rows += ["", "Parameters:", *(f"    {_parameter(item)}" for item in class_.parameters)]
     if class_.ports:
         rows += ["", "Ports:", *(f"    {_port(port)}" for port in class_.ports)]
     return "\n".join(rows)
@@ -27,11 +30,21 @@ def sentence(doc: str) -> str:
     )
 
 
+def _parameter(item: ClassParameter) -> str:
+    if item.name == "sample" and item.derived:
+        return "sample: the sample period in seconds."
+    unit = ", in nanoseconds" if isinstance(item.type, TimeType) else ""
+    return _with_doc(f"{item.name}: {item.type}{unit}", item.doc)
+
+
 def _port(port: Port) -> str:
     size = f"[{port.size}]" if port.size is not None else ""
     period = f" @ {_period(port.period)}" if port.period is not None else ""
-    text = f"{port.name}{size}: {port.direction}, {port.type}{period}"
-    return f"{text}. {' '.join(port.doc.split())}" if port.doc else f"{text}."
+    return _with_doc(f"{port.name}{size}: {port.direction}, {port.type}{period}", port.doc)
+
+
+def _with_doc(text: str, doc: str | None) -> str:
+    return f"{text}. {' '.join(doc.split())}" if doc else f"{text}."
 
 
 def _period(period: Expression) -> str:

@@ -11,6 +11,10 @@ class Producer(Process):
 
     Source: buffer.csp:7
 
+    Parameters:
+        id: int.
+        period: time, in nanoseconds.
+
     Ports:
         item: out, int.
     """

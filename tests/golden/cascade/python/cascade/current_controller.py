@@ -10,6 +10,12 @@ class CurrentController(Submodel):
 
     Source: cascade.csp:7
 
+    Parameters:
+        kp: double<V/A>.
+        ki: double<V/A/s>.
+        voltage: double<V>.
+        sample: the sample period in seconds.
+
     Ports:
         reference: in, double<A>.
         current: in, double<A>.

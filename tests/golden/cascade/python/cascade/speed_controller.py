@@ -10,6 +10,12 @@ class SpeedController(Submodel):
 
     Source: cascade.csp:20
 
+    Parameters:
+        kp: double<A*s/rad>.
+        ki: double<A/rad>.
+        current: double<A>.
+        sample: the sample period in seconds.
+
     Ports:
         reference: in, double<rad/s>.
         speed: in, double<rad/s>.

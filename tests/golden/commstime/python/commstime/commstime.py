@@ -16,6 +16,9 @@ class Commstime(Process):
     """The natural numbers, made by four processes in a circle.
 
     Source: commstime.csp:60
+
+    Parameters:
+        rounds: int.
     """
 
     def __init__(self, name: str, *, rounds: int) -> None:

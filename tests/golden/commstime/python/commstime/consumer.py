@@ -11,6 +11,9 @@ class Consumer(Process):
 
     Source: commstime.csp:47
 
+    Parameters:
+        rounds: int.
+
     Ports:
         input: in, int.
     """

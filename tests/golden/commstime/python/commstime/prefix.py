@@ -10,6 +10,9 @@ class Prefix(Process):
 
     Source: commstime.csp:5
 
+    Parameters:
+        first: int.
+
     Ports:
         input: in, int.
         output: out, int.

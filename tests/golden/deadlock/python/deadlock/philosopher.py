@@ -11,6 +11,9 @@ class Philosopher(Process):
 
     Source: table.csp:24
 
+    Parameters:
+        id: int.
+
     Ports:
         first: out, int.
         second: out, int.

@@ -10,6 +10,9 @@ class SpindleController(Submodel):
 
     Source: emergency.csp:8
 
+    Parameters:
+        speed: double<rad/s>.
+
     Ports:
         feedback: in, double<rad/s>.
         control: out, double<V>.

@@ -12,6 +12,13 @@ class Align(Process):
 
     Source: jiwy.csp:23
 
+    Parameters:
+        T: time, in nanoseconds.
+        speed: double<rad/s>.
+        kp: double<V*s/rad>.
+        ki: double<V/rad>.
+        patience: time, in nanoseconds.
+
     Ports:
         feedback: in, double<rad> @ T.
         control: out, double<V> @ T.

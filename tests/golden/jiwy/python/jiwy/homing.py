@@ -13,6 +13,11 @@ class Homing(Process):
 
     Source: jiwy.csp:76
 
+    Parameters:
+        T: time, in nanoseconds.
+        gains: ServoGains.
+        patience: time, in nanoseconds.
+
     Ports:
         leftmax: in, double<rad>.
         rightmax: in, double<rad>.

@@ -14,6 +14,14 @@ class JointControl(Process):
 
     Source: jiwy.csp:104
 
+    Parameters:
+        T: time, in nanoseconds.
+        gains: ServoGains.
+        reach: double<rad>.
+        alignSpeed: double<rad/s>.
+        alignKp: double<V*s/rad>.
+        alignKi: double<V/rad>.
+
     Ports:
         feedback: in, double<rad> @ T.
         joystick_axis: in, double @ T.

@@ -14,6 +14,11 @@ class MotionControl(Process):
 
     Source: jiwy.csp:46
 
+    Parameters:
+        T: time, in nanoseconds.
+        gains: ServoGains.
+        reach: double<rad>.
+
     Ports:
         leftmax: in, double<rad>.
         rightmax: in, double<rad>.

@@ -15,6 +15,15 @@ class PositionController(Submodel):
 
     Source: laws.csp:56
 
+    Parameters:
+        gains: ServoGains.
+        reach: double<rad>.
+        rate: double<rad/s>.
+        smoothing: time, in nanoseconds.
+        dwell: time, in nanoseconds.
+        margin: double<rad>.
+        sample: the sample period in seconds.
+
     Ports:
         leftmax: in, double<rad>.
         rightmax: in, double<rad>.

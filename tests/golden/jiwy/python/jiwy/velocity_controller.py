@@ -12,6 +12,16 @@ class VelocityController(Submodel):
 
     Source: laws.csp:88
 
+    Parameters:
+        speed: double<rad/s>.
+        kp: double<V*s/rad>.
+        ki: double<V/rad>.
+        pressure: double<V>.
+        effort: double<V>.
+        filter: time, in nanoseconds.
+        dwell: time, in nanoseconds.
+        sample: the sample period in seconds.
+
     Ports:
         feedback: in, double<rad>.
         control: out, double<V>.

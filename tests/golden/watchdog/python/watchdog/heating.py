@@ -13,6 +13,10 @@ class Heating(Process):
 
     Source: watchdog.csp:14
 
+    Parameters:
+        patience: time, in nanoseconds.
+        wanted: double<K>.
+
     Ports:
         thermometer: in, Reading.
         heater: out, double<W>.
