@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from .exceptions import ChannelMisuse
 from .ports import In, Out, T
 from .scheduler import Party, scheduler
-from .selector import Selector, Watchers, lower_bits, raise_bits, without
+from .selector import Selector, Watchers, attend, lower_bits, raise_bits, without
 
 if TYPE_CHECKING:
     from .choice import Choice
@@ -181,8 +181,7 @@ class BroadcastEnd(In[T]):
 
     def attend(self) -> None:
         """An output guard wants to know when alternatives wait here."""
-        for selector, bit in self._inputs:
-            selector.attend |= bit
+        attend(self._inputs)
 
     def unwatch_input(self, selector: Selector) -> None:
         """See ``In.unwatch_input``."""

@@ -219,6 +219,12 @@ class Choice:
             attended ^= bit
             self._enroll(bit.bit_length() - 1)
 
+    def enroll_late(self, bit: int) -> None:
+        """Somebody at the other side of a guard begins to alternate while this choice waits already."""
+        if self.mask & bit & ~self._enrolled:
+            self._enrolled |= bit
+            self._enroll(bit.bit_length() - 1)
+
     def _enroll(self, index: int) -> None:
         match self.guards[index]:
             case Input(end=end) | Ready(end=end):

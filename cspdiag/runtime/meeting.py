@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from .selector import Selector, Watchers, lower_bits, raise_bits, without
+from .selector import Selector, Watchers, attend, lower_bits, raise_bits, without
 
 if TYPE_CHECKING:
     from .choice import Choice
@@ -52,7 +52,7 @@ class Meeting:
             selector.ready |= bit
         if self.outputs:
             selector.attend |= bit
-            self._attend(self.outputs)
+            attend(self.outputs)
 
     def watch_output(self, selector: Selector, bit: int, reader_waits: bool) -> None:
         """An alternative has an output guard on the channel."""
@@ -61,14 +61,10 @@ class Meeting:
             selector.ready |= bit
         if self.inputs:
             selector.attend |= bit
-            self._attend(self.inputs)
+            attend(self.inputs)
 
     def unwatch(self, selector: Selector) -> None:
         """An alternative is given up."""
         self.inputs = without(self.inputs, selector)
         self.outputs = without(self.outputs, selector)
 
-    @staticmethod
-    def _attend(watchers: Watchers) -> None:
-        for selector, bit in watchers:
-            selector.attend |= bit

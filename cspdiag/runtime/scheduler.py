@@ -5,7 +5,7 @@ A *task* is a thread of control: the outermost process, or a branch of a paralle
 
 Invariants:
 
-- Exactly one task runs; ``scheduler.current`` is that task.
+- At most one task runs; ``scheduler.current`` is that task, or ``nobody``.
 - A party is either registered with the thing it waits for, or in a ready queue, and in at most one of the two. Whoever
   takes it out of the first puts it into the second; nobody resumes a task directly.
 - Within a level of priority the ready queue is first come, first served. Level ``()`` is the highest; a task of a
@@ -115,12 +115,26 @@ class Task:
             return
         self.cancelled = True
         if self is scheduler.current:
-            scheduler.push = _push_unless_cancelled
-        if self.waiting is not None and self.waiting.withdraw(self):
+            self._cancel_running()
+        elif self.waiting is not None and self.waiting.withdraw(self):
             self.resume = self._abandon
             scheduler.enqueue(self)
         else:
             self.resume = self._go_on_until_communication
+
+    def _cancel_running(self) -> None:
+        """It has itself made the guard ready that interrupts it, and may be about to park in that very communication.
+
+        The entry in the queue comes before any that a partner could make; by then the task has parked, or ended.
+        """
+        scheduler.push = _push_unless_cancelled
+        self.resume = self._abandon_if_parked
+        scheduler.enqueue(self)
+
+    def _abandon_if_parked(self, _: None) -> None:
+        self.resume = self._go_on_until_communication
+        if not self.ended and self.waiting is not None and self.waiting.withdraw(self):
+            self._abandon(None)
 
     def _abandon(self, _: None) -> None:
         self.resume = self._go_on_until_communication
@@ -235,12 +249,14 @@ class Scheduler:
             except (Exception, Cancelled) as error:
                 self._task_ended(error)
         del queue[:most]
+        self.current = nobody
         return bool(queue or self._levels)
 
     def _run_lower_level(self) -> bool:
         for _, queue in self._levels:
             if queue:
                 self._run_one(queue.popleft())
+                self.current = nobody
                 return True
         return False
 
@@ -262,6 +278,9 @@ class Scheduler:
 def _enqueue_by_level(party: Party) -> None:
     party.ready_queue.append(party)
 
+
+nobody: Task = None  # type: ignore[assignment]
+"""The current task while no process runs."""
 
 scheduler = Scheduler()
 

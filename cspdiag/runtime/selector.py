@@ -18,6 +18,10 @@ class Waker(Protocol):
         """A first guard has become ready."""
         ...
 
+    def enroll_late(self, bit: int) -> None:
+        """The end of a guard wants to know that the alternative waits."""
+        ...
+
 
 class Selector:
     """The part of an alternative that its channels know.
@@ -53,6 +57,14 @@ def lower_bits(watchers: Watchers) -> None:
     """A guard is not ready any longer."""
     for selector, bit in watchers:
         selector.ready &= ~bit
+
+
+def attend(watchers: Watchers) -> None:
+    """From now on the end wants to know which alternatives wait."""
+    for selector, bit in watchers:
+        selector.attend |= bit
+        if selector.waiting is not None:
+            selector.waiting.enroll_late(bit)
 
 
 def without(watchers: Watchers, selector: Selector) -> Watchers:
