@@ -96,43 +96,51 @@ def adapt(context: Context, expression: ast.Expression, found: Type, wanted: Typ
         return True
     match expression:
         case ast.Number() if is_bare_zero(expression) and isinstance(wanted, RealType | TimeType):
-            if isinstance(wanted, RealType) and isinstance(found, IntType):
-                context.program.types[expression] = wanted
-                return True
-            if isinstance(found, RealType) and isinstance(wanted, RealType):
-                context.program.types[expression] = wanted
-                return True
-            if isinstance(found, IntType):
-                context.program.types[expression] = TIME
-                return True
-            return False
-        case ast.Duration() if expression.is_frequency and isinstance(wanted, TimeType):
-            context.program.types[expression] = TIME
-            return True
-        case ast.Duration() if isinstance(wanted, RealType) and agree(wanted.unit, SECOND):
-            if isinstance(found, TimeType) or (isinstance(found, RealType) and agree(found.unit, SECOND)):
-                context.program.types[expression] = RealType(wanted.bits, SECOND)
-                return True
-            return False
+            return _adapt_zero(context, expression, found, wanted)
+        case ast.Duration():
+            return _adapt_duration(context, expression, found, wanted)
         case ast.ArrayValue() if isinstance(wanted, ArrayType):
-            if wanted.size is not None and wanted.size != len(expression.elements):
-                return False
-            types = context.program.types
-            if not all(adapt(context, part, types[part], wanted.element) for part in expression.elements):
-                return False
-            types[expression] = ArrayType(wanted.element, len(expression.elements))
-            return True
+            size = len(expression.elements)
+            fits = wanted.size in {None, size} and _adapt_all(context, expression.elements, wanted.element)
+            whole: Type = ArrayType(wanted.element, size)
         case ast.Conditional():
-            types = context.program.types
-            if not all(adapt(context, part, types[part], wanted) for part in (expression.then, expression.otherwise)):
-                return False
-            types[expression] = wanted
-            return True
+            fits = _adapt_all(context, (expression.then, expression.otherwise), wanted)
+            whole = wanted
         case _:
-            pass
+            fits = False
+            whole = wanted
+    if fits:
+        context.program.types[expression] = whole
+        return True
     if expression in context.literals and can_retype(found, wanted):
         retype(context, expression, wanted)
         return agrees(context.program.types[expression], wanted)
+    return False
+
+
+def _adapt_all(context: Context, parts: tuple[ast.Expression, ...], wanted: Type) -> bool:
+    return all(adapt(context, part, context.program.types[part], wanted) for part in parts)
+
+
+def _adapt_zero(context: Context, zero: ast.Number, found: Type, wanted: Type) -> bool:
+    """``0`` takes any unit and is a time as well; ``0.0`` stays a real number."""
+    if isinstance(found, IntType) or (isinstance(found, RealType) and isinstance(wanted, RealType)):
+        context.program.types[zero] = wanted
+        return True
+    return False
+
+
+def _adapt_duration(context: Context, duration: ast.Duration, found: Type, wanted: Type) -> bool:
+    """A frequency stands for its period where a time is wanted, a duration for its seconds where these are."""
+    if isinstance(wanted, TimeType) and duration.is_frequency:
+        context.program.types[duration] = TIME
+        return True
+    if isinstance(wanted, RealType) and agree(wanted.unit, SECOND) and not duration.is_frequency:
+        context.program.types[duration] = RealType(wanted.bits, SECOND)
+        return True
+    if isinstance(found, RealType) and isinstance(wanted, RealType) and agree(found.unit, wanted.unit):
+        context.program.types[duration] = RealType(wanted.bits, found.unit)
+        return True
     return False
 
 

@@ -10,7 +10,6 @@ from cspdiag.model.communications import resolve_declarations
 from cspdiag.model.compositions import resolve_composition
 from cspdiag.model.context import Context, Surroundings
 from cspdiag.model.definitions import collect, settle
-from cspdiag.model.diagnostics_imports import ImportFailure
 from cspdiag.model.equations import resolve_submodel
 from cspdiag.model.expressions import Typer
 from cspdiag.model.headers import WithPorts, resolve_header
@@ -28,8 +27,7 @@ def resolve(trees: Sequence[ast.SourceTree], overrides: Mapping[str, Value], rep
     ``overrides`` replaces the values of constants by name; a text is read as ``parse_value`` does, which raises ValueError.
     """
     program = Program(main=trees[0], trees=tuple(trees), overrides=dict(overrides))
-    incomplete = any(isinstance(found, ImportFailure) for found in report.diagnostics)
-    context = Context(program, report, incomplete=incomplete)
+    context = Context(program, report, incomplete=report.has_errors)
     collect(context)
     settle(context)
     definitions = [
