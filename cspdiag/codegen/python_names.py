@@ -32,7 +32,7 @@ BUILTINS = _words(
     """
 )
 
-MEMBERS = _words("self name source run runs_now execute started ended owns calculate reset _ends _place")
+MEMBERS = _words("self name source run runs_now execute enclosing started ended owns calculate reset _ends _place")
 """What the base classes ``Process`` and ``Submodel`` define themselves."""
 
 MODULES = _words(
@@ -41,17 +41,6 @@ MODULES = _words(
     """
 )
 """Modules of a generated package that no class may be stored in."""
-
-RUNTIME = _words(
-    """
-    ns us ms s Process Submodel In Out Channel AnyChannel Buffer Overwriting Broadcast Variable Constant Discard
-    SampledInput SampledOutput EventInput EventOutput Network Driver Signal Alternative Ready Input Output After
-    Skip parallel prioritized_parallel interrupt group wait stop ProcessError Timeout Fault int64 int32 int16
-    int8 uint32 uint16 uint8 float32 quotient remainder power exp log sqrt sin cos tan atan2 floor ceil nearest
-    limit sign quantize deadzone element replaced runtime
-    """
-)
-"""What generated modules may import from the runtime."""
 
 
 def identifier(text: str) -> str:
