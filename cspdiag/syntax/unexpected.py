@@ -89,9 +89,9 @@ def _unit(situation: Situation) -> Finding | None:
     source = situation.source
     if before.kind == "NUMBER" and situation.kind == "NAME" and not situation.lexer.first_on_line():
         match = _BARE_UNIT.match(source.text, situation.lexer.start)
-        assert match is not None
-        span = Span(source, before.start, match.end())
-        return MissingUnitBrackets(span, before.text, match.group()), Repair("remove", end=match.end())
+        if match is not None:
+            span = Span(source, before.start, match.end())
+            return MissingUnitBrackets(span, before.text, match.group()), Repair("remove", end=match.end())
     line_start = source.text.rfind("\n", max(0, situation.lexer.start - 200), situation.lexer.start) + 1
     for match in _SPACED_UNIT.finditer(source.text, line_start, situation.lexer.end + 80):
         if match.start() <= situation.lexer.start < match.end() + 1:

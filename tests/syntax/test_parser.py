@@ -200,6 +200,10 @@ def test_deep_nesting_is_refused(text: str) -> None:
     assert parsed(text)[1] == ["E0103"]
 
 
+def test_a_name_after_a_number_need_not_look_like_a_unit() -> None:
+    assert parsed("const A = 5 _b")[1] == ["E0101"]
+
+
 def test_nesting_up_to_the_limit_is_read() -> None:
     assert parsed("const A = " + "(" * 200 + "1" + ")" * 200)[1] == []
     assert parsed("const A = " + "(" * 201 + "1" + ")" * 201)[1] == ["E0103"]
