@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import assert_never
+
 from cspdiag.diagnostics import Report
 from cspdiag.model.types import UnknownType
 from cspdiag.network.actions import (
@@ -167,3 +169,5 @@ def _is_always_ready(placed: Placed, event: Event) -> bool:
             return not is_open(placed, key) and not write_may_wait(placed, key)
         case AfterEvent():
             return False
+        case _:
+            assert_never(event)

@@ -6,7 +6,7 @@ A shape in a context is what code is made for; equal contexts of a shape are loo
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Literal, TypeAlias
+from typing import Literal, TypeAlias, assert_never
 
 from cspdiag.diagnostics import Report
 from cspdiag.diagnostics.record import node
@@ -103,7 +103,8 @@ def port_facts(facts: Facts, instance: InstanceShape) -> Facts:
 
 
 def _fact(facts: Facts, attached: Attached | None) -> Fact:
-    match attached and attached.target:
+    target = None if attached is None else attached.target
+    match target:
         case OwnPort(key=key) | OwnChannel(key=key):
             return facts[key]
         case Default():
@@ -113,4 +114,4 @@ def _fact(facts: Facts, attached: Attached | None) -> Fact:
         case Unresolved() | None:
             return "open", None
         case _:
-            raise AssertionError(attached)
+            assert_never(target)

@@ -96,6 +96,9 @@ def _asked_kind(channel: ChannelShape, asked: dict[str, AskedKind], report: Repo
 
 
 def _check_sequential(channel: ChannelShape, use: Uses, kind: AskedKind | None, report: Report) -> None:
+    if use.parallel_look is not None and kind is None:
+        one, other = use.parallel_look
+        _refuse(channel, Race(span=one.span, variable=channel.name, one=one, other=other, both_write=False), report)
     if use.parallel_writes is not None and kind is None:
         one, other = use.parallel_writes
         _refuse(channel, Race(span=one.span, variable=channel.name, one=one, other=other, both_write=True), report)

@@ -8,6 +8,7 @@ occurrences agree, through any ``time`` parameter that has the same value, or el
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from typing import assert_never
 
 from cspdiag.diagnostics import Report
 from cspdiag.diagnostics.record import replaced
@@ -245,6 +246,8 @@ class _Sketch:
                 return ConstantEnd(lower_expression(self.program, port.symbol.declaration.default, self.plain))
             case Discarded() | Unresolved():
                 return DiscardEnd()
+            case _:
+                assert_never(attached.target)
 
 
 def reading_ends(classes: Classes, shape: Shape, key: str) -> int:

@@ -72,7 +72,9 @@ class Uses:
     """How one port or channel is used: a writer, a reader, and a pair of each relation between two of them."""
 
     __slots__ = (
+        "looker",
         "parallel",
+        "parallel_look",
         "parallel_reads",
         "parallel_writes",
         "reader",
@@ -81,9 +83,15 @@ class Uses:
         "writer",
     )
 
-    def __init__(self, writer: Access | None = None, reader: Access | None = None) -> None:
+    def __init__(
+        self, writer: Access | None = None, reader: Access | None = None, looker: Access | None = None
+    ) -> None:
         self.writer = writer
         self.reader = reader
+        self.looker = looker
+        """An expression of the process itself with the label of an arrow: no communication, it decides nothing about the kind."""
+        self.parallel_look: Pair | None = None
+        """A writer and such an expression in parallel."""
         self.parallel: Pair | None = None
         """A writer and a reader in parallel."""
         self.sequential: Pair | None = None
@@ -102,6 +110,9 @@ class Uses:
                     self.parallel = self.parallel or (writer, reader)
                 else:
                     self.sequential = self.sequential or (writer, reader)
+        for writer, looker in ((self.writer, other.looker), (other.writer, self.looker)):
+            if writer is not None and looker is not None and parallel:
+                self.parallel_look = self.parallel_look or (writer, looker)
         if self.writer is not None and other.writer is not None and parallel:
             self.parallel_writes = self.parallel_writes or (self.writer, other.writer)
         if self.reader is not None and other.reader is not None:
@@ -111,6 +122,8 @@ class Uses:
                 self.sequential_reads = self.sequential_reads or (self.reader, other.reader)
         self.writer = self.writer or other.writer
         self.reader = self.reader or other.reader
+        self.looker = self.looker or other.looker
+        self.parallel_look = self.parallel_look or other.parallel_look
         self.parallel = self.parallel or other.parallel
         self.sequential = self.sequential or other.sequential
         self.parallel_writes = self.parallel_writes or other.parallel_writes
@@ -286,13 +299,12 @@ class _Walk:
         _put(uses, target.channel, Uses(writer=Access(span, span, "")), False)
 
     def _values(self, expression: Expression) -> UsesByKey:
-        """Looking at the label of an arrow is no communication: it decides nothing about the kind of its channel."""
         uses: UsesByKey = {}
         for value in variables_read(expression):
             assert value.span is not None
-            channel = self.shape.channels.get(value.channel)
-            if channel is None or channel.is_variable or channel.asked is not None:
-                _put(uses, value.channel, Uses(reader=Access(value.span, value.span, "")), False)
+            access = Access(value.span, value.span, "")
+            is_variable = self.shape.channels[value.channel].is_variable
+            _put(uses, value.channel, Uses(reader=access) if is_variable else Uses(looker=access), False)
         return uses
 
 
