@@ -67,4 +67,3 @@ class Meeting:
         """An alternative is given up."""
         self.inputs = without(self.inputs, selector)
         self.outputs = without(self.outputs, selector)
-
