@@ -44,7 +44,7 @@ def generate(network: Network, modules: Mapping[str, str] | None = None) -> dict
     add(f"{package}/__init__.py", "__init__.py.j2", project=project)
     add(f"{package}/__main__.py", "__main__.py.j2", project=project)
     add(f"{package}/py.typed", "py.typed.j2")
-    add(f"{package}/network.py", "network.py.j2", module=network_view(network, names))
+    add(f"{package}/network.py", "network.py.j2", module=network_view(network, names, external))
     if network.constants:
         imports, constants = constant_lines(network, names)
         add(f"{package}/constants.py", "constants.py.j2", imports=imports, constants=constants)

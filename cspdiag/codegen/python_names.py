@@ -35,11 +35,7 @@ BUILTINS = _words(
 MEMBERS = _words("self name source run runs_now execute enclosing started ended owns calculate reset _ends _place")
 """What the base classes ``Process`` and ``Submodel`` define themselves."""
 
-MODULES = _words(
-    """
-    network constants types exceptions runtime environments external
-    """
-)
+MODULES = _words("network constants types exceptions runtime environments external")
 """Modules of a generated package that no class may be stored in."""
 
 
@@ -97,7 +93,7 @@ class PackageNames:
     """The names that the modules of one package share: classes, their modules, types, constants and exceptions."""
 
     def __init__(self, network: Network) -> None:
-        self.package = snake_case(network.name)
+        self.package = network.name
         self._folder = network.source.rpartition("/")[0]
         definitions = Names({"Timeout", "Fault"})
         modules = Names(MODULES)

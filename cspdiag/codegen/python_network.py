@@ -7,12 +7,13 @@ from dataclasses import dataclass
 
 from cspdiag.codegen.python_code import Argument, Atom, Call, Code, Items, tuple_of
 from cspdiag.codegen.python_environments import port_key
+from cspdiag.codegen.python_external import ExternalModules
 from cspdiag.codegen.python_imports import Imports
 from cspdiag.codegen.python_names import Names, PackageNames
 from cspdiag.codegen.python_processes import keywords_of
 from cspdiag.codegen.python_statements import Line, Statement, assign, lines
 from cspdiag.codegen.python_types import annotation, duration, literal, quoted
-from cspdiag.network.ir import ExternalPort, Network
+from cspdiag.network.ir import ExternalPort, Network, ProcessClass
 
 
 @dataclass(frozen=True)
@@ -25,7 +26,7 @@ class NetworkModule:
     body: list[str]
 
 
-def network_view(network: Network, names: PackageNames) -> NetworkModule:
+def network_view(network: Network, names: PackageNames, modules: ExternalModules) -> NetworkModule:
     """The module ``network``."""
     top = network.class_named(network.top)
     local = Names({"drivers"})
@@ -42,7 +43,9 @@ def network_view(network: Network, names: PackageNames) -> NetworkModule:
         own = [Atom(by_port[port_key(e)]) for e in network.external_ports if _belongs(e, port.name)]
         value: Code = own[0] if port.size is None else Items("[]", tuple(own))
         arguments.append(Argument(value, keywords[port.name]))
-    made = Call(imports.class_(network.top), tuple(arguments))
+    by_hand = top.external if isinstance(top, ProcessClass) else None
+    class_ = modules.imported(by_hand, imports) if by_hand is not None else imports.class_(network.top)
+    made = Call(class_, tuple(arguments))
     ends = tuple_of(Atom(name) for name in by_port.values())
     built = Call(imports.runtime("Network"), (Argument(made), *([Argument(ends, "ports")] if by_port else ())))
     statements.append(Line("return ", built))

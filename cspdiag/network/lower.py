@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from keyword import iskeyword
 
 from cspdiag.diagnostics import Report
 from cspdiag.model.program import Program, Value
@@ -203,5 +204,6 @@ def _package_name(program: Program, process: ast.ProcessDefinition) -> str:
     stem = program.main.source.name.replace("\\", "/").rsplit("/", 1)[-1].removesuffix(".csp")
     name = "".join(c if c.isalnum() and c.isascii() else "_" for c in stem).strip("_")
     if not name or name[0].isdigit():
-        return process.name.text.lower()
-    return name.lower()
+        name = process.name.text
+    name = name.lower()
+    return f"{name}_" if iskeyword(name) else name
