@@ -45,14 +45,21 @@ def check(main: SourceFile, read: Reader, overrides: Mapping[str, Value] | None 
     ``overrides`` replaces the values of constants by name. Raises nothing because of what the program says.
     """
     from cspdiag.model.check import check as check_model
+    from cspdiag.model.diagnostics_imports import ImportFailure
     from cspdiag.model.imports import load
     from cspdiag.model.resolve import resolve
     from cspdiag.network.lower import check as check_network
+    from cspdiag.syntax.soundness import sound_part
 
     report = Report()
     trees = load(main, read, report)
-    if not trees or report.has_errors:
-        # What could not be read is missing in the tree: names that stand there would be reported as unknown.
+    if not trees:
+        return Checked(program=None, report=report)
+    broken = [found for found in report.diagnostics if not isinstance(found, ImportFailure)]
+    if broken:
+        # Definitions are missing, so the network cannot be judged, but those that were read whole can.
+        trees = [sound_part(tree, broken) for tree in trees]
+        check_model(resolve(trees, overrides or {}, report), report)
         return Checked(program=None, report=report)
     program = resolve(trees, overrides or {}, report)
     check_model(program, report)
