@@ -41,6 +41,7 @@ from cspdiag.network.actions import (
     WriteValue,
 )
 from cspdiag.network.array_sizes import check_sizes
+from cspdiag.network.constant_value import constant_value
 from cspdiag.network.diagnostics_alternatives import MixedAlternative, UnguardedBranch
 from cspdiag.network.diagnostics_channels import LabelOfPortRead
 from cspdiag.network.expressions import Expression, LiteralValue, VariableValue
@@ -48,6 +49,7 @@ from cspdiag.network.lower_expression import LoweringContext, lower_expression
 from cspdiag.network.places import ChannelPlace, Places, ProcessPort
 from cspdiag.network.relations import end_key
 from cspdiag.network.shapes import Shape
+from cspdiag.network.syntax_walk import names
 from cspdiag.syntax import ast
 
 if TYPE_CHECKING:
@@ -116,12 +118,7 @@ class _Composer:
                 condition = self._expression(part.condition, values)
                 return WhileLoop(span=span, condition=condition, body=self.action(part.process, values))
             case ast.If():
-                return IfElse(
-                    span=span,
-                    condition=self._expression(part.condition, values),
-                    then=self.action(part.then, values),
-                    otherwise=self.action(part.otherwise, values) if part.otherwise else SkipStep(span=span),
-                )
+                return self._if(part, values)
             case ast.Catch():
                 return CatchException(
                     span=span,
@@ -137,6 +134,26 @@ class _Composer:
                 return Group(span=span, label=part.label.text, body=self.action(part.process, values))
             case _:
                 assert_never(part)
+
+    def _if(self, part: ast.If, values: Values) -> Action:
+        condition = self._expression(part.condition, values)
+        holds = self._decided(part.condition, condition)
+        if holds is not None:
+            chosen = part.then if holds else part.otherwise
+            return SkipStep(span=part.span) if chosen is None else self.action(chosen, values)
+        return IfElse(
+            span=part.span,
+            condition=condition,
+            then=self.action(part.then, values),
+            otherwise=self.action(part.otherwise, values) if part.otherwise else SkipStep(span=part.span),
+        )
+
+    def _decided(self, condition: ast.Expression, lowered: Expression) -> bool | None:
+        """The value of a condition on the index of a replicator: it shapes the diagram, and decides nothing at run time."""
+        if not any(isinstance(self.program.bindings.get(name), ast.Replicator) for name in names((condition,))):
+            return None
+        value = constant_value(lowered, lambda _: None)
+        return value if isinstance(value, bool) else None
 
     def _interrupt(self, part: ast.Interrupt, values: Values) -> Action:
         body = self.action(part.process, values)
@@ -199,7 +216,13 @@ class _Composer:
         span: Span,
         wrap: Callable[[Action], Action] = lambda body: body,
     ) -> Branch | None:
-        condition = None if guard.condition is None else self._expression(guard.condition, values)
+        condition: Expression | None = None
+        if guard.condition is not None:
+            condition = self._expression(guard.condition, values)
+            holds = self._decided(guard.condition, condition)
+            if holds is False:
+                return None
+            condition = None if holds else condition
         event = self._event(guard.event, values)
         body = self.action(process, values)
         return None if event is None else Branch(span=span, condition=condition, event=event, body=wrap(body))
