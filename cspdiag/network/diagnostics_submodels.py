@@ -38,7 +38,7 @@ class AlgebraicLoop(Diagnostic):
     """
 
     code = "E0450"
-    title = "algebraic loop"
+    title = "an algebraic loop"
 
     loop: tuple[tuple[str, Span], ...]
     """Name and place of each equation, each reading the next and the last the first."""
@@ -98,7 +98,7 @@ class ImproperTransfer(Diagnostic):
     """
 
     code = "E0453"
-    title = "improper transfer function"
+    title = "an improper transfer function"
 
     numerator: int
     denominator: int
@@ -142,7 +142,7 @@ class WrongShape(Diagnostic):
     """
 
     code = "E0454"
-    title = "coefficients do not fit"
+    title = "coefficients that do not fit"
 
     problem: str
 
@@ -177,7 +177,7 @@ class ValueOutOfRange(Diagnostic):
     """
 
     code = "E0455"
-    title = "argument out of range"
+    title = "an argument out of range"
 
     problem: str
 
@@ -213,7 +213,7 @@ class UnknownMethod(Diagnostic):
     """
 
     code = "E0456"
-    title = "unknown method"
+    title = "an unknown method"
 
     name: str
 
@@ -277,7 +277,7 @@ class UnstableDiscretization(Diagnostic):
     """
 
     code = "W0457"
-    title = "unstable discretization"
+    title = "an unstable discretization"
     severity: ClassVar[Severity] = "warning"
 
     sample: str
@@ -382,7 +382,7 @@ class StepNotPositive(Diagnostic):
     """
 
     code = "E0459"
-    title = "step is not positive"
+    title = "a step that is not positive"
 
     @property
     def message(self) -> str:
