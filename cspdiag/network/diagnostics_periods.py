@@ -4,14 +4,7 @@ from __future__ import annotations
 
 from cspdiag.diagnostics import Diagnostic, Label, Span
 from cspdiag.diagnostics.record import record
-
-
-def duration(nanoseconds: int) -> str:
-    """A duration as one writes it: ``2 ms``."""
-    for unit, size in (("s", 1_000_000_000), ("ms", 1_000_000), ("us", 1_000)):
-        if nanoseconds % size == 0:
-            return f"{nanoseconds // size} {unit}"
-    return f"{nanoseconds} ns"
+from cspdiag.network.durations import duration
 
 
 @record

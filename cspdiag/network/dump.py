@@ -11,8 +11,9 @@ from typing import assert_never
 from cspdiag.model.types import Type
 from cspdiag.network.actions import ChannelEnd, PortEnd
 from cspdiag.network.dump_action import action_lines, end_text
-from cspdiag.network.dump_expression import duration, expression_text, value_text
+from cspdiag.network.dump_expression import expression_text, value_text
 from cspdiag.network.dump_submodel import external_text, port_text, submodel_body
+from cspdiag.network.durations import duration
 from cspdiag.network.expressions import Value
 from cspdiag.network.ir import (
     Attachment,
@@ -195,4 +196,3 @@ def _net(net: Net) -> str:
     external = "" if net.external is None else " sampled" if net.period is not None else " event"
     kind = "" if net.external and net.kind == "sync" else f" {net.kind}"
     return f"{net.path} : {net.type}{external}{kind}{period}: {writers} -> {readers}"
-

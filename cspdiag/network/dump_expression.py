@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import assert_never
 
 from cspdiag.model.types import ArrayType, BoolType, EnumType, RealType, StructType, TimeType, Type
+from cspdiag.network.durations import duration
 from cspdiag.network.expressions import (
     ArrayElements,
     BinaryOperation,
@@ -31,14 +32,6 @@ _UNARY_LEVEL = {"not": 3, "-": 7}
 _TOP = 9
 
 
-def duration(nanoseconds: int) -> str:
-    """A duration in the largest unit that leaves a whole number: ``2 ms``."""
-    for unit, size in (("s", 1_000_000_000), ("ms", 1_000_000), ("us", 1_000)):
-        if nanoseconds % size == 0:
-            return f"{nanoseconds // size} {unit}"
-    return f"{nanoseconds} ns"
-
-
 def value_text(value: Value, type_: Type) -> str:
     """A constant as the language writes it, without its unit."""
     match type_:
@@ -49,9 +42,7 @@ def value_text(value: Value, type_: Type) -> str:
         case EnumType(name=name, literals=literals) if isinstance(value, int):
             return f"{name}.{literals[value]}"
         case StructType(name=name, fields=fields) if isinstance(value, tuple):
-            parts = (
-                f"{field} = {value_text(part, kind)}" for (field, kind), part in zip(fields, value, strict=True)
-            )
+            parts = (f"{field} = {value_text(part, kind)}" for (field, kind), part in zip(fields, value, strict=True))
             return f"{name}({', '.join(parts)})"
         case ArrayType(element=element) if isinstance(value, tuple):
             return f"[{', '.join(value_text(part, element) for part in value)}]"

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from cspdiag.network.dump_expression import duration, expression_text
+from cspdiag.network.dump_expression import expression_text
+from cspdiag.network.durations import duration
 from cspdiag.network.ir import ExternalBody, ExternalCall, Port, SubmodelClass, SubmodelEquation
 
 

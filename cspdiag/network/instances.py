@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from cspdiag.diagnostics import Span
 from cspdiag.model.types import Type
-from cspdiag.network.actions import Choice as ChoiceAction
 from cspdiag.network.actions import (
+    Choice,
     InputEvent,
     InterruptOn,
     OutputEvent,
@@ -18,7 +18,7 @@ from cspdiag.network.ir import ChannelKind, Direction, ExternalPort, Instantiati
 from cspdiag.network.lower_classes import Classes
 from cspdiag.network.occurrences import LawOccurrence, Occurrence
 from cspdiag.network.relations import end_key
-from cspdiag.network.shapes import Key, Shape, attached_key, element_name
+from cspdiag.network.shapes import InstanceShape, Key, Shape, attached_key, element_name
 
 
 class _OpenNet:
@@ -56,55 +56,88 @@ def walk_instances(
 ) -> tuple[tuple[Instantiation, ...], tuple[Net, ...]]:
     """All instances, outermost first and in text order, and all nets: the external ports, then the channels by owner.
 
-    A variable that only its own process uses is no net."""
-    instances: list[Instantiation] = []
-    nets: list[_OpenNet] = []
-    own_uses: dict[Shape, tuple[list[Key], list[Key]]] = {}
-    path = classes.class_of[top]
-    outside: dict[Key, _OpenNet] = {}
-    for port in ports:
-        net = _OpenNet(f"{path}.{port.name}", port.kind, port.type, port.direction, port.period, port.span)
-        outside[port.name] = net
-        nets.append(net)
-    pending: list[tuple[str, Occurrence | LawOccurrence, dict[Key, _OpenNet]]] = [(path, top, outside)]
-    while pending:
-        path, occurrence, attached = pending.pop()
-        name = classes.class_of[occurrence]
-        instances.append(Instantiation(path=path, class_name=name, arguments=tuple(occurrence.arguments().items())))
-        if isinstance(occurrence, LawOccurrence):
-            continue
-        placed = occurrence.placed
-        shape = placed.shape
+    A variable that only its own process uses is no net.
+    """
+    walk = _Walk(classes)
+    walk.run(top, ports)
+    nets = (net.closed() for net in walk.nets if net.external or net.writers or net.readers)
+    return tuple(walk.instances), tuple(nets)
+
+
+class _Walk:
+    """Goes through the instances by a loop; ``attached`` are the nets behind the ports of each."""
+
+    def __init__(self, classes: Classes) -> None:
+        self.classes = classes
+        self.instances: list[Instantiation] = []
+        self.nets: list[_OpenNet] = []
+        self._own_uses: dict[Shape, tuple[list[Key], list[Key]]] = {}
+
+    def run(self, top: Occurrence, ports: tuple[ExternalPort, ...]) -> None:
+        path = self.classes.class_of[top]
+        outside: dict[Key, _OpenNet] = {}
+        for port in ports:
+            outside[port.name] = self._net(
+                _OpenNet(f"{path}.{port.name}", port.kind, port.type, port.direction, port.period, port.span)
+            )
+        pending: list[tuple[str, Occurrence | LawOccurrence, dict[Key, _OpenNet]]] = [(path, top, outside)]
+        while pending:
+            path, occurrence, attached = pending.pop()
+            self._instantiate(path, occurrence)
+            if isinstance(occurrence, Occurrence):
+                self._own_nets(path, occurrence, attached)
+                inside = [
+                    (
+                        f"{path}.{name}",
+                        occurrence.children[name],
+                        self._inner_nets(f"{path}.{name}", instance, attached),
+                    )
+                    for name, instance in occurrence.placed.shape.instances.items()
+                ]
+                pending.extend(reversed(inside))
+
+    def _net(self, net: _OpenNet) -> _OpenNet:
+        self.nets.append(net)
+        return net
+
+    def _instantiate(self, path: str, occurrence: Occurrence | LawOccurrence) -> None:
+        name = self.classes.class_of[occurrence]
+        arguments = tuple(occurrence.arguments().items())
+        self.instances.append(Instantiation(path=path, class_name=name, arguments=arguments))
+
+    def _own_nets(self, path: str, occurrence: Occurrence, attached: dict[Key, _OpenNet]) -> None:
+        """Adds the channels that a process owns to the nets behind its ports, and itself to those that it uses."""
+        shape = occurrence.placed.shape
         for channel in shape.channels.values():
-            period = placed.period(channel.name)
-            net = _OpenNet(f"{path}.{channel.name}", channel.kind, channel.type, None, period, channel.span)
-            attached[channel.name] = net
-            nets.append(net)
-        if shape not in own_uses:
-            own_uses[shape] = _own_uses(shape)
-        for users, keys in zip(("writers", "readers"), own_uses[shape], strict=True):
-            for key in keys:
-                if key in attached:
-                    getattr(attached[key], users).append((path, key))
-        inside: list[tuple[str, Occurrence | LawOccurrence, dict[Key, _OpenNet]]] = []
-        for name, instance in shape.instances.items():
-            theirs: dict[Key, _OpenNet] = {}
-            leaf = instance.shape.is_submodel or instance.shape.is_external
-            for element, attachment in instance.attachments.items():
-                outer = attached_key(attachment)
-                inner_net = attached.get(outer) if outer is not None else None
-                if inner_net is None:
-                    continue
-                key = element_name(*element)
-                if not leaf:
-                    theirs[key] = inner_net
-                elif instance.shape.ports[element[0]].direction == "in":
-                    inner_net.readers.append((f"{path}.{name}", key))
-                else:
-                    inner_net.writers.append((f"{path}.{name}", key))
-            inside.append((f"{path}.{name}", occurrence.children[name], theirs))
-        pending.extend(reversed(inside))
-    return tuple(instances), tuple(net.closed() for net in nets if net.external or net.writers or net.readers)
+            period = occurrence.placed.period(channel.name)
+            attached[channel.name] = self._net(
+                _OpenNet(f"{path}.{channel.name}", channel.kind, channel.type, None, period, channel.span)
+            )
+        if shape not in self._own_uses:
+            self._own_uses[shape] = _own_uses(shape)
+        writes, reads = self._own_uses[shape]
+        for key in writes:
+            if key in attached:
+                attached[key].writers.append((path, key))
+        for key in reads:
+            if key in attached:
+                attached[key].readers.append((path, key))
+
+    def _inner_nets(self, path: str, instance: InstanceShape, attached: dict[Key, _OpenNet]) -> dict[Key, _OpenNet]:
+        """The nets behind the ports of an instance; one without processes inside takes part in them itself."""
+        nets: dict[Key, _OpenNet] = {}
+        leaf = instance.shape.is_submodel or instance.shape.is_external
+        for element, attachment in instance.attachments.items():
+            outer = attached_key(attachment)
+            net = attached.get(outer) if outer is not None else None
+            if net is None:
+                continue
+            key = element_name(*element)
+            nets[key] = net
+            if leaf:
+                is_input = instance.shape.ports[element[0]].direction == "in"
+                (net.readers if is_input else net.writers).append((path, key))
+        return nets
 
 
 def _own_uses(shape: Shape) -> tuple[list[Key], list[Key]]:
@@ -117,8 +150,8 @@ def _own_uses(shape: Shape) -> tuple[list[Key], list[Key]]:
                 reads[end_key(action.source)] = None
             case WriteValue():
                 writes[end_key(action.sink)] = None
-            case ChoiceAction() | InterruptOn():
-                branches = action.branches if isinstance(action, ChoiceAction) else (action.branch,)
+            case Choice() | InterruptOn():
+                branches = action.branches if isinstance(action, Choice) else (action.branch,)
                 for branch in branches:
                     if isinstance(branch.event, ReadyEvent | InputEvent):
                         reads[end_key(branch.event.source)] = None
