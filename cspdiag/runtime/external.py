@@ -61,17 +61,33 @@ class _LatchedEnd(In[T]):
         return any(selector.armed & bit for selector, bit in self._inputs)
 
 
+class _Pace:
+    """The ends of one process with one period. The process *follows* the period from its first sample until it ends."""
+
+    __slots__ = ("ends", "followed")
+
+    def __init__(self) -> None:
+        self.ends: list[SampledEnd[Any]] = []
+        self.followed = False
+
+
 class SampledEnd(_LatchedEnd[T]):
-    """The end of one reader of a sampled input."""
+    """The end of one reader of a sampled input.
 
-    __slots__ = ("_begun", "_overdue", "_port", "_reader")
+    Its session begins when the reader first waits for a sample. Before that, while its process follows the period through another end, it
+    holds the sample of the present tick, so that a first read belongs to the same instant as the reads beside it.
+    """
 
-    def __init__(self, port: SampledInput[T]) -> None:
+    __slots__ = ("_begun", "_overdue", "_pace", "_port", "_reader")
+
+    def __init__(self, port: SampledInput[T], pace: _Pace) -> None:
         super().__init__(port.name)
         self._port = port
+        self._pace = pace
         self._begun = False
         self._overdue = False
         self._reader: Party | None = None
+        pace.ends.append(self)
 
     @property
     def awaited(self) -> bool:
@@ -81,7 +97,14 @@ class SampledEnd(_LatchedEnd[T]):
     def sample(self, value: T) -> None:
         """The tick: a new sample."""
         if not self._begun:
+            if self._pace.followed:
+                self._hold(value)
             return
+        if not self._pace.followed:
+            self._pace.followed = True
+            for end in self._pace.ends:
+                if not end._begun and end._port.sampled:
+                    end._hold(end._port.latest)
         if self._fresh:
             self._port.missed += 1
             self._overdue = self._port.on_miss == "timeout"
@@ -90,6 +113,12 @@ class SampledEnd(_LatchedEnd[T]):
         if self._reader is not None:
             scheduler.enqueue(self._reader)
             self._reader = None
+        raise_bits(self._inputs)
+
+    def _hold(self, value: T) -> None:
+        """Keeps the sample of the present tick for a first read; to overwrite it is no miss."""
+        self._value = value
+        self._fresh = True
         raise_bits(self._inputs)
 
     def request(self, party: Party) -> bool:
@@ -111,6 +140,7 @@ class SampledEnd(_LatchedEnd[T]):
         if self._overdue:
             self._overdue = False
             raise Timeout(f"a sample of {self.name} was overwritten before it had been taken")
+        self._begin()
         return super()._taken(reader)
 
     def _begin(self) -> None:
@@ -121,7 +151,7 @@ class SampledEnd(_LatchedEnd[T]):
 
     def close(self) -> None:
         """The session is over: the next read waits for the next tick again."""
-        self._begun = self._fresh = self._overdue = False
+        self._begun = self._fresh = self._overdue = self._pace.followed = False
         for selector, bit in self._inputs:
             selector.attend |= bit
             selector.ready &= ~bit
@@ -147,7 +177,7 @@ class SampledEnd(_LatchedEnd[T]):
 class SampledInput(In[T]):
     """A sampled input of the outermost process; ``missed`` counts samples that were overwritten untaken."""
 
-    __slots__ = ("driver", "ends", "line", "missed", "name", "on_miss", "period")
+    __slots__ = ("driver", "ends", "latest", "line", "missed", "name", "on_miss", "period", "sampled")
 
     def __init__(self, name: str, *, period: int, driver: Driver | None = None) -> None:
         self.name = name
@@ -157,12 +187,21 @@ class SampledInput(In[T]):
         self.ends: list[SampledEnd[T]] = []
         self.missed = 0
         self.on_miss: Literal["timeout", "count"] = "timeout"
+        self.latest: Any = None
+        self.sampled = False
+        """Whether there has been a sample, which is then ``latest``."""
 
     def reader(self, owner: Process | None = None) -> SampledEnd[T]:
         """The end of a process, whose session lasts until the process ends."""
-        end: SampledEnd[T] = SampledEnd(self)
+        end: SampledEnd[T] = SampledEnd(self, _Pace() if owner is None else self._pace_of(owner))
         self.ends.append(end)
         return end if owner is None else owner.owns(end)
+
+    def _pace_of(self, owner: Process) -> _Pace:
+        for end in owner.ends:
+            if isinstance(end, SampledEnd) and end._port.period == self.period:
+                return end._pace
+        return _Pace()
 
     def sample(self) -> None:
         """The tick: takes the new sample for all readers."""
@@ -171,6 +210,8 @@ class SampledInput(In[T]):
         value = read_from(self.line, self.name)
         if value is NO_SAMPLE:
             return
+        self.latest = value
+        self.sampled = True
         for end in self.ends:
             end.sample(value)
 

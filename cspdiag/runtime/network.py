@@ -84,6 +84,7 @@ class _Run:
             if isinstance(port, SampledInput):
                 port.on_miss = on_miss
                 port.missed = 0
+                port.sampled = False
         self._root_error: BaseException | None = None
         self._root = Task(as_coroutine(network.process), self, None)
 

@@ -27,7 +27,8 @@ class Process:
         self.source = source
         self.runs_now = False
         self.enclosing: Process | None = None
-        self._ends: list[In[Any]] = []
+        self.ends: list[In[Any]] = []
+        """Reading ends of this process, closed when it ends."""
 
     async def run(self) -> None:
         """What the process does."""
@@ -35,7 +36,7 @@ class Process:
 
     def owns(self, end: E) -> E:
         """Makes ``end`` one that is closed when this process ends."""
-        self._ends.append(end)
+        self.ends.append(end)
         return end
 
     def __await__(self) -> Generator[Any, None, None]:
@@ -61,7 +62,7 @@ class Process:
         finally:
             self.runs_now = False
             task.process = enclosing
-            for end in self._ends:
+            for end in self.ends:
                 end.close()
             self.ended()
 

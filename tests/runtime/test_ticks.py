@@ -329,3 +329,73 @@ def test_the_same_run_twice_gives_the_same_trace() -> None:
 
     assert once() == once()
     assert len(once()) > 8
+
+
+def test_a_process_reads_all_inputs_of_one_period_at_the_same_tick_from_the_first_time_on() -> None:
+    world = Scripted({"stick": COUNT, "x": COUNT})
+    ports = [SampledInput[int](name, period=ms, driver=world.drivers[name]) for name in ("stick", "x")]
+    taken: list[tuple[int, int]] = []
+
+    class Servo(Process):
+        def __init__(self) -> None:
+            super().__init__("Servo")
+            self.stick = ports[0].reader(self)
+            self.x = ports[1].reader(self)
+            self.choice = Alternative(Ready(self.x))
+
+        async def run(self) -> None:
+            for _ in range(3):
+                await self.choice.select()
+                taken.append(await read_all(self.x, self.stick))
+
+    assert Network(Servo(), ports).run(world, until=100 * ms).ended == "terminated"
+    assert taken == [(1, 1), (2, 2), (3, 3)]
+
+
+def test_a_sample_held_for_a_first_read_cannot_be_missed_before_it() -> None:
+    world = Scripted({"x": COUNT, "rare": COUNT})
+    ports = [SampledInput[int](name, period=ms, driver=world.drivers[name]) for name in ("x", "rare")]
+    taken: list[int] = []
+
+    class Reader(Process):
+        def __init__(self) -> None:
+            super().__init__("Reader")
+            self.x = ports[0].reader(self)
+            self.rare = ports[1].reader(self)
+
+        async def run(self) -> None:
+            for _ in range(5):
+                await self.x.read()
+            taken.append(await self.rare.read())
+            await self.x.read()
+            taken.append(await self.rare.read())
+
+    outcome = Network(Reader(), ports).run(world, until=100 * ms)
+    assert outcome.ended == "terminated"
+    assert taken == [5, 6]
+    assert outcome.missed == {"x": 0, "rare": 0}
+
+
+def test_a_process_that_runs_again_waits_for_the_next_tick_again() -> None:
+    world = Scripted({"x": COUNT, "y": COUNT})
+    ports = [SampledInput[int](name, period=ms, driver=world.drivers[name]) for name in ("x", "y")]
+    taken: list[int] = []
+
+    class Reader(Process):
+        def __init__(self) -> None:
+            super().__init__("Reader")
+            self.x = ports[0].reader(self)
+            self.y = ports[1].reader(self)
+
+        async def run(self) -> None:
+            taken.append(await self.y.read())
+            taken.append(await self.x.read())
+
+    reader = Reader()
+
+    async def top() -> None:
+        await reader
+        await reader
+
+    assert Network(Body(top), ports).run(world, until=100 * ms).ended == "terminated"
+    assert taken == [1, 1, 2, 2]
