@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Sequence
 
-from cspdiag.codegen.walk import parts
 from cspdiag.model.types import Type
 from cspdiag.network.expressions import Expression, ParameterValue, PresentTime, SignalValue
 from cspdiag.network.ir import ExternalCall, SubmodelClass, SubmodelEquation
+from cspdiag.network.walk import parts
 
 Equation = SubmodelEquation | ExternalCall
 

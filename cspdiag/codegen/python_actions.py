@@ -29,7 +29,6 @@ from cspdiag.codegen.python_members import Members
 from cspdiag.codegen.python_rolling import LEAST, rolled_steps, statements_template, template
 from cspdiag.codegen.python_statements import Block, Line, Statement, assign, lines, run
 from cspdiag.codegen.python_types import quoted
-from cspdiag.codegen.walk import instances_run, mentions_variable, parts
 from cspdiag.network.actions import (
     Action,
     AfterEvent,
@@ -63,6 +62,7 @@ from cspdiag.network.actions import (
     WriteValue,
 )
 from cspdiag.network.expressions import Expression
+from cspdiag.network.walk import instances_run, mentions_variable, parts
 
 
 @dataclass(frozen=True)

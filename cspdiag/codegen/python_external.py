@@ -13,8 +13,8 @@ from cspdiag.codegen.python_expressions import Printer
 from cspdiag.codegen.python_imports import Imports
 from cspdiag.codegen.python_names import Names, identifier
 from cspdiag.codegen.python_statements import Statement, Unpack, assign
-from cspdiag.codegen.walk import parts
 from cspdiag.network.ir import ExternalBody, ExternalCall, Network
+from cspdiag.network.walk import parts
 
 
 @dataclass(frozen=True)

@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from cspdiag.codegen.python_names import MEMBERS, Names, indexed
-from cspdiag.codegen.walk import parts
 from cspdiag.network.actions import ChannelEnd, End, InputEvent, PortEnd, ReadValue, ReadyEvent
 from cspdiag.network.ir import InstanceOf, LocalChannel, Network, ProcessClass, SubmodelClass
+from cspdiag.network.walk import parts
 
 
 @dataclass(frozen=True)

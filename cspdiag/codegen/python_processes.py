@@ -17,7 +17,6 @@ from cspdiag.codegen.python_rolling import rolled_list
 from cspdiag.codegen.python_statements import Line, Statement, assign, docstring, lines, signature
 from cspdiag.codegen.python_submodels import signal_names
 from cspdiag.codegen.python_types import annotation, quoted
-from cspdiag.codegen.walk import parts
 from cspdiag.network.actions import ChannelEnd, PortEnd
 from cspdiag.network.expressions import ParameterValue
 from cspdiag.network.ir import (
@@ -31,6 +30,7 @@ from cspdiag.network.ir import (
     ProcessClass,
     SubmodelClass,
 )
+from cspdiag.network.walk import parts
 
 _CHANNEL_CLASSES = {
     "var": "Variable",

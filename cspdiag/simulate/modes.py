@@ -6,11 +6,12 @@ modes (align, move, home).
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 
 from cspdiag.diagnostics.record import record
 from cspdiag.network import actions as act
 from cspdiag.network.ir import Net, Network, ProcessClass
+from cspdiag.network.walk import instances_run, parts
 
 
 @record
@@ -48,7 +49,7 @@ def _branches(body: act.Action) -> tuple[act.Action, ...]:
 
 
 def _group(network: Network, top: ProcessClass, branch: act.Action) -> ModeGroup:
-    members = tuple(_instances(branch))
+    members = tuple(dict.fromkeys(instances_run(branch)))
     name = branch.label if isinstance(branch, act.Group) else (members[0] if len(members) == 1 else network.top)
     ports = tuple(
         net.path.partition(".")[2]
@@ -65,20 +66,11 @@ def _uses(net: Net, paths: set[str]) -> bool:
     return any(inside(path) for path, _ in (*net.readers, *net.writers))
 
 
-def _instances(action: act.Action) -> Iterator[str]:
-    """Names of the instances that an action runs, each once, in text order."""
-    seen = set()
-    for step in walk(action):
-        if isinstance(step, act.RunInstance) and step.instance not in seen:
-            seen.add(step.instance)
-            yield step.instance
-
-
 def _modes(network: Network, enclosing: ProcessClass, path: str, action: act.Action) -> Iterator[tuple[str, str]]:
     """Processes that are run one after the other in ``action``; a single one is looked into."""
     classes = {instance.name: network.class_named(instance.class_name) for instance in enclosing.instances}
-    processes = [name for name in _instances(action) if isinstance(classes[name], ProcessClass)]
-    groups = [step.label for step in walk(action) if isinstance(step, act.Group) and step is not action]
+    processes = [name for name in dict.fromkeys(instances_run(action)) if isinstance(classes[name], ProcessClass)]
+    groups = [step.label for step in parts(action) if isinstance(step, act.Group) and step is not action]
     if groups:
         yield from ((f"{path}.{label}", label) for label in groups)
     elif len(processes) == 1:
@@ -88,28 +80,3 @@ def _modes(network: Network, enclosing: ProcessClass, path: str, action: act.Act
         yield from below or [(f"{path}.{processes[0]}", processes[0])]
     else:
         yield from ((f"{path}.{name}", name) for name in processes)
-
-
-def walk(action: act.Action) -> Iterator[act.Action]:
-    """An action and all actions inside it, in text order."""
-    yield action
-    for inner in _inside(action):
-        yield from walk(inner)
-
-
-def _inside(action: act.Action) -> Iterable[act.Action]:
-    match action:
-        case act.SequentialSteps(steps=steps) | act.ParallelSteps(steps=steps):
-            return steps
-        case act.Choice(branches=branches):
-            return tuple(branch.body for branch in branches)
-        case act.Repeat(body=body) | act.WhileLoop(body=body) | act.Group(body=body):
-            return (body,)
-        case act.IfElse(then=then, otherwise=otherwise):
-            return (then, otherwise)
-        case act.CatchException(body=body, handler=handler):
-            return (body, handler)
-        case act.InterruptOn(body=body, branch=branch):
-            return (body, branch.body)
-        case _:
-            return ()
