@@ -32,7 +32,7 @@ BUILTINS = _words(
     """
 )
 
-MEMBERS = _words("self name source run runs_now execute enclosing started ended owns calculate reset _ends _place")
+MEMBERS = _words("self name source run runs_now execute enclosing started ended owns calculate reset ends _place")
 """What the base classes ``Process`` and ``Submodel`` define themselves."""
 
 MODULES = _words("network constants types exceptions runtime environments external")
