@@ -13,8 +13,13 @@ GOLDEN = ROOT / "tests" / "golden"
 
 
 def stored(folder: Path) -> dict[str, str]:
-    files = (path for path in folder.rglob("*") if path.is_file() and "__pycache__" not in path.parts)
-    return {str(path.relative_to(folder)): path.read_text(encoding="utf-8") for path in files}
+    """The files as committed, without what linters and the interpreter leave beside them."""
+    files = {str(path.relative_to(folder)): path for path in folder.rglob("*") if path.is_file()}
+    return {
+        name: path.read_text(encoding="utf-8")
+        for name, path in files.items()
+        if "__pycache__" not in name and not any(part.startswith(".") for part in Path(name).parts)
+    }
 
 
 @pytest.mark.parametrize("name", MODELS)
