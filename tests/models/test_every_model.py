@@ -1,11 +1,11 @@
 from __future__ import annotations
 
 import pytest
-from cspdiag.syntax.formatter import format_tree
 
 import cspdiag
 from cspdiag.diagnostics.report import Report
 from cspdiag.diagnostics.span import SourceFile
+from cspdiag.syntax.formatter import format_tree
 from cspdiag.syntax.parser import parse
 from tests.models.programs import DURATIONS, MODELS, all_files, programs, run
 
