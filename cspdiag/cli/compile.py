@@ -7,7 +7,7 @@ import sys
 from argparse import ArgumentParser, Namespace
 from typing import TYPE_CHECKING
 
-from cspdiag.cli.failure import FINE, UNSUCCESSFUL, UsageError
+from cspdiag.cli.failure import FINE, UNSUCCESSFUL, NoResultError, UsageError
 from cspdiag.cli.terminal import show_diagnostics
 from cspdiag.diagnostics.report import Report
 from cspdiag.pipeline import build, check, generate
@@ -92,7 +92,7 @@ def _emit_network(arguments: Namespace) -> int:
 
 def _generate(arguments: Namespace) -> int:
     from cspdiag.cli.output import write_package
-    from cspdiag.codegen import TARGETS
+    from cspdiag.codegen import TARGETS, target_errors
 
     if arguments.target not in TARGETS:
         raise UsageError(f"unknown target {arguments.target!r} (there are: {', '.join(TARGETS)})")
@@ -100,7 +100,14 @@ def _generate(arguments: Namespace) -> int:
     if network is None:
         return UNSUCCESSFUL
     folder = os.path.join(arguments.output, network.name)
-    write_package(folder, generate(network, read_source, arguments.target), force=arguments.force)
+    for path in (arguments.output, folder):
+        if os.path.lexists(path) and not os.path.isdir(path):
+            raise UsageError(f"{path} is in the way: it is not a folder")
+    try:
+        files = generate(network, read_source, arguments.target)
+    except target_errors() as problem:
+        raise NoResultError(str(problem)) from None
+    write_package(folder, files, force=arguments.force)
     sys.stderr.write(f"wrote {folder}\n")
     return FINE
 
@@ -116,9 +123,7 @@ def _network(arguments: Namespace) -> Network | None:
             environment=arguments.environment,
             settings=dict(split_setting(setting) for setting in arguments.set),
         )
-    except SettingError as problem:
-        raise UsageError(f"--set {problem}") from None
-    except SelectionError as problem:
+    except (SettingError, SelectionError) as problem:
         raise UsageError(str(problem)) from None
     show_diagnostics(built.checked.report.diagnostics, arguments.color)
     return built.network

@@ -13,5 +13,9 @@ BROKEN_PIPE = 141
 """What a shell reports for a program that writes to a pipe nobody reads."""
 
 
+class NoResultError(Exception):
+    """The command was right but has no result; the message is one line for the person who gave it."""
+
+
 class UsageError(Exception):
     """The command cannot be carried out as given; the message is one line for the person who gave it."""

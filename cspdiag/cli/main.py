@@ -13,7 +13,16 @@ from importlib import import_module
 from typing import NoReturn, Protocol, cast
 
 from cspdiag import __version__
-from cspdiag.cli.failure import BROKEN_PIPE, FINE, INTERNAL_ERROR, INTERRUPTED, WRONG_USAGE, UsageError
+from cspdiag.cli.failure import (
+    BROKEN_PIPE,
+    FINE,
+    INTERNAL_ERROR,
+    INTERRUPTED,
+    UNSUCCESSFUL,
+    WRONG_USAGE,
+    NoResultError,
+    UsageError,
+)
 
 VERBS = {
     "check": "find everything that is wrong with programs",
@@ -67,6 +76,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         sys.stdout.flush()
     except UsageError as problem:
         return _refuse(str(problem))
+    except NoResultError as problem:
+        _refuse(str(problem))
+        return UNSUCCESSFUL
     except KeyboardInterrupt:
         return INTERRUPTED
     except BrokenPipeError:

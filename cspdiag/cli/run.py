@@ -9,7 +9,7 @@ from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from cspdiag.cli.failure import FINE, INTERRUPTED, UNSUCCESSFUL, UsageError
+from cspdiag.cli.failure import FINE, INTERRUPTED, UNSUCCESSFUL, NoResultError, UsageError
 from cspdiag.cli.terminal import show_diagnostics
 from cspdiag.sources import read_source
 
@@ -102,11 +102,15 @@ def _network(arguments: Namespace) -> Network | None:
 def _simulate(arguments: Namespace, network: Network, until: int | None) -> Run:
     from cspdiag import pipeline
     from cspdiag.cli.progress import Progress
+    from cspdiag.codegen import target_errors
     from cspdiag.simulate.execute import NoEnvironmentError, simulate
     from cspdiag.simulate.modes import mode_groups
     from cspdiag.simulate.recorder import Recorder
 
-    files = pipeline.generate(network, read_source)
+    try:
+        files = pipeline.generate(network, read_source)
+    except target_errors() as problem:
+        raise NoResultError(str(problem)) from None
     recorder = Recorder()
     progress = None
     if not arguments.quiet and sys.stderr.isatty():
@@ -128,6 +132,8 @@ def _simulate(arguments: Namespace, network: Network, until: int | None) -> Run:
 
 
 def _conclude(arguments: Namespace, result: Run) -> int:
+    from cspdiag.simulate.summary import described
+
     written: list[str] = []
 
     def write(path: Path | None, writer: Callable[[Path], object]) -> None:
@@ -144,11 +150,13 @@ def _conclude(arguments: Namespace, result: Run) -> int:
         sys.stderr.write(f"{result.summary()}\n")
         if written:
             sys.stderr.write(f"  wrote {', '.join(written)}\n")
-    elif result.outcome.ended == "failed":
-        sys.stderr.write(f"cspdiag: {result.outcome.error}\n")
+    else:
+        failed = result.outcome.ended == "failed"
+        for error in [*([result.outcome.error] if failed else []), *result.outcome.release_errors]:
+            sys.stderr.write(f"cspdiag: {described(error)}\n")
     match result.outcome.ended:
         case "terminated" | "time limit":
-            return FINE
+            return UNSUCCESSFUL if result.outcome.release_errors else FINE
         case "stopped":
             return INTERRUPTED
         case _:

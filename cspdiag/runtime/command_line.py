@@ -10,6 +10,7 @@ from typing import Any
 
 from .drivers import Driver
 from .durations import ms, ns, s, shown, us
+from .exceptions import DriverError
 from .network import Network
 from .outcome import Outcome
 
@@ -44,7 +45,7 @@ def main(
         on_miss=getattr(environment, "on_miss", "timeout"),
     )
     print("\n".join(_summary(outcome)))
-    return EXIT_CODES[outcome.ended]
+    return EXIT_CODES[outcome.ended] or (1 if outcome.release_errors else 0)
 
 
 def duration(text: str) -> int:
@@ -72,7 +73,8 @@ def _parser(name: str, environments: Mapping[str, Callable[[], Any]]) -> argpars
 
 
 def _summary(outcome: Outcome) -> Iterator[str]:
-    yield f"{_ending(outcome)} at {shown(outcome.time)}, in {outcome.wall_time:.3g} s"
+    why = f": {_described(outcome.error)}" if outcome.error is not None else ""
+    yield f"{_ending(outcome)} at {shown(outcome.time)}, in {outcome.wall_time:.3g} s{why}"
     if outcome.deadlock is not None:
         yield outcome.deadlock.text
     for port, count in outcome.missed.items():
@@ -91,7 +93,12 @@ def _ending(outcome: Outcome) -> str:
         case "time limit":
             return "reached the time limit"
         case "failed":
-            error = outcome.error
-            return f"ended unsuccessfully by {type(error).__name__}{f': {error}' if str(error) else ''}"
+            return "ended unsuccessfully"
         case _:
             return outcome.ended
+
+
+def _described(error: BaseException) -> str:
+    if isinstance(error, DriverError):
+        return str(error)
+    return f"{type(error).__name__}: {error}" if str(error) else type(error).__name__

@@ -106,6 +106,7 @@ class _Run:
         outcome.wall_time = time.perf_counter() - began
         outcome.missed = {port.name: port.missed for port in self._network.ports if isinstance(port, SampledInput)}
         outcome.jitter = self._jitter
+        outcome.real_time = self._clock.real
         return outcome
 
     def _ending(self) -> Outcome:
@@ -200,7 +201,9 @@ class _Run:
         communication = observer.communication
 
         def observe(channel: str, value: Any, writer: Party | None, reader: Party | None) -> None:
-            communication(scheduler.now, channel, value, _path(writer), _path(reader))
+            source = "" if writer is None or writer.process is None else writer.process.name
+            sink = "" if reader is None or reader.process is None else reader.process.name
+            communication(scheduler.now, channel, value, source, sink)
 
         scheduler.observe = observe
         scheduler.watcher = observer
@@ -237,9 +240,3 @@ class _Run:
                 tell(scheduler.now, port, value)
         end_all(self._root)
         return errors
-
-
-def _path(party: Party | None) -> str:
-    if party is None or party.process is None:
-        return ""
-    return party.process.name

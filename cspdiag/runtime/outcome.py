@@ -58,6 +58,8 @@ class Outcome:
     missed: dict[str, int] = field(default_factory=dict)
     jitter: dict[int, Jitter] = field(default_factory=dict)
     wall_time: float = 0.0
+    real_time: bool = False
+    """Whether it ran against the clock."""
     release_errors: list[BaseException] = field(default_factory=list)
     """Drivers that failed while their outputs were released or they were closed."""
 

@@ -1,0 +1,142 @@
+"""Drivers of environments that fail or are not there: what `run`, `compile` and a package say."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import cspdiag
+from cspdiag.cli.main import main
+
+PROGRAM = """
+const failing = 0
+
+driver Card(failing: int) python "card.py:Card" {
+  out level : double
+  in  valve : double
+}
+
+process Main {
+  in  level : double @ 10 ms
+  out valve : double @ 10 ms safe -1
+
+  communication {
+    var last : double = 0
+  }
+
+  composition {
+    mu (level ? last ; valve ! last)
+  }
+}
+
+environment Bench for Main {
+  card : Card(failing)
+
+  card.level -> level
+  valve      -> card.valve
+}
+"""
+
+MODULE = """
+OPERATIONS = ("none", "open", "read", "write", "close")
+
+
+class Card:
+    def __init__(self, *, failing):
+        self.failing = OPERATIONS[failing]
+        self.written = []
+
+    def _may_fail(self, operation):
+        if operation == self.failing:
+            raise OSError("cable out")
+
+    def open(self):
+        self._may_fail("open")
+
+    def read(self, port):
+        self._may_fail("read")
+        return 1.0
+
+    def write(self, port, value):
+        print("valve", value)
+        if value != -1:
+            self._may_fail("write")
+
+    def close(self):
+        print("closed")
+        self._may_fail("close")
+"""
+
+
+@pytest.fixture
+def program(tmp_path: Path) -> Path:
+    path = tmp_path / "valve control.csp"
+    path.write_text(PROGRAM)
+    (tmp_path / "card.py").write_text(MODULE)
+    return path
+
+
+def _run(program: Path, operation: int, *options: str) -> int:
+    return main(["run", str(program), "--for", "50ms", "--set", f"failing={operation}", *options])
+
+
+@pytest.mark.parametrize(("operation", "words"), [(2, "read at port Main.level"), (3, "write at port Main.valve")])
+def test_a_failing_driver_is_named_with_its_port_and_outputs_are_released(
+    program: Path, operation: int, words: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert _run(program, operation) == 1
+    shown = capsys.readouterr()
+    assert f": driver Card failed to {words}: OSError: cable out\n" in shown.err
+    assert shown.out.endswith("valve -1.0\nclosed\n")
+
+
+def test_a_driver_that_does_not_open_ends_the_run_before_it_began(
+    program: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert _run(program, 1) == 1
+    assert "at 0 s: driver Card failed to open at port Main.level" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("options", [(), ("--quiet",)])
+def test_a_driver_that_does_not_close_is_told_at_the_end(
+    program: Path, options: tuple[str, ...], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert _run(program, 4, *options) == 1
+    assert "driver Card failed to close at port Main.level: OSError: cable out\n" in capsys.readouterr().err
+
+
+def test_a_package_says_when_and_then_why(program: Path, tmp_path: Path) -> None:
+    assert main(["compile", str(program), "-o", str(tmp_path / "out"), "--set", "failing=2"]) == 0
+    result = subprocess.run(
+        [sys.executable, "-m", "valve_control"],
+        cwd=tmp_path / "out/valve_control",
+        env={**os.environ, "PYTHONPATH": ""},
+        capture_output=True,
+        text=True,
+    )
+    last = result.stdout.splitlines()[-1]
+    assert last.startswith("ended unsuccessfully at 10 ms, in ")
+    assert last.endswith(" s: driver Card failed to read at port Main.level: OSError: cable out")
+    assert result.returncode == 1
+
+
+@pytest.mark.parametrize("verb", ["run", "compile"])
+def test_a_class_that_its_module_lacks_is_one_line(
+    program: Path, verb: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    program.write_text(PROGRAM.replace("card.py:Card", "card.py:Crad"))
+    assert main([verb, str(program)]) == 1
+    assert capsys.readouterr().err == f"cspdiag: {program}:4: card.py has no class `Crad`\n"
+    with pytest.raises(ValueError, match="no class `Crad`"):
+        cspdiag.load(program).run(until="1 s")
+
+
+def test_a_run_against_the_clock_is_not_called_simulated(program: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert _run(program, 0, "--real-time") == 0
+    shown = capsys.readouterr().err
+    assert "ran 50 ms against the clock" in shown
+    assert "simulated" not in shown
