@@ -28,7 +28,8 @@ class Recorder:
     """Observer of a run: communications, processes and groups, in the order in which they happen."""
 
     def __init__(self) -> None:
-        self.communications: list[Communication] = []
+        self.communications: list[tuple[int, str, object, str, str]] = []
+        """As ``Communication``, which takes longer to make than a process takes to communicate."""
         self.releases: list[tuple[int, str, object]] = []
         self.variables: dict[str, list[tuple[int, float]]] = {}
         self.activities: list[Activity] = []
@@ -38,7 +39,7 @@ class Recorder:
 
     def communication(self, time: int, channel: str, value: object, writer: str, reader: str) -> None:
         """A value passed through a channel or an external port."""
-        self.communications.append(Communication(time, channel, value, writer, reader))
+        self.communications.append((time, channel, value, writer, reader))
 
     def released(self, time: int, port: str, value: object) -> None:
         """An output was handed its safe value at the end of the run; that is no communication."""

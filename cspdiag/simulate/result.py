@@ -43,10 +43,15 @@ class Run:
         self.network = network
         self.environment = environment
         self.outcome = outcome
-        self.communications: Sequence[Communication] = recorder.communications
+        self._recorder = recorder
         self.releases: Sequence[tuple[int, str, object]] = recorder.releases
         self.activities: Sequence[Activity] = recorder.activities
         self.variables: Mapping[str, Sequence[tuple[int, float]]] = recorder.variables
+
+    @cached_property
+    def communications(self) -> Sequence[Communication]:
+        """All communications in order."""
+        return [Communication._make(passed) for passed in self._recorder.communications]
 
     @cached_property
     def types(self) -> Mapping[str, Type]:
@@ -77,7 +82,7 @@ class Run:
     def values_passed(self) -> Iterator[tuple[int, str, object]]:
         """Time, channel and value of every communication, and of every safe value that changed an output at the end."""
         last: dict[str, object] = {}
-        for time, channel, value, _, _ in self.communications:
+        for time, channel, value, _, _ in self._recorder.communications:
             last[channel] = value
             yield time, channel, value
         for time, channel, value in self.releases:
