@@ -1,0 +1,322 @@
+"""The tree of instances of a network, with what each port is joined to, and what each process does."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any, assert_never
+
+from cspdiag.network import actions as act
+from cspdiag.network.expressions import Expression
+from cspdiag.network.ir import Connection, ConstantEnd, DiscardEnd, LocalChannel, Network, ProcessClass, SubmodelClass
+from tests.conformance import media
+from tests.conformance.media import EndKey, FaultRaised, Medium, Offer, TimeoutRaised
+from tests.conformance.requests import Choose, Communicate, Interrupt, Parallel, Request, Steps, Wait
+from tests.conformance.scheduler import Scheduler
+from tests.conformance.values import Law, fitting, value_of, within
+
+Place = tuple[str, int | None]
+
+
+class ExceptionRaised(Exception):
+    """A declared exception."""
+
+
+class Program:
+    """What all instances share."""
+
+    def __init__(self, network: Network, world: Scheduler) -> None:
+        self.network = network
+        self.world = world
+
+
+class ProcessInstance:
+    """An instance of a process: its variables and channels, and the instances inside."""
+
+    def __init__(
+        self, program: Program, cls: ProcessClass, path: str, parameters: Mapping[str, Any], ports: Mapping[Place, Medium]
+    ) -> None:
+        assert cls.external is None, "bodies in other languages have no specification"
+        self.program = program
+        self.world = program.world
+        self.cls = cls
+        self.path = path
+        self.parameters = parameters
+        self.ports = ports
+        self.memories: dict[int, dict[str, int]] = {}
+        self.channels = {channel.name: self._channel(channel) for channel in cls.channels}
+        self.processes: dict[str, ProcessInstance] = {}
+        self.submodels: dict[str, SubmodelInstance] = {}
+        assert cls.body is not None
+        for end in dict.fromkeys(ends_read(cls.body)):
+            self.medium(end).register(self.key(end))
+        for instance in cls.instances:
+            inner = program.network.class_named(instance.class_name)
+            arguments = {name: self.value(value) for name, value in instance.arguments}
+            inner_path = f"{path}.{instance.name}"
+            if isinstance(inner, ProcessClass):
+                joined = {(c.port, c.index): self._attached(c) for c in instance.connections}
+                self.processes[instance.name] = ProcessInstance(program, inner, inner_path, arguments, joined)
+            else:
+                self.submodels[instance.name] = SubmodelInstance(self, inner, arguments, instance.connections)
+
+    def _channel(self, channel: LocalChannel) -> Medium:
+        name = f"{self.path}.{channel.name}"
+        match channel.kind:
+            case "var":
+                initial = None if channel.initial is None else self.value(channel.initial)
+                return media.Variable(self.world, name, initial)
+            case "sync" | "any":
+                return media.Rendezvous(self.world, name)
+            case "broadcast":
+                return media.Broadcast(self.world, name)
+            case "buffer" | "overwrite":
+                assert channel.capacity is not None
+                return media.Fifo(self.world, name, channel.capacity, channel.kind == "overwrite")
+            case _:
+                assert_never(channel.kind)
+
+    def _attached(self, connection: Connection) -> Medium:
+        match connection.attachment:
+            case ConstantEnd(value=value):
+                return media.AtOnce(self.world, "", self.value(value))
+            case DiscardEnd():
+                return media.AtOnce(self.world, "")
+            case end:
+                return self.medium(end)
+
+    def medium(self, end: act.End) -> Medium:
+        """What an end belongs to."""
+        return self.ports[end.port, end.index] if isinstance(end, act.PortEnd) else self.channels[end.channel]
+
+    def key(self, end: act.End) -> EndKey:
+        """The end as one of this process."""
+        if isinstance(end, act.PortEnd):
+            return (self.path, end.port, end.index, end.end)
+        return (self.path, f".{end.channel}", None, end.end)
+
+    def value(self, expression: Expression) -> Any:
+        """The value of an expression over parameters and variables."""
+        return value_of(expression, self.parameters, self._variable)
+
+    def _variable(self, name: str) -> Any:
+        variable = self.channels[name]
+        assert isinstance(variable, media.Variable)
+        return variable.value
+
+    def assign(self, target: act.Target, value: Any) -> None:
+        """Give a variable, or an element of it, a value."""
+        variable = self.channels[target.channel]
+        assert isinstance(variable, media.Variable)
+        indexes = [self.value(index) for index in target.indexes]
+        variable.value = _replaced(variable.value, indexes, value)
+
+    def run(self) -> Steps:
+        """From the start to the end of the process."""
+        assert self.cls.body is not None
+        try:
+            yield from self.steps(self.cls.body)
+        finally:
+            self.world.process_ended(self.path)
+
+    def steps(self, action: act.Action) -> Steps:
+        """What an action does."""
+        match action:
+            case act.RunInstance(instance=name):
+                yield from (self.processes[name].run() if name in self.processes else self.submodels[name].run())
+            case act.ReadValue():
+                request = Communicate()
+                request.offers.append(self._reader(request, action.source))
+                (value,) = yield request
+                self.assign(action.target, value)
+            case act.WriteValue():
+                request = Communicate()
+                request.offers.append(self._writer(request, action.sink, self.value(action.value)))
+                yield request
+            case act.AssignValue():
+                self.assign(action.target, self.value(action.value))
+            case act.SkipStep():
+                return
+            case act.StopStep():
+                yield Wait(None)
+            case act.WaitStep():
+                yield Wait(self.value(action.duration))
+            case act.ResetInstance():
+                self.submodels[action.instance].law.reset()
+            case act.RaiseException():
+                raise ExceptionRaised(action.exception)
+            case act.SequentialSteps():
+                for step in action.steps:
+                    yield from self.steps(step)
+            case act.ParallelSteps():
+                yield Parallel([self.steps(step) for step in action.steps], action.prioritized)
+            case act.Choice():
+                chosen = yield self._alternative(action.branches, action.prioritized, id(action))
+                yield from self._guarded(action.branches, chosen)
+            case act.Repeat():
+                while True:
+                    yield from self.steps(action.body)
+                    if action.until is not None and self.value(action.until):
+                        return
+            case act.WhileLoop():
+                while self.value(action.condition):
+                    yield from self.steps(action.body)
+            case act.IfElse():
+                yield from self.steps(action.then if self.value(action.condition) else action.otherwise)
+            case act.CatchException():
+                yield from self._catching(action)
+            case act.InterruptOn():
+                guard = self._alternative((action.branch,), True, id(action))
+                chosen = yield Interrupt(self.steps(action.body), guard)
+                if chosen is not None:
+                    yield from self._guarded((action.branch,), chosen)
+            case act.Group():
+                yield from self.steps(action.body)
+            case _:
+                assert_never(action)
+
+    def _catching(self, action: act.CatchException) -> Steps:
+        caught = False
+        try:
+            yield from self.steps(action.body)
+        except (ExceptionRaised, FaultRaised, TimeoutRaised) as error:
+            if exception_name(error) != action.exception:
+                raise
+            caught = True
+        if caught:
+            yield from self.steps(action.handler)
+
+    def _reader(self, request: Request, end: act.End) -> Offer:
+        return Offer(request, self.medium(end), self.key(end), writes=False)
+
+    def _writer(self, request: Request, end: act.End, value: Any) -> Offer:
+        return Offer(request, self.medium(end), self.key(end), writes=True, value=value)
+
+    def _alternative(self, branches: tuple[act.Branch, ...], prioritized: bool, place: int) -> Choose:
+        request = Choose(prioritized, self.memories.setdefault(place, {}))
+        for index, branch in enumerate(branches):
+            if branch.condition is not None and not self.value(branch.condition):
+                continue
+            event = branch.event
+            match event:
+                case act.SkipEvent():
+                    request.always.add(index)
+                case act.AfterEvent():
+                    request.timeouts[index] = self.world.now + self.value(event.duration)
+                case act.OutputEvent():
+                    request.offers[index] = self._writer(request, event.sink, self.value(event.value))
+                case act.InputEvent() | act.ReadyEvent():
+                    request.offers[index] = self._reader(request, event.source)
+                    request.offers[index].only_ready = isinstance(event, act.ReadyEvent)
+                case _:
+                    assert_never(event)
+            if index in request.offers:
+                request.offers[index].guard = index
+        return request
+
+    def _guarded(self, branches: tuple[act.Branch, ...], chosen: tuple[int, Any]) -> Steps:
+        index, value = chosen
+        event = branches[index].event
+        if isinstance(event, act.InputEvent):
+            self.assign(event.target, value)
+        yield from self.steps(branches[index].body)
+
+
+class SubmodelInstance:
+    """A submodel that communicates through the ends of the process that encloses it."""
+
+    def __init__(
+        self,
+        owner: ProcessInstance,
+        cls: SubmodelClass,
+        parameters: Mapping[str, Any],
+        connections: tuple[Connection, ...],
+    ) -> None:
+        assert cls.external is None, "bodies in other languages have no specification"
+        self.owner = owner
+        self.cls = cls
+        self.law = Law(cls, parameters)
+        self.joined: dict[Place, tuple[Medium, EndKey]] = {}
+        directions = {port.name: port.direction for port in cls.ports}
+        for connection in connections:
+            medium = owner._attached(connection)
+            end = connection.attachment
+            if isinstance(end, ConstantEnd | DiscardEnd):
+                key: EndKey = (owner.path, "", None, 0)
+            else:
+                key = owner.key(end)
+                if directions[connection.port] == "in":
+                    medium.register(key)
+            self.joined[connection.port, connection.index] = (medium, key)
+
+    def _places(self, direction: str) -> Iterator[tuple[str, Place]]:
+        for port in self.cls.ports:
+            if port.direction == direction:
+                yield from ((port.name, place) for place in self.joined if place[0] == port.name)
+
+    def run(self) -> Steps:
+        """Read all inputs, compute one sample, write all outputs."""
+        reading = Communicate()
+        names = []
+        for name, place in self._places("in"):
+            medium, key = self.joined[place]
+            names.append(name if place[1] is None else f"{name}[{place[1]}]")
+            reading.offers.append(Offer(reading, medium, key, writes=False))
+        values = yield reading
+        signals = self.law.sample(**dict(zip(names, values, strict=True)))
+        writing = Communicate()
+        for name, place in self._places("out"):
+            medium, key = self.joined[place]
+            kind = next(port.type for port in self.cls.ports if port.name == name)
+            value = fitting(kind, signals[name if place[1] is None else f"{name}[{place[1]}]"])
+            writing.offers.append(Offer(writing, medium, key, writes=True, value=value))
+        yield writing
+
+
+def exception_name(error: Exception) -> str:
+    """The name of an exception in the language."""
+    match error:
+        case FaultRaised():
+            return "Fault"
+        case TimeoutRaised():
+            return "Timeout"
+        case _:
+            return str(error)
+
+
+def _replaced(whole: Any, indexes: list[int], value: Any) -> Any:
+    if not indexes:
+        return value
+    index = within(indexes[0], whole)
+    return (*whole[:index], _replaced(whole[index], indexes[1:], value), *whole[index + 1 :])
+
+
+def ends_read(action: act.Action) -> Iterator[act.End]:
+    """The ends that readers and guards of an action read."""
+    match action:
+        case act.ReadValue(source=source):
+            yield source
+        case act.SequentialSteps(steps=steps) | act.ParallelSteps(steps=steps):
+            for step in steps:
+                yield from ends_read(step)
+        case act.Choice(branches=branches):
+            for branch in branches:
+                yield from _ends_of_branch(branch)
+        case act.Repeat(body=body) | act.WhileLoop(body=body) | act.Group(body=body):
+            yield from ends_read(body)
+        case act.IfElse():
+            yield from ends_read(action.then)
+            yield from ends_read(action.otherwise)
+        case act.CatchException():
+            yield from ends_read(action.body)
+            yield from ends_read(action.handler)
+        case act.InterruptOn():
+            yield from ends_read(action.body)
+            yield from _ends_of_branch(action.branch)
+        case _:
+            return
+
+
+def _ends_of_branch(branch: act.Branch) -> Iterator[act.End]:
+    if isinstance(branch.event, act.InputEvent | act.ReadyEvent):
+        yield branch.event.source
+    yield from ends_read(branch.body)

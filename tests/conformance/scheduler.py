@@ -1,0 +1,236 @@
+"""Which process runs, and when time goes on: the language's scheduling rules, sentence by sentence."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Any, Protocol
+
+from tests.conformance.media import EventInput, ExternalInput, Offer, SampledInput, SampledOutput, begin_sessions
+from tests.conformance.requests import Cancelled, Interrupt, Parallel, Request, Steps
+from tests.conformance.traces import Communication, Ending
+
+Resumption = Callable[[], Request]
+
+
+class Outside(Protocol):
+    """The environment: ``inputs`` are the outputs of the program."""
+
+    step: int
+
+    def advance(self, now: int) -> None:
+        """Go on to ``now``, with the inputs held."""
+
+    def output(self, port: str) -> Any:
+        """The present value for an input of the program."""
+
+    def give(self, port: str, value: Any) -> None:
+        """A value from the program."""
+
+
+class Task:
+    """A branch of a parallel, the body of an interrupt, or the whole program: what runs or waits."""
+
+    def __init__(self, steps: Steps, priority: tuple[int, ...], parent: Parallel | Interrupt | None) -> None:
+        self.steps = steps
+        self.priority = priority
+        self.parent = parent
+        self.request: Request | None = None
+        self.cancelled = False
+        self.ended = False
+
+    def rank(self) -> tuple[int, ...]:
+        """Priorities are compared from the outermost ``||>`` inwards, as if zeros followed."""
+        rank = list(self.priority)
+        while rank and rank[-1] == 0:
+            rank.pop()
+        return tuple(rank)
+
+
+class Scheduler:
+    """The state of a run."""
+
+    def __init__(self, top: str, outside: Outside | None, timeouts: bool) -> None:
+        self.top = top
+        self.outside = outside
+        self.timeouts = timeouts
+        self.now = 0
+        self.due = 0
+        """Delays and time-outs up to this instant are over; it follows ``now`` once samples have been taken and outputs handed over."""
+        self.trace: list[Communication] = []
+        self.inputs: list[ExternalInput] = []
+        self.outputs: list[SampledOutput] = []
+        self.ready: list[Task] = []
+        self.waiting: list[Request] = []
+        """In the order in which they began."""
+        self.running: Task | None = None
+        self.begun = 0
+        self.failure: Exception | None = None
+
+    def communicate(self, channel: str, value: Any) -> None:
+        """A value passes."""
+        self.trace.append(Communication(self.now, channel, value))
+
+    def hand_over(self, channel: str, value: Any) -> None:
+        """A value passes to the environment."""
+        self.communicate(channel, value)
+        if self.outside is not None:
+            self.outside.give(channel.removeprefix(f"{self.top}."), value)
+
+    def begin_sessions(self, offers: list[Offer]) -> None:
+        """First reads of sampled inputs begin."""
+        begin_sessions(offers, [port for port in self.inputs if isinstance(port, SampledInput)], self.now)
+
+    def process_ended(self, path: str) -> None:
+        """The reading ends of a process are no longer waited at."""
+        for port in self.inputs:
+            if isinstance(port, SampledInput):
+                port.process_ended(path)
+
+    def start(self, steps: Steps, priority: tuple[int, ...], parent: Parallel | Interrupt | None) -> Task:
+        """A new branch."""
+        return Task(steps, priority, parent)
+
+    def make_ready(self, task: Task) -> None:
+        """Put into the ready queue, where it is not there yet."""
+        if task is not self.running and task not in self.ready and not task.ended:
+            self.ready.append(task)
+
+    def cancel(self, task: Task) -> None:
+        """The task ends at its next communication, which is the one at which it waits."""
+        if task.ended or task.cancelled:
+            return
+        task.cancelled = True
+        if task.request is not None and not task.request.completed:
+            task.request.abandon()
+
+    def notice(self) -> None:
+        """Wake whoever may go on now."""
+        for request in list(self.waiting):
+            task = request.task
+            asleep = task is not self.running and task not in self.ready and not task.cancelled
+            if asleep and request in self.waiting and not request.completed and request.may_go_on():
+                request.wake()
+
+    def run_until_none_is_ready(self) -> None:
+        """Run processes by priority, then first come first served."""
+        while self.ready:
+            task = min(self.ready, key=Task.rank)
+            self.ready.remove(task)
+            self._run(task)
+
+    def _run(self, task: Task) -> None:
+        self.running = task
+        resumption = self._continued(task)
+        while resumption is not None:
+            try:
+                request = resumption()
+            except StopIteration:
+                self._end(task, None)
+                break
+            except Exception as error:
+                self._end(task, error)
+                break
+            resumption = self._begun(task, request)
+        self.running = None
+        self.notice()
+
+    def _continued(self, task: Task) -> Resumption | None:
+        request = task.request
+        if request is None:
+            return partial(next, task.steps)
+        if not request.completed and not task.cancelled:
+            self._attempt(request, request.attempt)
+        return self._answer(task, request)
+
+    def _begun(self, task: Task, request: Request) -> Resumption | None:
+        if task.cancelled:
+            return partial(task.steps.throw, Cancelled())
+        self.begun += 1
+        request.task, request.world, request.began = task, self, self.begun
+        task.request = request
+        self.waiting.append(request)
+        self._attempt(request, request.begin)
+        if not request.completed:
+            self._attempt(request, request.attempt)
+        return self._answer(task, request)
+
+    def _attempt(self, request: Request, step: Callable[[], None]) -> None:
+        try:
+            step()
+        except Exception as error:
+            for offer in request.offers_now():
+                offer.medium.withdraw(offer)
+            request.done, request.error = True, error
+        self.notice()
+
+    def _answer(self, task: Task, request: Request) -> Resumption | None:
+        if not request.completed and (not task.cancelled or request.branches_run):
+            return None
+        self.waiting.remove(request)
+        task.request = None
+        if not request.completed:
+            return partial(task.steps.throw, Cancelled())
+        if request.error is not None:
+            return partial(task.steps.throw, request.error)
+        return partial(task.steps.send, request.outcome())
+
+    def _end(self, task: Task, error: Exception | None) -> None:
+        task.ended = True
+        if task.parent is not None:
+            task.parent.branch_ended(task, error)
+        else:
+            self.failure = error
+
+    def instant(self, now: int) -> None:
+        """Everything that happens at an instant before processes run."""
+        self.now = now
+        outside = self.outside
+        if outside is not None:
+            on_grid = now % outside.step == 0
+            if on_grid or any(now % port.period == 0 for port in (*self._sampled(), *self.outputs)):
+                outside.advance(now)
+            for port in self.inputs:
+                value = outside.output(port.name.removeprefix(f"{self.top}."))
+                if isinstance(port, EventInput) and on_grid:
+                    port.offered(value)
+                elif isinstance(port, SampledInput) and now % port.period == 0:
+                    port.sampled(value)
+                self.notice()
+        for output in self.outputs:
+            if now % output.period == 0:
+                output.tick()
+        self.due = now
+        self.notice()
+
+    def _sampled(self) -> Sequence[SampledInput]:
+        return [port for port in self.inputs if isinstance(port, SampledInput)]
+
+    def next_instant(self) -> int | None:
+        """When something is due; None: never."""
+        deadlines = [deadline for request in self.waiting for deadline in request.deadlines()]
+        waits_outside = any(offer.medium.outside for request in self.waiting for offer in request.offers_now())
+        pending = any(output.latched for output in self.outputs)
+        if not deadlines and not waits_outside and not pending:
+            return None
+        periods = [port.period for port in (*self._sampled(), *self.outputs)]
+        if self.outside is not None:
+            periods.append(self.outside.step)
+        return min([*deadlines, *((self.now // period + 1) * period for period in periods)])
+
+    def run(self, program: Steps, until: int | None) -> Ending:
+        """Run to the end, or to ``until``."""
+        main = self.start(program, (), None)
+        self.make_ready(main)
+        self.run_until_none_is_ready()
+        while not main.ended:
+            instant = self.next_instant()
+            if instant is None:
+                return Ending("deadlock", self.now)
+            if until is not None and instant > until:
+                return Ending("time limit", until)
+            self.instant(instant)
+            self.run_until_none_is_ready()
+        if self.failure is None:
+            return Ending("terminated", self.now)
+        return Ending("failed", self.now, type(self.failure).__name__)

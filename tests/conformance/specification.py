@@ -1,0 +1,93 @@
+"""The language's semantics as a program: slow, plain, and written from the text of the language reference alone.
+
+It runs a network of the compiler without anything of the runtime or of the generated code, and says what must be communicated and when.
+Processes are generators that yield requests (``requests``); channels know when two offers meet (``media``); the scheduler
+(``scheduler``) chooses who runs and when time goes on.
+"""
+
+from __future__ import annotations
+
+import sys
+from typing import Any
+
+from cspdiag.network.ir import Environment, ExternalPort, Network, ProcessClass
+from tests.conformance import media
+from tests.conformance.instances import Place, ProcessInstance, Program, exception_name
+from tests.conformance.media import Medium
+from tests.conformance.scheduler import Scheduler
+from tests.conformance.traces import Ending, Execution
+from tests.conformance.values import FaultRaised, Law
+from tests.laws.interpreter import FaultError, zero
+
+
+class Plant:
+    """The environment's system."""
+
+    def __init__(self, environment: Environment) -> None:
+        assert environment.system is not None and not environment.drivers, "devices have no specification"
+        self.step = environment.step
+        self.law = Law(environment.system, {})
+        self.inputs = {port.name: zero(port.type) for port in environment.system.ports if port.direction == "in"}
+        self.now = 0
+        self.signals: dict[str, Any] = {}
+
+    def start(self) -> None:
+        """Evaluate at time 0."""
+        self.signals = self.law.evaluate(**self.inputs)
+
+    def advance(self, now: int) -> None:
+        """Integrate with the inputs held; discrete states step on the grid."""
+        signals = self.law.evaluate(**self.inputs)
+        self.law.advance(signals, (now - self.now) / 1e9, discrete=now % self.step == 0)
+        self.now = now
+        self.law.time = now / 1e9
+        self.signals = self.law.evaluate(**self.inputs)
+
+    def output(self, port: str) -> Any:
+        """The present value of an output."""
+        return self.signals[port]
+
+    def give(self, port: str, value: Any) -> None:
+        """The program's output has a new value."""
+        self.inputs[port] = value
+
+
+def execute(network: Network, environment: str | None = None, until: int | None = None) -> Execution:
+    """Run a network in an environment (the first, where none is named) to its end, or to ``until`` nanoseconds."""
+    chosen = next((e for e in network.environments if environment in (None, e.name)), None)
+    plant = None if chosen is None or chosen.system is None else Plant(chosen)
+    world = Scheduler(network.top, plant, timeouts=chosen is None or chosen.on_miss == "timeout")
+    ports: dict[Place, Medium] = {}
+    for port in network.external_ports:
+        medium = _external(world, port, plant)
+        ports[port.name.partition("[")[0], port.index] = medium
+        if isinstance(medium, media.ExternalInput):
+            world.inputs.append(medium)
+        elif isinstance(medium, media.SampledOutput):
+            world.outputs.append(medium)
+    cls = network.class_named(network.top)
+    assert isinstance(cls, ProcessClass)
+    sys.setrecursionlimit(max(sys.getrecursionlimit(), 20_000))
+    try:
+        program = ProcessInstance(Program(network, world), cls, network.top, dict(network.arguments), ports)
+        if plant is not None:
+            plant.start()
+            for medium in world.inputs:
+                medium.present = plant.output(medium.name.removeprefix(f"{network.top}."))
+        ending = world.run(program.run(), until)
+    except (FaultRaised, FaultError):
+        ending = Ending("failed", world.now, "Fault")
+    if world.failure is not None:
+        ending = ending._replace(error=exception_name(world.failure))
+    return Execution(world.trace, ending)
+
+
+def _external(world: Scheduler, port: ExternalPort, plant: Plant | None) -> Medium:
+    name = f"{world.top}.{port.name}"
+    if port.direction == "out":
+        if port.period is None or port.immediate:
+            return media.EventOutput(world, name)
+        return media.SampledOutput(world, name, port.period)
+    if port.period is None:
+        return media.EventInput(world, name, port.kind == "broadcast")
+    return media.SampledInput(world, name, port.period)

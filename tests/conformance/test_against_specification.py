@@ -1,0 +1,71 @@
+"""The generated Python does what the language says, by comparison with the specification."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, given, note, settings
+
+from cspdiag import pipeline
+from cspdiag.diagnostics import SourceFile
+from cspdiag.diagnostics.render_text import render
+from cspdiag.network.ir import Network
+from cspdiag.simulate.execute import simulate
+from tests.conformance.specification import execute
+from tests.conformance.traces import Communication, Ending, Execution, compare
+from tests.properties.programs import programs
+
+ROOT = Path(__file__).parents[2]
+MODELS = sorted(path.relative_to(ROOT).as_posix() for path in ROOT.glob("models/*/*.csp"))
+LIBRARIES = {"models/jiwy/laws.csp", "models/jiwy/plant.csp", "models/dining/table.csp"}
+
+JUST_AFTER = 1
+"""Limits fall between two instants, so that it does not matter whether an instant at the limit still happens."""
+
+
+def read(path: str) -> SourceFile:
+    """A file of the checkout."""
+    return SourceFile(name=path, text=(ROOT / path).read_text(encoding="utf-8"))
+
+
+def build(source: SourceFile) -> tuple[Network, Mapping[str, str]]:
+    """The network of a program and its generated Python."""
+    built = pipeline.build(source, read)
+    assert built.network is not None, render(built.checked.report.diagnostics)
+    return built.network, pipeline.generate(built.network, read)
+
+
+def generated(network: Network, files: Mapping[str, str], environment: str | None, until: int) -> Execution:
+    """What the generated Python does."""
+    run = simulate(network, files, environment=environment, until=until)
+    error = run.outcome.error
+    name = None if error is None else type(error).__name__
+    trace = [Communication(time, channel, value) for time, channel, value, _, _ in run.communications]
+    return Execution(trace, Ending(run.outcome.ended, run.outcome.time, name))
+
+
+def assert_conforms(network: Network, files: Mapping[str, str], environment: str | None, until: int) -> None:
+    """The generated Python and the specification agree."""
+    specified = execute(network, environment, until)
+    done = generated(network, files, environment, until)
+    external = {f"{network.top}.{port.name}" for port in network.external_ports}
+    difference = compare(specified.trace, done.trace, external)
+    assert difference is None, f"left: specification, right: generated\n{difference}"
+    assert specified.ending == done.ending
+
+
+@pytest.mark.parametrize("name", [name for name in MODELS if name not in LIBRARIES])
+def test_model(name: str) -> None:
+    network, files = build(read(name))
+    for environment in [e.name for e in network.environments] or [None]:
+        assert_conforms(network, files, environment, 1_200_000_000 + JUST_AFTER)
+
+
+@settings(max_examples=60, deadline=None, suppress_health_check=list(HealthCheck))
+@given(programs())
+def test_random_program(text: str) -> None:
+    note(text)
+    network, files = build(SourceFile(name="random.csp", text=text))
+    assert_conforms(network, files, None, 60_000_000 + JUST_AFTER)

@@ -1,0 +1,201 @@
+"""Values of expressions, and submodels: what the language says of numbers, and nothing about speed."""
+
+from __future__ import annotations
+
+import math
+import struct
+from collections.abc import Callable, Mapping
+from typing import Any, assert_never
+
+from cspdiag.model.types import IntType, RealType, StructType, TimeType, Type
+from cspdiag.network import expressions as ex
+from tests.laws.interpreter import Interpreter
+
+Names = Callable[[str], Any]
+
+
+class FaultRaised(Exception):
+    """Overflow, a value out of range, division by zero, a value that is no number."""
+
+
+def value_of(expression: ex.Expression, parameters: Mapping[str, Any], names: Names, time: float = 0.0) -> Any:
+    """The value; ``names`` looks up signals of a submodel and variables of a process.
+
+    Raises FaultRaised.
+    """
+
+    def inner(part: ex.Expression) -> Any:
+        return value_of(part, parameters, names, time)
+
+    match expression:
+        case ex.LiteralValue():
+            return fitting(expression.type, expression.value)
+        case ex.ParameterValue():
+            return parameters[expression.name]
+        case ex.VariableValue():
+            return names(expression.channel)
+        case ex.SignalValue():
+            return names(expression.name)
+        case ex.PresentTime():
+            return time
+        case ex.UnaryOperation():
+            operand = inner(expression.operand)
+            return fitting(expression.type, -operand) if expression.operator == "-" else not operand
+        case ex.BinaryOperation(operator="and"):
+            return inner(expression.left) and inner(expression.right)
+        case ex.BinaryOperation(operator="or"):
+            return inner(expression.left) or inner(expression.right)
+        case ex.BinaryOperation():
+            result = _binary(expression.operator, inner(expression.left), inner(expression.right))
+            return fitting(expression.type, result)
+        case ex.ConditionalValue():
+            return inner(expression.then) if inner(expression.condition) else inner(expression.otherwise)
+        case ex.FunctionCall():
+            return fitting(expression.type, _function(expression.function, [inner(a) for a in expression.arguments]))
+        case ex.Conversion():
+            return _converted(expression.type, inner(expression.operand))
+        case ex.FieldValue():
+            assert isinstance(expression.operand.type, StructType)
+            fields = [name for name, _ in expression.operand.type.fields]
+            return inner(expression.operand)[fields.index(expression.field)]
+        case ex.ElementValue():
+            return inner(expression.operand)[within(inner(expression.index), inner(expression.operand))]
+        case ex.StructValue() | ex.ArrayElements():
+            return tuple(inner(part) for part in expression.values)
+        case _:
+            assert_never(expression)
+
+
+def within(index: int, array: tuple[Any, ...]) -> int:
+    """An index of an element; FaultRaised out of range."""
+    if not 0 <= index < len(array):
+        raise FaultRaised(f"index {index} of an array of {len(array)}")
+    return index
+
+
+def fitting(kind: Type, value: Any) -> Any:
+    """A result as a value of its type: whole numbers in range, binary32 rounded."""
+    match kind:
+        case IntType():
+            low, high = kind.minimum, kind.maximum
+        case TimeType():
+            low, high = -(2**63), 2**63 - 1
+        case RealType():
+            return _binary32(float(value)) if kind.bits == 32 else float(value)
+        case _:
+            return value
+    if not low <= value <= high:
+        raise FaultRaised(f"{value} is no value of {kind}")
+    return value
+
+
+def _binary32(value: float) -> float:
+    try:
+        return float(struct.unpack("f", struct.pack("f", value))[0])
+    except OverflowError:
+        return math.copysign(math.inf, value)
+
+
+def _converted(kind: Type, value: Any) -> Any:
+    if isinstance(kind, RealType):
+        return fitting(kind, value)
+    if isinstance(value, float) and not math.isfinite(value):
+        raise FaultRaised("not a number")
+    return fitting(kind, math.trunc(value))
+
+
+def _binary(operator: str, left: Any, right: Any) -> Any:
+    match operator:
+        case "==":
+            return left == right
+        case "!=":
+            return left != right
+        case "<":
+            return left < right
+        case "<=":
+            return left <= right
+        case ">":
+            return left > right
+        case ">=":
+            return left >= right
+        case "+":
+            return left + right
+        case "-":
+            return left - right
+        case "*":
+            return left * right
+        case "^":
+            return _power(left, right)
+    if right == 0:
+        raise FaultRaised("division by zero")
+    if isinstance(left, float):
+        return left / right if operator == "/" else (math.nan if math.isinf(left) else math.fmod(left, right))
+    quotient = abs(left) // abs(right) * (1 if (left < 0) == (right < 0) else -1)
+    return quotient if operator == "/" else left - quotient * right
+
+
+def _power(base: Any, exponent: Any) -> Any:
+    if isinstance(base, int):
+        if exponent < 0:
+            raise FaultRaised("negative power of a whole number")
+        return base**exponent
+    try:
+        return math.pow(base, exponent)
+    except OverflowError:
+        return -math.inf if base < 0 and exponent % 2 == 1 else math.inf
+    except ValueError:
+        if base == 0:
+            return math.copysign(math.inf, base) if exponent % 2 == 1 else math.inf
+        return math.nan
+
+
+def _half_away_from_zero(x: float) -> float:
+    return x if not math.isfinite(x) or abs(x) >= 2**52 else math.copysign(math.floor(abs(x) + 0.5), x)
+
+
+def _function(function: str, arguments: list[Any]) -> Any:
+    match function, arguments:
+        case "abs", [x]:
+            return abs(x)
+        case "min", _:
+            return min(arguments)
+        case "max", _:
+            return max(arguments)
+        case "limit", [x, low, high]:
+            return low if x < low else high if x > high else x
+        case "sign", [x]:
+            return type(x)((x > 0) - (x < 0))
+        case "seconds", [x]:
+            return x / 1e9
+        case "atan2", [y, x]:
+            return math.atan2(y, x)
+        case "deadzone", [x, width]:
+            return x - width if x > width else x + width if x < -width else type(x)(0)
+        case "quantize", [x, step]:
+            return step * _half_away_from_zero(x / step)
+        case "round", [x]:
+            return _half_away_from_zero(x)
+        case "floor" | "ceil", [x]:
+            return x if not math.isfinite(x) else float(getattr(math, function)(x))
+        case "log", [x]:
+            return -math.inf if x == 0 else math.nan if x < 0 else math.log(x)
+        case _, [x]:
+            return _of_one_number(function, x)
+    raise AssertionError(function)
+
+
+def _of_one_number(function: str, x: float) -> float:
+    try:
+        return float(getattr(math, function)(x))
+    except OverflowError:
+        return math.inf
+    except ValueError:
+        return math.nan
+
+
+class Law(Interpreter):
+    """One instance of a submodel."""
+
+    def value(self, expression: ex.Expression, signals: Mapping[str, Any]) -> Any:
+        """The value of an expression over the signals."""
+        return value_of(expression, self.parameters, signals.__getitem__, self.time)
