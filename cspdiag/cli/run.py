@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import sys
 from argparse import ArgumentParser, Namespace
 from collections.abc import Callable
@@ -111,6 +112,8 @@ def _simulate(arguments: Namespace, network: Network, until: int | None) -> Run:
         files = pipeline.generate(network, read_source)
     except target_errors() as problem:
         raise NoResultError(str(problem)) from None
+    # What ends a service ends a run as Ctrl-C does: with its outputs released.
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
     recorder = Recorder()
     progress = None
     if not arguments.quiet and sys.stderr.isatty():

@@ -50,13 +50,19 @@ def _branches(body: act.Action) -> tuple[act.Action, ...]:
 
 def _group(network: Network, top: ProcessClass, branch: act.Action) -> ModeGroup:
     members = tuple(dict.fromkeys(instances_run(branch)))
-    name = branch.label if isinstance(branch, act.Group) else (members[0] if len(members) == 1 else network.top)
+    name = branch.label if isinstance(branch, act.Group) else _common_name(members, network.top)
     ports = tuple(
         net.path.partition(".")[2]
         for net in network.nets
         if net.external is not None and _uses(net, {f"{network.top}.{member}" for member in members})
     )
     return ModeGroup(name, dict(_modes(network, top, network.top, branch)), ports)
+
+
+def _common_name(members: tuple[str, ...], otherwise: str) -> str:
+    """The name of a single instance, or of the array that all of them are elements of."""
+    names = {member.partition("[")[0] for member in members}
+    return members[0] if len(members) == 1 else names.pop() if len(names) == 1 else otherwise
 
 
 def _uses(net: Net, paths: set[str]) -> bool:

@@ -81,15 +81,19 @@ def test_deadlock_is_reported_with_its_cycle(capsys: pytest.CaptureFixture[str])
     assert "table.csp:" in shown
 
 
-def test_ctrl_c_releases_outputs_and_closes_recordings(heater: Path) -> None:
-    """The button is not pressed, so that only Ctrl-C ends the run; it comes when the program has long begun."""
-    heater.write_text(heater.read_text().replace("time > 0.4<s>", "time > 400<s>").replace("480 ms", "480 s"))
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_ctrl_c_releases_outputs_and_closes_recordings(heater: Path, number: signal.Signals) -> None:
+    """The button is not pressed, so that only the signal ends the run; it comes when the program has long begun."""
+    endless = heater.read_text().replace("time > 0.4<s>", "time > 400<s>").replace("480 ms", "480 s")
+    heater.write_text(
+        endless.replace("environment Bench for Oven step 5 ms", "environment Bench for Oven step 5 ms on miss count")
+    )
     record = heater.parent / "out.csv"
     command = [sys.executable, "-m", "cspdiag", "run", str(heater), "--real-time", "--record", str(record)]
     child = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
     time.sleep(5)
     assert child.poll() is None
-    child.send_signal(signal.SIGINT)
+    child.send_signal(number)
     error = child.communicate(timeout=30)[1]
     assert child.returncode == 130
     assert "Oven in Bench: stopped at" in error
