@@ -26,6 +26,7 @@ def resolve_submodel(context: Context, definition: ast.SubmodelDefinition) -> No
     for item in definition.items:
         if isinstance(item, ast.Let | ast.State | ast.Instance):
             declare(context, scope, item.name, item, where)
+    scope.undeclared.update(_defined_names(definition) - scope.names.keys())
     for item in definition.items:
         match item:
             case ast.State():
@@ -52,6 +53,20 @@ def resolve_submodel(context: Context, definition: ast.SubmodelDefinition) -> No
                 _resolve_derivative(typer, item)
             case _:
                 pass
+
+
+def _defined_names(definition: ast.SubmodelDefinition) -> set[str]:
+    """What equations define, declared or not."""
+    names = set()
+    for item in definition.items:
+        match item:
+            case ast.Equation(target=ast.Reference(member=None) as target):
+                names.add(target.name.text)
+            case ast.Next() | ast.Derivative():
+                names.add(item.name.text)
+            case _:
+                pass
+    return names
 
 
 def _purpose(kind: str, name: ast.Identifier, type_name: ast.TypeName) -> Purpose:

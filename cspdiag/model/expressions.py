@@ -224,7 +224,8 @@ class Typer:
 
     def _refuse_unknown(self, node: ast.Name) -> None:
         self.context.program.poisoned.add(node)
-        if self.context.excuses_unknown_names:
+        undeclared = self.surroundings.scope.undeclared
+        if self.context.excuses_unknown_names or node.name in undeclared:
             return
         surroundings, definitions = self.surroundings, self.context.program.definitions
         constants = (
@@ -233,6 +234,8 @@ class Typer:
         suggestion = self.context.speller.nearest(
             node.name, chain(surroundings.replicators, surroundings.scope.names, constants)
         )
+        if suggestion is None:
+            undeclared.add(node.name)
         near = self.find(suggestion) if suggestion else None
         declared = declared_at(near) if near else None
         wanted = "variable" if surroundings.place == "process" and not surroundings.constant else "value"

@@ -68,9 +68,13 @@ Symbol: TypeAlias = (
 
 
 class Scope:
-    """What the names inside a process, submodel, driver or environment mean; ``ports`` are in text order."""
+    """What the names inside a process, submodel, driver or environment mean; ``ports`` are in text order.
+
+    ``undeclared``: names without a declaration about which something is said at one place; further uses are silent.
+    """
 
     def __init__(self) -> None:
+        self.undeclared: set[str] = set()
         self.ports: dict[str, PortSymbol] = {}
         self.names: dict[str, Symbol] = {}
 

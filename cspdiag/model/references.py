@@ -26,11 +26,15 @@ def find(typer: Typer, reference: ast.Reference, wanted: str, kinds: tuple[type,
         definition = context.program.definitions.get(name)
         if definition is not None:
             refuse_kind(typer, reference, definition, wanted)
-        elif not context.excuses_unknown_names:
+        elif not context.excuses_unknown_names and (
+            wanted == "output" or name not in typer.surroundings.scope.undeclared
+        ):
             names = typer.surroundings.scope.names
             suggestion = context.speller.nearest(
                 name, (other for other, found in names.items() if isinstance(found, kinds))
             )
+            if suggestion is None:
+                typer.surroundings.scope.undeclared.add(name)
             declared = declared_at(names[suggestion]) if suggestion else None
             missing = UnknownName(
                 reference.name.span,

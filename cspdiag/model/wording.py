@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from cspdiag.diagnostics import Span
 from cspdiag.model.types import IntType, RealType, TimeType, Type
+from cspdiag.model.units import SECOND
 
 
 def noun(found: Type) -> str:
@@ -29,6 +30,10 @@ def conversion_help(found: Type, wanted: Type, written: str) -> str | None:
                 return f"write `{name}({shown})`"
         case ((IntType() | RealType()), TimeType()) if written.replace(".", "", 1).isdigit():
             return f"write it as a duration, such as `{written} s`"
+        case RealType(), TimeType() if found.unit.exponents == SECOND.exponents:
+            number, _, unit = written.partition("<")
+            plain = number.replace(".", "", 1).isdigit() and unit in {"ns>", "us>", "ms>", "s>", "min>"}
+            return f"a duration has no brackets: write `{number} {unit[:-1]}`" if plain else None
         case TimeType(), RealType():
             return f"`double({shown})` is this time in seconds, a double<s>"
         case _:

@@ -27,6 +27,10 @@ _SPACED_UNIT = re.compile(
 )
 _BARE_UNIT = re.compile(r"[A-Za-z][A-Za-z0-9/*^]*")
 
+_CALCULATIONS = frozenset("+-*/^")
+_NUMBERS = frozenset(["NUMBER", "QUANTITY"])
+_LOOPS = frozenset(["loop", "repeat", "forever", "for"])
+
 _DIRECTIONS = {"input": "in", "inport": "in", "output": "out", "outport": "out"}
 
 
@@ -41,6 +45,11 @@ def explain(situation: Situation) -> Finding:
 
 def _advice(situation: Situation) -> str | None:
     """What was probably meant where nothing more certain can be said."""
+    block = situation.block()
+    if block == "COMPOSITION":
+        return _advice_in_composition(situation)
+    if block in {"COMMUNICATION", "ENVIRONMENT"} and (situation.text in _CALCULATIONS or situation.kind in _NUMBERS):
+        return _advice_about_sources(situation)
     if situation.kind == "NAME" and situation.can(":"):
         return f"a type stands after a colon: `: {situation.text}`"
     if situation.text == "<" and situation.can("UNIT"):
@@ -50,6 +59,32 @@ def _advice(situation: Situation) -> str | None:
     if situation.kind == "NAME" and situation.lexer.before.kind == "NAME" and situation.can("("):
         return f"a call has its arguments in parentheses: `{situation.lexer.before.text}({situation.text})`"
     return None
+
+
+def _advice_in_composition(situation: Situation) -> str | None:
+    before = situation.lexer.before
+    if situation.text == "{":
+        for word in ("do", "then"):
+            if situation.can(word):
+                return f"what follows the condition begins with `{word}` and is grouped by parentheses: `{word} (...)`"
+        return "parentheses group processes: `mu (a ; b)`"
+    if before.text == "?" and situation.kind != "NAME":
+        return "what is read goes into a variable, declared in `communication`: `var x : bool`, then `port ? x`"
+    if before.text in _LOOPS or situation.text in _LOOPS or situation.kind == "DO":
+        return "repetition is `mu P`, `mu P until condition` or `while condition do P`"
+    if situation.kind == "NAME" and before.kind == "NAME" and situation.can(";"):
+        return "an operator stands between two processes: `;` in sequence, `||` in parallel"
+    return None
+
+
+def _advice_about_sources(situation: Situation) -> str | None:
+    if situation.kind in _NUMBERS and not situation.can("VAR"):
+        return None
+    if situation.kind in _NUMBERS:
+        return (
+            "an arrow begins at a port or a variable: give a variable the value, `var x : double = 1`, and connect it"
+        )
+    return "arrows only connect: calculations stand in the equations of a submodel"
 
 
 def _keyword_as_name(situation: Situation) -> Finding | None:
