@@ -31,11 +31,6 @@ def _text(path: str) -> str:
         return file.read()
 
 
-def grammar_path() -> Path:
-    """Where the grammar of the language is."""
-    return _path("grammars", "csp.lark")
-
-
 def grammar() -> str:
     """The text of the grammar."""
     return _text(_place("grammars", "csp.lark"))

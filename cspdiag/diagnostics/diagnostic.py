@@ -53,6 +53,13 @@ class Diagnostic:
         """How to mend it, or None where nothing useful can be said."""
         return None
 
+    def __repr__(self) -> str:
+        return f"<{self.code} {self}>"
+
+    def __str__(self) -> str:
+        line, column = self.span.source.position(self.span.start)
+        return f"{self.span.file}:{line}:{column}: {self.message}"
+
     @property
     def labels(self) -> tuple[Label, ...]:
         """The other places involved."""

@@ -79,9 +79,5 @@ class Span:
         """The source text of the range."""
         return self.source.text[self.start : self.end]
 
-    def to(self, other: Span) -> Span:
-        """The range from the start of this one to the end of ``other``, in the same file."""
-        return Span(self.source, self.start, other.end)
-
     def __str__(self) -> str:
         return f"{self.file}:{self.line}"

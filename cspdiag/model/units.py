@@ -325,4 +325,3 @@ def canonical(unit: Unit) -> str:
 
 SECOND = Unit((0, 0, 1, 0, 0, 0, 0), text="s")
 HERTZ = Unit((0, 0, -1, 0, 0, 0, 0), text="Hz")
-PER_SECOND = Unit((0, 0, -1, 0, 0, 0, 0), text="1/s")

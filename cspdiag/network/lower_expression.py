@@ -68,11 +68,6 @@ def lower_expression(program: Program, expression: ast.Expression, context: Lowe
     return _Lowering(program, context).lower(expression)
 
 
-def lower_reference(program: Program, reference: ast.Reference, context: LoweringContext) -> Expression:
-    """The value of a variable, parameter or constant that is written as a reference, with its indexes."""
-    return _Lowering(program, context).reference(reference)
-
-
 def in_seconds(expression: Expression, wanted: Type) -> Expression:
     """``expression`` as a real number of seconds where it is a ``time`` and ``wanted`` is a real type."""
     if not (isinstance(expression.type, TimeType) and isinstance(wanted, RealType)):

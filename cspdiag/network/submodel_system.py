@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import TypeVar
-
 from cspdiag.diagnostics import Report
 from cspdiag.diagnostics.record import replaced
 from cspdiag.network.diagnostics_submodels import (
@@ -17,8 +15,6 @@ from cspdiag.network.expression_walk import signals_read, walk
 from cspdiag.network.expressions import Expression, PresentTime, Value
 from cspdiag.network.ir import ExternalCall, SubmodelClass, SubmodelEquation
 from cspdiag.network.submodel_draft import Draft, LinearOperator
-
-SystemT = TypeVar("SystemT")
 
 
 def evaluation_order(draft: Draft, report: Report) -> tuple[Item, ...] | None:

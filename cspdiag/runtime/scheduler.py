@@ -16,9 +16,8 @@ Invariants:
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Coroutine, Generator
+from collections.abc import Callable, Coroutine
 from itertools import islice
-from types import coroutine
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
 from .exceptions import Cancelled
@@ -283,9 +282,3 @@ nobody: Task = None  # type: ignore[assignment]
 """The current task while no process runs."""
 
 scheduler = Scheduler()
-
-
-@coroutine
-def suspend() -> Generator[None, None, None]:
-    """Waits until somebody readies the running task, which must have registered itself somewhere."""
-    yield

@@ -47,7 +47,10 @@ def plot(run: Run, path: Path | None) -> Figure:
         groups = _columns(run)
         rows = _rows(run, groups)
         figure = Figure(figsize=(max(5.2, 4.6 * len(groups)), 1.1 + 1.75 * max(2, len(rows))), layout="constrained")
-        axes = figure.subplots(max(1, len(rows)), len(groups), sharex=True, sharey="row", squeeze=False)
+        heights = [0.4 if unit == _TRUTH else 1.0 for unit in rows] or [1.0]
+        axes = figure.subplots(
+            len(heights), len(groups), sharex=True, sharey="row", squeeze=False, height_ratios=heights
+        )
         if not rows:
             _activities(run, axes[0, 0])
         for column, group in enumerate(groups):
@@ -107,7 +110,27 @@ _QUANTITIES = {
 def _quantity(kind: Type) -> str:
     if isinstance(kind, RealType) and kind.unit.text:
         return _QUANTITIES.get(kind.unit.text, f"({kind.unit.text})")
-    return "dimensionless" if isinstance(kind, RealType) else "value"
+    match kind:
+        case RealType():
+            return "dimensionless"
+        case BoolType():
+            return _TRUTH
+        case EnumType():
+            return kind.name
+        case _:
+            return "value"
+
+
+_TRUTH = "condition"
+
+
+def _name_values(run: Run, axes: Axes, names: set[str]) -> None:
+    """Truth values and literals on the vertical axis by their names."""
+    kind = run.signals[min(names)].type
+    literals = ("false", "true") if isinstance(kind, BoolType) else kind.literals if isinstance(kind, EnumType) else ()
+    if literals:
+        axes.set_yticks(range(len(literals)), literals)
+        axes.set_ylim(-0.1, len(literals) - 0.9)
 
 
 def _panel(run: Run, axes: Axes, group: ModeGroup, unit: str, names: set[str], top: bool) -> None:
@@ -132,6 +155,7 @@ def _panel(run: Run, axes: Axes, group: ModeGroup, unit: str, names: set[str], t
                 label, (instant, 1), xycoords=("data", "axes fraction"), xytext=(-2, -3),
                 textcoords="offset points", rotation=90, va="top", ha="right", fontsize=6.5, color="#555555",
             )  # fmt: skip
+    _name_values(run, axes, names)
     axes.set_xlim(0, max(run.outcome.time / 1e9, 1e-9))
     axes.grid(axis="y", linewidth=0.3, color="#bbbbbb")
     if axes.lines:
@@ -163,6 +187,8 @@ def _events(run: Run, group: ModeGroup) -> list[tuple[float, str]]:
             if len(changes) <= _MOST_EVENTS:
                 for position in changes:
                     shown = readable(signal.value[position], port.type)
+                    if isinstance(port.type, BoolType):
+                        shown = "true" if shown else "false"
                     labels.setdefault(float(signal.time[position]), []).append(f"{port.name} = {shown}")
     return [(instant, ", ".join(texts)) for instant, texts in labels.items()]
 

@@ -89,6 +89,18 @@ class Run:
             if channel in last and last[channel] != value:
                 yield time, channel, value
 
+    def __repr__(self) -> str:
+        where = f" in {self.environment.name}" if self.environment is not None else ""
+        return f"<Run of {self.network.top}{where}: {self.summary().splitlines()[0].partition(': ')[2]}>"
+
+    def __iter__(self) -> Iterator[str]:
+        """Names of the signals."""
+        return iter(self.signals)
+
+    def __contains__(self, name: object) -> bool:
+        """Whether there is a signal of that name."""
+        return name in self.signals
+
     def __getitem__(self, name: str) -> numpy.ndarray:
         """Values of a signal; KeyError with the known names if there is none of that name."""
         return self._signal(name).value
