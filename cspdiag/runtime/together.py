@@ -28,37 +28,39 @@ F = TypeVar("F")
 
 
 class _Offered:
-    """One communication of several that a task has offered at once."""
+    """One communication of several that a task offers at once; while none of them has to wait, one object serves for all."""
 
-    __slots__ = ("_together", "end", "position", "received")
+    __slots__ = ("_together", "end", "position", "received", "task")
 
+    _together: _Together
     end: AnyIn | AnyOut
     position: int
 
-    def __init__(self, together: _Together) -> None:
-        self._together = together
+    def __init__(self, task: Task) -> None:
+        self.task = task
         self.received: Any = None
 
-    def waits(self, position: int, end: AnyIn | AnyOut) -> None:
+    def waits(self, together: _Together, position: int, end: AnyIn | AnyOut) -> None:
         """It was parked at ``end``."""
+        self._together = together
         self.position = position
         self.end = end
-        self._together.waiting.append(self)
+        together.waiting.append(self)
 
     @property
     def process(self) -> Process | None:
-        return self._together.task.process
+        return self.task.process
 
     @property
     def ready_queue(self) -> list[Party] | deque[Party]:
-        return self._together.task.ready_queue
+        return self.task.ready_queue
 
     def resume(self, _: None) -> None:
         """The communication is done; the last one resumes the task."""
         together = self._together
         if self not in together.waiting:
             return
-        scheduler.current = together.task
+        scheduler.current = self.task
         try:
             done = not isinstance(self.end, In) or self.end.collect(self)
         except Exception as error:
@@ -69,13 +71,13 @@ class _Offered:
 
 
 class _Together:
-    """The communications that are not done yet."""
+    """The communications that are not done yet; ``values`` are those of all, by position."""
 
     __slots__ = ("error", "task", "values", "waiting")
 
-    def __init__(self, task: Task, size: int) -> None:
+    def __init__(self, task: Task, values: list[Any]) -> None:
         self.task = task
-        self.values: list[Any] = [None] * size
+        self.values = values
         self.error: Exception | None = None
         self.waiting: list[_Offered] = []
 
@@ -144,20 +146,26 @@ else:
     @coroutine
     def read_all(*ends: AnyIn) -> Generator[None, None, tuple[Any, ...]]:
         """Reads all ends at once, begun in the order given; a tuple of their values."""
-        together = _together(len(ends))
-        values = together.values
-        offered = _Offered(together)
+        task = scheduler.current
+        if task.cancelled:
+            raise Cancelled
+        values: list[Any] = []
+        together: _Together | None = None
+        offered = _Offered(task)
         try:
-            for position, end in enumerate(ends):
+            for end in ends:
                 if end.request(offered):
-                    values[position] = offered.received
+                    values.append(offered.received)
                 else:
-                    offered.waits(position, end)
-                    offered = _Offered(together)
+                    together = together or _Together(task, values)
+                    offered.waits(together, len(values), end)
+                    values.append(None)
+                    offered = _Offered(task)
         except BaseException:
-            together.give_up()
+            if together is not None:
+                together.give_up()
             raise
-        if together.waiting:
+        if together is not None:
             yield from together.wait()
         return tuple(values)
 
@@ -165,22 +173,20 @@ else:
 @coroutine
 def write_all(*outputs: tuple[Out[Any], Any]) -> Generator[None, None, None]:
     """Writes pairs of an end and a value all at once, begun in the order given; ends when all were taken."""
-    together = _together(len(outputs))
-    offered = _Offered(together)
-    try:
-        for position, (end, value) in enumerate(outputs):
-            if not end.offer(offered, value):
-                offered.waits(position, end)
-                offered = _Offered(together)
-    except BaseException:
-        together.give_up()
-        raise
-    if together.waiting:
-        yield from together.wait()
-
-
-def _together(size: int) -> _Together:
     task = scheduler.current
     if task.cancelled:
         raise Cancelled
-    return _Together(task, size)
+    together: _Together | None = None
+    offered = _Offered(task)
+    try:
+        for position, (end, value) in enumerate(outputs):
+            if not end.offer(offered, value):
+                together = together or _Together(task, [None] * len(outputs))
+                offered.waits(together, position, end)
+                offered = _Offered(task)
+    except BaseException:
+        if together is not None:
+            together.give_up()
+        raise
+    if together is not None:
+        yield from together.wait()
