@@ -64,7 +64,10 @@ def lower(
     analysis = Analysis(program, report)
     chosen = _chosen_environment(program, top, environment)
     if environment is not None and chosen is None:
-        raise SelectionError(f"there is no environment `{environment}`" + (f" for `{top}`" if top else ""))
+        known = [item.name.text for item in _environments(program)]
+        raise SelectionError(
+            f"there is no environment `{environment}`{f' for `{top}`' if top else ''}{_suggestion(environment, known)}"
+        )
     process = _top(program, analysis, top, chosen)
     values = _arguments(analysis, process, chosen.arguments if chosen else (), overrides)
     for parameter in process.parameters:
@@ -141,8 +144,14 @@ def _top(
     if isinstance(found, ast.ProcessDefinition) and found not in analysis.definitions.recursive:
         return found
     if top is not None:
-        raise SelectionError(f"there is no process `{top}`")
+        processes = [name for name, item in program.definitions.items() if isinstance(item, ast.ProcessDefinition)]
+        raise SelectionError(f"there is no process `{top}`{_suggestion(top, processes)}")
     raise SelectionError(f"{program.main.source.name} has no process to compile")
+
+
+def _suggestion(name: str, known: Iterable[str]) -> str:
+    near = Speller().nearest(name, known)
+    return f" (did you mean `{near}`?)" if near else ""
 
 
 def _arguments(

@@ -161,16 +161,6 @@ class _Lowering:
         operand, index = self.lower(expression.value), self.lower(expression.index)
         return element(operand, index, wanted, expression.span)
 
-    def reference(self, reference: ast.Reference) -> Expression:
-        wanted = self.program.types.get(reference, UNKNOWN)
-        found = self.context.lower_name(reference)
-        value = found if found is not None else self.symbol(reference, reference.span, wanted)
-        for index in reference.indexes:
-            inner = value.type.element if isinstance(value.type, ArrayType) else UNKNOWN
-            value = element(value, self.lower(index), inner, reference.span)
-        meant = self.program.members.get(reference)
-        return _field(value, meant, reference.span) if isinstance(meant, str) else value
-
     def unary(self, expression: ast.Unary, wanted: Type) -> Expression:
         operand = self.lower(expression.operand)
         if expression.operator == "-" and isinstance(operand, LiteralValue) and operand.name is None:
