@@ -29,6 +29,11 @@ class ProgramError(Exception):
         self.diagnostics = diagnostics
 
 
+def _written(value: Setting) -> str:
+    """A setting as the language writes it: ``True`` is ``true`` there."""
+    return str(value).lower() if isinstance(value, bool) else str(value)
+
+
 def load(path: str | os.PathLike[str]) -> LoadedProgram:
     """The program in a file. Raises OSError for a file that cannot be read or is not text."""
     return LoadedProgram(read_source(os.fspath(path)))
@@ -68,25 +73,32 @@ class LoadedProgram:
         Raises ProgramError, ``SettingError`` for a setting that fits nothing, and ``cspdiag.network.lower.SelectionError`` where there is
         no such process or environment, or no process at all.
         """
-        settings = {name: str(value) for name, value in (set or {}).items()}
+        settings = {name: _written(value) for name, value in (set or {}).items()}
         built = pipeline.build(self.source, read_source, top=top, environment=environment, settings=settings)
         if built.network is None:
             raise ProgramError(built.checked.report.diagnostics)
         return built.network
 
     def compile(self, target: str = "python") -> dict[str, str]:
-        """The generated package: texts by path. Raises what ``build`` raises, and KeyError for an unknown target."""
+        """The generated package: texts by path.
+
+        Raises what ``build`` raises, and ValueError for an unknown target, or a program that the target cannot express.
+        """
+        from cspdiag.codegen import TARGETS
+
+        if target not in TARGETS:
+            raise ValueError(f"unknown target {target!r} (there are: {', '.join(TARGETS)})")
         return pipeline.generate(self.network, read_source, target)
 
     def run(
         self,
         environment: str | None = None,
         *,
-        until: str | None = None,
+        until: str | float | None = None,
         set: Mapping[str, Setting] | None = None,
         real_time: bool = False,
     ) -> Run:
-        """Run the program against an environment (the first one by default), until ``until`` such as ``"20 s"``.
+        """Run the program against an environment (the first one by default), until ``until``: ``"20 s"``, or a number of seconds.
 
         Raises what ``build`` raises, and ``cspdiag.simulate.execute.NoEnvironmentError``.
         """
@@ -98,6 +110,6 @@ class LoadedProgram:
             network,
             pipeline.generate(network, read_source),
             environment=environment,
-            until=None if until is None else parse_duration(until),
+            until=None if until is None else parse_duration(until if isinstance(until, str) else f"{until!r} s"),
             real_time=real_time,
         )

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections import deque
+from collections.abc import Iterable, Iterator, Mapping
+from itertools import chain, islice
 from typing import TYPE_CHECKING
 
 from cspdiag.diagnostics.record import record
@@ -94,7 +96,26 @@ def _parameter(program: Program, path: str) -> ast.Parameter:
         parameters = {parameter.name.text: parameter for parameter in definition.parameters}
         if name in parameters:
             return parameters[name]
-    raise SettingError(f"there is no parameter {path!r} (INSTANCE.PARAMETER, by the path from the outermost process)")
+    known = islice(chain.from_iterable(_paths(program, outermost) for outermost in candidates), _MOST_PATHS)
+    help_ = _suggestion(path, known) or " (INSTANCE.PARAMETER, by the path from the outermost process)"
+    raise SettingError(f"there is no parameter {path!r}{help_}")
+
+
+_MOST_PATHS = 1000
+"""A program may have more instances than anybody wants to wait for; a name that was meant is looked for among so many."""
+
+
+def _paths(program: Program, outermost: ast.Node) -> Iterator[str]:
+    """Paths of all parameters of instances, the outermost instances first."""
+    pending: deque[tuple[str, ast.Node]] = deque([("", outermost)])
+    while pending:
+        prefix, definition = pending.popleft()
+        for instance in _instances(definition):
+            path = f"{prefix}{instance.name.text}"
+            found = program.definitions.get(instance.definition.text)
+            if isinstance(found, ast.ProcessDefinition | ast.SubmodelDefinition | ast.DriverDefinition):
+                yield from (f"{path}.{parameter.name.text}" for parameter in found.parameters)
+                pending.append((f"{path}.", found))
 
 
 def _inside(
@@ -128,7 +149,7 @@ def _instances(definition: ast.Node | None) -> Iterable[ast.Instance]:
 
 
 def _suggestion(name: str, known: Iterable[str]) -> str:
-    from difflib import get_close_matches
+    from cspdiag.model.spelling import Speller
 
-    near = get_close_matches(name, list(known), n=1)
-    return f" (did you mean {near[0]!r}?)" if near else ""
+    near = Speller().nearest(name, known)
+    return f" (did you mean {near!r}?)" if near else ""

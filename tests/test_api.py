@@ -68,3 +68,47 @@ def test_settings_are_names_and_values() -> None:
     assert parse_duration("1.5 ms") == 1_500_000
     with pytest.raises(SettingError):
         parse_duration("soon")
+
+
+def test_a_run_is_looked_at_by_name() -> None:
+    run = cspdiag.load(JIWY).run(until=0.05)
+    assert repr(run) == "<Run of Jiwy in Bench: reached the time limit at 50 ms>"
+    assert "feedback_vertical" in run
+    assert 0 not in run
+    assert list(run)[:2] == ["joystick_horizontal", "joystick_vertical"]
+
+
+def test_a_diagnostic_is_shown_as_one_line(broken: Path) -> None:
+    (diagnostic,) = cspdiag.check(broken)
+    assert str(diagnostic) == f"{broken}:2:17: there is no instance `nobody`"
+    assert repr(diagnostic) == f"<E0204 {diagnostic}>"
+    assert repr(diagnostic.span.source) == f"SourceFile({str(broken)!r})"
+
+
+def test_truth_values_are_set_as_python_has_them(tmp_path: Path) -> None:
+    path = tmp_path / "wait.csp"
+    path.write_text("const long = false\nprocess A { composition { if long then wait 2 s else wait 1 s } }\n")
+    path.write_text(path.read_text() + "environment E for A {}\n")
+    program = cspdiag.load(path)
+    assert program.run(set={"long": True}).outcome.time == 2_000_000_000
+    assert program.run(set={"long": False}).outcome.time == 1_000_000_000
+
+
+@pytest.mark.parametrize(
+    ("arguments", "meant"),
+    [
+        ({"set": {"pna.inertia": 1}}, "pan.inertia"),
+        ({"set": {"pan.inertai": 1}}, "pan.inertia"),
+        ({"set": {"horizontal.alignl.speed": 1}}, "horizontal.alignL.speed"),
+        ({"environment": "Bnch"}, "Bench"),
+        ({"top": "Jwiy"}, "Jiwy"),
+    ],
+)
+def test_near_names_are_offered(arguments: dict[str, object], meant: str) -> None:
+    with pytest.raises(ValueError, match=f"did you mean .{meant}.\\?"):
+        cspdiag.load(JIWY).build(**arguments)
+
+
+def test_an_unknown_target_is_named() -> None:
+    with pytest.raises(ValueError, match="unknown target 'folder'"):
+        cspdiag.load(JIWY).compile("folder")

@@ -39,7 +39,11 @@ def run(arguments: Namespace) -> int:
 
 def project(name: str) -> dict[str, str]:
     """The files of a new project by path. Raises UsageError for a name that cannot become a package."""
-    if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_-]*", name) or keyword.iskeyword(name):
+    if keyword.iskeyword(name):
+        raise UsageError(
+            f"{name!r} cannot name a project: it is a word of Python, and the generated package has its name"
+        )
+    if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_-]*", name):
         raise UsageError(f"{name!r} cannot name a project (letters, digits, - and _, beginning with a letter)")
     file_name = name.replace("-", "_").lower()
     words = (word for word in re.split(r"[-_]+", name) if word)

@@ -59,7 +59,7 @@ def _prepare(cls: type[T]) -> None:
     )
     cls.__match_args__ = names  # type: ignore[attr-defined,misc]
     for method in ("__init__", "__setattr__", "__repr__"):
-        if method not in cls.__dict__:
+        if getattr(cls, method) is getattr(object, method):
             setattr(cls, method, getattr(_Shared, method))
 
 

@@ -18,6 +18,9 @@ class SourceFile:
     name: str
     text: str
 
+    def __repr__(self) -> str:
+        return f"SourceFile({self.name!r})"
+
     @cached_property
     def line_starts(self) -> list[int]:
         """Offset of the first character of each line."""

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from keyword import iskeyword
 
 from cspdiag.diagnostics import Report
 from cspdiag.model.program import Program, Value
+from cspdiag.model.spelling import Speller
 from cspdiag.network import environments, external_bodies, submodels
 from cspdiag.network.analyse import Analysis
 from cspdiag.network.definitions import arguments_of

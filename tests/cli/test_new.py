@@ -47,3 +47,9 @@ def test_nothing_that_exists_is_touched(cspdiag: Command, tmp_path: Path) -> Non
     assert [path.name for path in tmp_path.rglob("*")] == ["gimbal", "notes.txt"]
     mine.unlink()
     assert cspdiag("new", mine.parent).code == 0
+
+
+def test_a_word_of_python_is_refused_as_such(cspdiag: Command) -> None:
+    result = cspdiag("new", "class")
+    assert result.code == 2
+    assert "'class' cannot name a project: it is a word of Python" in result.err
