@@ -151,17 +151,26 @@ class ConnectedTwice(Diagnostic):
 
     @property
     def message(self) -> str:
-        return f"`{self.port}` is connected twice"
+        again = "again in each step of `for`" if self._repeated else "twice"
+        return f"`{self.port}` is connected {again}"
+
+    @property
+    def _repeated(self) -> bool:
+        return self.first == self.span
 
     @property
     def help(self) -> str | None:
+        if self._repeated and self.direction == "in":
+            return f"list all sources before one arrow, without `for`: `a[0].port, a[1].port -> {self.port}`"
+        if self._repeated:
+            return f"list all readers after one arrow, without `for`: `{self.port} -> a[0].port, a[1].port`"
         if self.direction == "in":
             return "an input has one relationship: leave one away, or list both sources before one arrow"
         return "an output has one relationship: list all its readers after one arrow"
 
     @property
     def labels(self) -> tuple[Label, ...]:
-        return (Label(self.first, "connected here first"),)
+        return () if self._repeated else (Label(self.first, "connected here first"),)
 
 
 @record
