@@ -104,7 +104,7 @@ def _simulate(arguments: Namespace, network: Network, until: int | None) -> Run:
     from cspdiag import pipeline
     from cspdiag.cli.progress import Progress
     from cspdiag.codegen import target_errors
-    from cspdiag.simulate.execute import NoEnvironmentError, simulate
+    from cspdiag.simulate.execute import BodyError, NoEnvironmentError, simulate
     from cspdiag.simulate.modes import mode_groups
     from cspdiag.simulate.recorder import Recorder
 
@@ -132,10 +132,12 @@ def _simulate(arguments: Namespace, network: Network, until: int | None) -> Run:
             )
     except NoEnvironmentError as problem:
         raise UsageError(str(problem)) from None
+    except BodyError as problem:
+        raise NoResultError(str(problem)) from None
 
 
 def _conclude(arguments: Namespace, result: Run) -> int:
-    from cspdiag.simulate.summary import described
+    from cspdiag.runtime.exceptions import described
 
     written: list[str] = []
 
@@ -154,8 +156,7 @@ def _conclude(arguments: Namespace, result: Run) -> int:
         if written:
             sys.stderr.write(f"  wrote {', '.join(written)}\n")
     else:
-        failed = result.outcome.ended == "failed"
-        for error in [*([result.outcome.error] if failed else []), *result.outcome.release_errors]:
+        for error in filter(None, (result.outcome.error, *result.outcome.release_errors)):
             sys.stderr.write(f"cspdiag: {described(error)}\n")
     match result.outcome.ended:
         case "terminated" | "time limit":

@@ -10,7 +10,7 @@ from typing import Any
 
 from .drivers import Driver
 from .durations import ms, ns, s, shown, us
-from .exceptions import DriverError
+from .exceptions import described
 from .network import Network
 from .outcome import Outcome
 
@@ -73,7 +73,7 @@ def _parser(name: str, environments: Mapping[str, Callable[[], Any]]) -> argpars
 
 
 def _summary(outcome: Outcome) -> Iterator[str]:
-    why = f": {_described(outcome.error)}" if outcome.error is not None else ""
+    why = f": {described(outcome.error)}" if outcome.error is not None else ""
     yield f"{_ending(outcome)} at {shown(outcome.time)}, in {outcome.wall_time:.3g} s{why}"
     if outcome.deadlock is not None:
         yield outcome.deadlock.text
@@ -83,7 +83,7 @@ def _summary(outcome: Outcome) -> Iterator[str]:
     for period, jitter in outcome.jitter.items():
         yield f"jitter of the {shown(period)} period: {jitter}"
     for error in outcome.release_errors:
-        yield f"while releasing outputs: {error}"
+        yield f"while releasing outputs: {described(error)}"
 
 
 def _ending(outcome: Outcome) -> str:
@@ -96,9 +96,3 @@ def _ending(outcome: Outcome) -> str:
             return "ended unsuccessfully"
         case _:
             return outcome.ended
-
-
-def _described(error: BaseException) -> str:
-    if isinstance(error, DriverError):
-        return str(error)
-    return f"{type(error).__name__}: {error}" if str(error) else type(error).__name__

@@ -43,6 +43,14 @@ class DriverError(Exception):
         self.operation = operation
 
 
+class EnvironmentFailure(Exception):  # noqa: N818 - it is no fault of the program
+    """The plant or the operator of an environment failed; the run ends with its outputs released."""
+
+    def __init__(self, environment: str, cause: BaseException, place: str | None) -> None:
+        where = "" if place is None else f", in {place}"
+        super().__init__(f"the environment {environment} failed: {type(cause).__name__}: {cause}{where}")
+
+
 class ChannelMisuse(Exception):  # noqa: N818 - it says what was done
     """Two processes read, or two write, a channel at the same time that allows one."""
 
@@ -57,3 +65,13 @@ class Cancelled(BaseException):
     Not an ``Exception``, so that no handler for errors catches it. A process that catches it all the same gets it
     again at the communication after that.
     """
+
+
+def described(error: BaseException) -> str:
+    """The exception in the words of the program: its name, what it says, and where it was raised."""
+    text, name = str(error), type(error).__name__
+    if isinstance(error, DriverError | EnvironmentFailure):
+        return text
+    place = getattr(error, "place", None)
+    notes = [f"in {place}"] if place is not None and place not in text else getattr(error, "__notes__", [])
+    return ", ".join([f"{name}: {text}" if text else name, *notes])

@@ -10,7 +10,9 @@ from math import gcd
 from typing import Any, Protocol
 
 from .durations import ms
+from .exceptions import EnvironmentFailure
 from .external import EventInput, EventOutput, Port, SampledInput, SampledOutput
+from .places import statement_of
 from .scheduler import scheduler
 
 
@@ -31,12 +33,21 @@ class Environment(Protocol):
         ...
 
 
+def start(environment: Environment) -> None:
+    """Evaluates an environment at time 0. Raises EnvironmentFailure with what it raises."""
+    try:
+        environment.start()
+    except Exception as error:
+        raise EnvironmentFailure(type(environment).__name__, error, statement_of(error)) from error
+
+
 class Instants:
     """Ticks of all periods and the grid of the environment."""
 
     def __init__(self, ports: Sequence[Port], environment: Environment | None) -> None:
         self._ports = tuple(ports)
         self._advance = None if environment is None else environment.advance
+        self._environment = type(environment).__name__
         periods = {port.period for port in ports if isinstance(port, SampledInput | SampledOutput)}
         self.periods: tuple[int, ...] = tuple(sorted(periods))
         self._grid = self._grid_of(environment)
@@ -71,7 +82,10 @@ class Instants:
         if not due:
             return
         if self._advance is not None:
-            self._advance(instant)
+            try:
+                self._advance(instant)
+            except Exception as error:
+                raise EnvironmentFailure(self._environment, error, statement_of(error)) from error
         plan = self._plans.get(due)
         if plan is None:
             plan = self._plans[due] = self._plan(instant)

@@ -14,8 +14,9 @@ from .composition import as_coroutine, end_all
 from .deadlock import report_deadlock
 from .devices import Devices
 from .drivers import DriverFailed
+from .exceptions import EnvironmentFailure
 from .external import EventInput, Port, SampledInput
-from .instants import Environment, Instants
+from .instants import Environment, Instants, start
 from .observer import Observer
 from .outcome import Jitter, Outcome
 from .process import Process
@@ -100,6 +101,8 @@ class _Run:
             outcome = Outcome("stopped", scheduler.now)
         except DriverFailed as end:
             outcome = Outcome("failed", scheduler.now, error=end.error)
+        except EnvironmentFailure as error:
+            outcome = Outcome("failed", scheduler.now, error=error)
         finally:
             errors = self._release()
         outcome.release_errors = errors
@@ -187,7 +190,7 @@ class _Run:
         self._observe()
         self._devices.open()
         if self._environment is not None:
-            self._environment.start()
+            start(self._environment)
         for port in self._network.ports:
             if isinstance(port, EventInput) and port.polled:
                 port.start()

@@ -19,14 +19,20 @@ _RUNTIME = __package__
 
 def place_of(error: BaseException, process: Process) -> str:
     """The process, with the source line of the statement that raised ``error``, or else that of the process."""
-    place = process.source
+    place = statement_of(error) or process.source
+    return process.name if place is None else f"{process.name} ({place})"
+
+
+def statement_of(error: BaseException) -> str | None:
+    """The source line of the innermost statement of the program that raised ``error``."""
+    place: str | None = None
     traceback: TracebackType | None = error.__traceback__
     while traceback is not None:
         frame = traceback.tb_frame
         if not is_of_runtime(frame):
             place = source_line(frame.f_code, traceback.tb_lineno) or place
         traceback = traceback.tb_next
-    return process.name if place is None else f"{process.name} ({place})"
+    return place
 
 
 def is_of_runtime(frame: FrameType) -> bool:

@@ -59,6 +59,10 @@ class Process:
             raise
         except ArithmeticError as error:
             raise Fault(str(error), place_of(error, self)) from error
+        except Exception as error:
+            if not hasattr(error, "__notes__"):
+                error.add_note(f"in {place_of(error, self)}")
+            raise
         finally:
             self.runs_now = False
             task.process = enclosing

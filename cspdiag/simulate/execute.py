@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
+from cspdiag.codegen import external_modules
 from cspdiag.network.ir import Environment, Network
 from cspdiag.simulate.package import LoadedPackage
 from cspdiag.simulate.probes import probe
@@ -17,6 +18,10 @@ if TYPE_CHECKING:
 
 class NoEnvironmentError(LookupError):
     """The program has ports to the outside and nothing to connect them to."""
+
+
+class BodyError(Exception):
+    """A module in Python that the program names cannot be imported, or its class not be made; the message is one line."""
 
 
 def chosen_environment(network: Network, name: str | None) -> Environment | None:
@@ -55,14 +60,19 @@ def simulate(
     """Run the generated package ``files`` of ``network``.
 
     ``until`` is a time limit in nanoseconds. ``probe_variables`` also notes the values of variables that have a unit. ``on_start`` is handed the running network, whose ``now`` is the present instant. Ctrl-C and what the
-    program raises end the run with an outcome, not with an exception. Raises NoEnvironmentError.
+    program raises end the run with an outcome, not with an exception. Raises NoEnvironmentError and BodyError.
     """
     chosen = chosen_environment(network, environment)
     recorder = recorder if recorder is not None else Recorder()
     package = LoadedPackage(network.name, files)
     try:
-        plant = package.module("environments").ENVIRONMENTS[chosen.name]() if chosen is not None else None
-        running = package.module("network").build(plant.drivers if plant is not None else {})
+        try:
+            plant = package.module("environments").ENVIRONMENTS[chosen.name]() if chosen is not None else None
+            running = package.module("network").build(plant.drivers if plant is not None else {})
+        except Exception as problem:
+            if not external_modules(network):
+                raise
+            raise BodyError(_account(problem)) from problem
         if probe_variables:
             probe(running, network, recorder)
         if on_start is not None:
@@ -77,3 +87,22 @@ def simulate(
     finally:
         package.close()
     return Run(network, chosen, outcome, recorder)
+
+
+def _account(problem: Exception) -> str:
+    """What went wrong in a module that the program names, and at which line of it."""
+    if isinstance(problem, SyntaxError):
+        return f"{_module(problem.filename or '')}:{problem.lineno}: {problem.msg}"
+    traceback = problem.__traceback__
+    place = ""
+    while traceback is not None:
+        file = traceback.tb_frame.f_code.co_filename
+        if file.startswith("<_cspdiag_") and "/external/" in file:
+            place = f"{_module(file)}:{traceback.tb_lineno}: "
+        traceback = traceback.tb_next
+    return f"{place}{type(problem).__name__}: {problem}"
+
+
+def _module(origin: str) -> str:
+    """``law.py`` of ``<_cspdiag_oven_1>/external/law.py``."""
+    return origin.partition(">/")[2].removeprefix("external/")

@@ -35,6 +35,8 @@ def _lines(run: Run) -> Iterator[str]:
     yield "  missed samples: " + (", ".join(f"{port} {count}" for port, count in missed.items()) or "none")
     for period, jitter in outcome.jitter.items():
         yield f"  jitter of the {seconds(period)} period: {jitter}"
+    from cspdiag.runtime.exceptions import described
+
     for error in outcome.release_errors:
         yield f"  while releasing outputs: {described(error)}"
 
@@ -66,19 +68,10 @@ def _ending(run: Run) -> str:
         case "deadlock":
             return f"deadlock {at}"
         case _:
+            assert outcome.error is not None
+            from cspdiag.runtime.exceptions import described
+
             return f"ended unsuccessfully {at}: {described(outcome.error)}"
-
-
-def described(error: BaseException | None) -> str:
-    """The exception in the words of the text: its name, and what it says if it says anything; of a driver only what it says."""
-    from cspdiag.runtime import DriverError
-
-    if error is None:
-        return "for no reason that is known"
-    if isinstance(error, DriverError):
-        return str(error)
-    name, text = type(error).__name__, str(error)
-    return f"{name}: {text}" if text else name
 
 
 _SHOWN = 8
