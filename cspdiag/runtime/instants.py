@@ -6,14 +6,26 @@ The environment advances; events are offered and samples taken, in the order of 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from math import gcd
-from typing import Any, Protocol
+from math import gcd, lcm
+from typing import Any, Protocol, TypeAlias, TypeVar
 
 from .durations import ms
 from .exceptions import EnvironmentFailure
 from .external import EventInput, EventOutput, Port, SampledInput, SampledOutput
 from .places import statement_of
 from .scheduler import scheduler
+
+Plan: TypeAlias = tuple[Callable[[], None], ...]
+V = TypeVar("V")
+
+_NOT_PLANNED: Plan = (lambda: None,)
+_REMEMBERED = 1 << 14
+"""So many phases are remembered: all of any usual hyperperiod, and a bounded number of periods that have nearly no common multiple."""
+
+
+def _remember(phases: dict[int, V], phase: int, value: V) -> None:
+    if len(phases) < _REMEMBERED:
+        phases[phase] = value
 
 
 class Environment(Protocol):
@@ -52,7 +64,11 @@ class Instants:
         self.periods: tuple[int, ...] = tuple(sorted(periods))
         self._grid = self._grid_of(environment)
         self._cycles = tuple(sorted(periods | ({self._grid} if self._grid else set())))
-        self._plans: dict[int, tuple[Callable[[], None], ...]] = {}
+        self._hyperperiod = lcm(*self._cycles)
+        self._distances: dict[int, int] = {}
+        """From an instant to the next one, by the phase of the hyperperiod."""
+        self._plans: dict[int, Plan | None] = {}
+        """What happens at an instant, by the phase of the hyperperiod; None where nothing does."""
 
     def _grid_of(self, environment: Environment | None) -> int:
         if environment is not None:
@@ -63,9 +79,14 @@ class Instants:
 
     def after(self, instant: int) -> int | None:
         """The next instant after ``instant``."""
-        if not self._cycles:
-            return None
-        return min([instant - instant % cycle + cycle for cycle in self._cycles])
+        phase = instant % self._hyperperiod
+        distance = self._distances.get(phase)
+        if distance is None:
+            if not self._cycles:
+                return None
+            distance = min([cycle - phase % cycle for cycle in self._cycles])
+            _remember(self._distances, phase, distance)
+        return instant + distance
 
     def periods_at(self, instant: int) -> list[int]:
         """The sample periods whose tick ``instant`` is."""
@@ -73,38 +94,36 @@ class Instants:
 
     def meet(self, instant: int) -> None:
         """What happens at ``instant`` before any process runs, but for the timers."""
-        due = 0
-        bit = 1
-        for cycle in self._cycles:
-            if instant % cycle == 0:
-                due |= bit
-            bit <<= 1
-        if not due:
+        phase = instant % self._hyperperiod
+        plan = self._plans.get(phase, _NOT_PLANNED)
+        if plan is _NOT_PLANNED:
+            plan = self._plan(phase)
+            _remember(self._plans, phase, plan)
+        if plan is None:
             return
         if self._advance is not None:
             try:
                 self._advance(instant)
             except Exception as error:
                 raise EnvironmentFailure(self._environment, error, statement_of(error)) from error
-        plan = self._plans.get(due)
-        if plan is None:
-            plan = self._plans[due] = self._plan(instant)
         for action in plan:
             action()
 
-    def _plan(self, instant: int) -> tuple[Callable[[], None], ...]:
+    def _plan(self, phase: int) -> Plan | None:
+        if all(phase % cycle for cycle in self._cycles):
+            return None
         inputs: list[Callable[[], None]] = []
         outputs: list[Callable[[], None]] = []
         for port in self._ports:
             match port:
                 case SampledInput():
-                    if instant % port.period == 0:
+                    if phase % port.period == 0:
                         inputs.append(port.sample)
                 case EventInput():
-                    if port.polled and instant % self._grid == 0:
+                    if port.polled and phase % self._grid == 0:
                         inputs.append(port.poll)
                 case SampledOutput():
-                    if instant % port.period == 0 and not port.immediate:
+                    if phase % port.period == 0 and not port.immediate:
                         outputs.append(port.tick)
                 case EventOutput():
                     pass
