@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any, Generic, Literal, TypeAlias
 
 from .drivers import NO_SAMPLE, Driver, read_from, write_to
@@ -58,7 +58,10 @@ class _LatchedEnd(In[T]):
         self._inputs = without(self._inputs, selector)
 
     def _alternative_waits(self) -> bool:
-        return any(selector.armed & bit for selector, bit in self._inputs)
+        for selector, bit in self._inputs:  # noqa: SIM110 - asked at every instant, and a generator takes three times as long
+            if selector.armed & bit:
+                return True
+        return False
 
 
 class _Pace:
@@ -90,21 +93,26 @@ class SampledEnd(_LatchedEnd[T]):
         pace.ends.append(self)
 
     @property
+    def listens(self) -> bool:
+        """Whether it wants the next sample: its session has begun, or its process follows the period."""
+        return self._begun or self._pace.followed
+
+    @property
     def awaited(self) -> bool:
         """Whether somebody waits for the next sample."""
         return self._reader is not None or self._alternative_waits()
 
     def sample(self, value: T) -> None:
-        """The tick: a new sample."""
+        """The tick: a new sample, for an end that listens."""
         if not self._begun:
-            if self._pace.followed:
-                self._hold(value)
+            self._hold(value)
             return
         if not self._pace.followed:
             self._pace.followed = True
             for end in self._pace.ends:
                 if not end._begun and end._port.sampled:
                     end._hold(end._port.latest)
+                end._port.sessions_changed()
         if self._fresh:
             self._port.missed += 1
             self._overdue = self._port.on_miss == "timeout"
@@ -146,12 +154,14 @@ class SampledEnd(_LatchedEnd[T]):
     def _begin(self) -> None:
         if not self._begun:
             self._begun = True
+            self._port.sessions_changed()
             for selector, bit in self._inputs:
                 selector.attend &= ~bit
 
     def close(self) -> None:
         """The session is over: the next read waits for the next tick again."""
         self._begun = self._fresh = self._overdue = self._pace.followed = False
+        self._port.sessions_changed()
         for selector, bit in self._inputs:
             selector.attend |= bit
             selector.ready &= ~bit
@@ -177,7 +187,7 @@ class SampledEnd(_LatchedEnd[T]):
 class SampledInput(In[T]):
     """A sampled input of the outermost process; ``missed`` counts samples that were overwritten untaken."""
 
-    __slots__ = ("driver", "ends", "latest", "line", "missed", "name", "on_miss", "period", "sampled")
+    __slots__ = ("_listening", "driver", "ends", "latest", "line", "missed", "name", "on_miss", "period", "sampled")
 
     def __init__(self, name: str, *, period: int, driver: Driver | None = None) -> None:
         self.name = name
@@ -185,6 +195,7 @@ class SampledInput(In[T]):
         self.driver = driver
         self.line: Any = driver
         self.ends: list[SampledEnd[T]] = []
+        self._listening: list[SampledEnd[T]] | None = None
         self.missed = 0
         self.on_miss: Literal["timeout", "count"] = "timeout"
         self.latest: Any = None
@@ -203,6 +214,16 @@ class SampledInput(In[T]):
                 return end._pace
         return _Pace()
 
+    def sessions_changed(self) -> None:
+        """Other ends than before may listen."""
+        self._listening = None
+
+    def _ends_that_listen(self) -> list[SampledEnd[T]]:
+        listening = self._listening
+        if listening is None:
+            listening = self._listening = [end for end in self.ends if end.listens]
+        return listening
+
     def sample(self) -> None:
         """The tick: takes the new sample for all readers."""
         if self.line is None:
@@ -212,13 +233,13 @@ class SampledInput(In[T]):
             return
         self.latest = value
         self.sampled = True
-        for end in self.ends:
+        for end in self._ends_that_listen():
             end.sample(value)
 
     @property
-    def awaited(self) -> bool:
-        """Whether a reader waits for the next sample."""
-        return self.driver is not None and any(end.awaited for end in self.ends)
+    def can_come(self) -> bool:
+        """Whether a tick can make a process ready: a reader waits for the next sample."""
+        return self.driver is not None and _some_awaited(self._ends_that_listen())
 
 
 class EventEnd(_LatchedEnd[T]):
@@ -309,15 +330,27 @@ class EventInput(In[T]):
             end.occur(value)
 
     @property
-    def awaited(self) -> bool:
-        """Whether a reader waits for an event."""
-        return self.driver is not None and any(end.awaited for end in self.ends)
+    def can_come(self) -> bool:
+        """Whether an event can make a process ready: a reader waits for it."""
+        return self.driver is not None and _some_awaited(self.ends)
+
+
+def _some_awaited(ends: Sequence[SampledEnd[Any]] | Sequence[EventEnd[Any]]) -> bool:
+    for end in ends:  # noqa: SIM110 - as above
+        if end.awaited:
+            return True
+    return False
 
 
 class _ExternalOutput(Out[T]):
     """An output of the outermost process; any number of processes may write it, one after the other."""
 
     __slots__ = ("driver", "line", "name", "safe")
+
+    @property
+    def can_come(self) -> bool:
+        """Whether a value will be handed over at a tick."""
+        return False
 
     def __init__(self, name: str, driver: Driver | None, safe: T | None) -> None:
         self.name = name
@@ -374,6 +407,11 @@ class SampledOutput(_ExternalOutput[T], Generic[T]):
             self._writer = party
             self.written = True
         return True
+
+    @property
+    def can_come(self) -> bool:
+        """Whether a value will be handed over at a tick."""
+        return self.written
 
     def tick(self) -> None:
         """Hands over what was written since the last tick."""

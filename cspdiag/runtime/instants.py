@@ -133,14 +133,7 @@ class Instants:
         """Whether anything at a later instant can make a process ready or hand over a value."""
         if scheduler.timers.next_instant() is not None:
             return True
-        for port in self._ports:
-            match port:
-                case SampledInput() | EventInput():
-                    if port.awaited:
-                        return True
-                case SampledOutput():
-                    if port.written:
-                        return True
-                case EventOutput():
-                    pass
+        for port in self._ports:  # noqa: SIM110 - asked at every instant, and a generator takes three times as long
+            if port.can_come:
+                return True
         return False
