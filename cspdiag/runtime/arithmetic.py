@@ -22,10 +22,6 @@ N = TypeVar("N", int, float)
 INFINITY = math.inf
 NOT_A_NUMBER = math.nan
 
-_ALL_WHOLE = 2.0**52
-"""From here on every double is a whole number."""
-
-
 def _integer_type(name: str, low: int, high: int) -> Callable[[float], int]:
     def convert(value: float) -> int:
         if not low <= value <= high:
@@ -193,15 +189,8 @@ def ceil(x: float) -> float:
 
 def nearest(x: float) -> float:
     """The nearest whole number, halves away from zero, as C's ``round``."""
-    if -_ALL_WHOLE < x < _ALL_WHOLE:
-        whole = float(int(x))
-        fraction = x - whole  # exact
-        if fraction >= 0.5:
-            whole += 1.0
-        elif fraction <= -0.5:
-            whole -= 1.0
-        return math.copysign(whole, x)
-    return x
+    fraction, whole = math.modf(x)  # exact
+    return whole + 1.0 if fraction >= 0.5 else whole - 1.0 if fraction <= -0.5 else whole
 
 
 def limit(x: N, low: N, high: N) -> N:
