@@ -22,6 +22,7 @@ N = TypeVar("N", int, float)
 INFINITY = math.inf
 NOT_A_NUMBER = math.nan
 
+
 def _integer_type(name: str, low: int, high: int) -> Callable[[float], int]:
     def convert(value: float) -> int:
         if not low <= value <= high:

@@ -9,9 +9,9 @@ A value from outside communicates when a reader takes it, a latched output when 
 
 from __future__ import annotations
 
-import math
 from collections import deque
 from collections.abc import Iterable, Sequence
+from math import isfinite
 from typing import TYPE_CHECKING, Any, Generic, Literal, TypeAlias
 
 from .drivers import NO_SAMPLE, Driver, read_from, write_to
@@ -41,8 +41,13 @@ class _LatchedEnd(In[T]):
         return self._taken(scheduler.current)
 
     def _taken(self, reader: Party) -> T:
+        """The value, which ``reader`` takes."""
+        return self._communicated(reader)
+
+    def _communicated(self, reader: Party) -> T:
         self._fresh = False
-        lower_bits(self._inputs)
+        if self._inputs:
+            lower_bits(self._inputs)
         if scheduler.observe is not None:
             scheduler.observe(self.name, self._value, None, reader)
         return self._value  # type: ignore[no-any-return]
@@ -121,7 +126,8 @@ class SampledEnd(_LatchedEnd[T]):
         if self._reader is not None:
             scheduler.enqueue(self._reader)
             self._reader = None
-        raise_bits(self._inputs)
+        if self._inputs:
+            raise_bits(self._inputs)
 
     def _hold(self, value: T) -> None:
         """Keeps the sample of the present tick for a first read; to overwrite it is no miss."""
@@ -137,7 +143,8 @@ class SampledEnd(_LatchedEnd[T]):
         if self._reader is not None:
             raise ChannelMisuse(f"one end of {self.name} is read by two processes at the same time")
         self._reader = party
-        self._begin()
+        if not self._begun:
+            self._begin()
         return False
 
     def collect(self, party: Party) -> bool:
@@ -148,15 +155,15 @@ class SampledEnd(_LatchedEnd[T]):
         if self._overdue:
             self._overdue = False
             raise Timeout(f"a sample of {self.name} was overwritten before it had been taken")
-        self._begin()
-        return super()._taken(reader)
+        if not self._begun:
+            self._begin()
+        return self._communicated(reader)
 
     def _begin(self) -> None:
-        if not self._begun:
-            self._begun = True
-            self._port.sessions_changed()
-            for selector, bit in self._inputs:
-                selector.attend &= ~bit
+        self._begun = True
+        self._port.sessions_changed()
+        for selector, bit in self._inputs:
+            selector.attend &= ~bit
 
     def close(self) -> None:
         """The session is over: the next read waits for the next tick again."""
@@ -181,7 +188,8 @@ class SampledEnd(_LatchedEnd[T]):
 
     def enroll_input(self, choice: Choice, index: int) -> None:
         """An alternative waits for the first sample: the session begins."""
-        self._begin()
+        if not self._begun:
+            self._begin()
 
 
 class SampledInput(In[T]):
@@ -399,7 +407,8 @@ class SampledOutput(_ExternalOutput[T], Generic[T]):
 
     def offer(self, party: Party, value: T, /) -> bool:
         """See ``Out.offer``. Raises Fault for a NaN or an infinity."""
-        _require_finite(self.name, value)
+        if not isinstance(value, float) or not isfinite(value):
+            _require_finite(self.name, value)
         if self.immediate:
             self._hand_over(value, party)
         else:
@@ -441,7 +450,7 @@ Port: TypeAlias = "SampledInput[Any] | SampledOutput[Any] | EventInput[Any] | Ev
 
 def _require_finite(port: str, value: object) -> None:
     if type(value) is float:
-        if not math.isfinite(value):
+        if not isfinite(value):
             raise Fault(f"{value} is written to {port}")
     elif isinstance(value, tuple | list):
         for part in value:

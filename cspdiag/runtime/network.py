@@ -126,19 +126,19 @@ class _Run:
                 pass
             if self._root.ended:
                 return self._ended_by_itself()
-            instant = timers.next_instant()
-            if instant is None and not instants.can_come():
+            timer = timers.next_instant()
+            if timer is None and not instants.can_come():
                 return self._deadlocked()
             tick = instants.after(scheduler.now)
-            if instant is None or (tick is not None and tick < instant):
-                instant = tick
+            instant = tick if timer is None or (tick is not None and tick < timer) else timer
             assert instant is not None
             if until is not None and instant > until:
                 return self._limit_reached()
             scheduler.now = instant
             if instant == tick:
                 instants.meet(instant)
-            timers.fall_due(instant)
+            if instant == timer:
+                timers.fall_due(instant)
 
     def _in_real_time(self) -> Outcome:
         """The same against the clock.
