@@ -40,6 +40,15 @@ PI, SAMPLE, TIME_VALUE = BuiltinSymbol(name="pi"), BuiltinSymbol(name="sample"),
 _VALUES = {"pi": PI, "sample": SAMPLE, "time": TIME_VALUE}
 
 
+_SAMPLE_PERIODS = frozenset(["T", "Ts", "Tsample", "dt", "Δt"])
+
+
+def _advice_on_missing(name: str, surroundings: Surroundings) -> str | None:
+    if name in _SAMPLE_PERIODS and surroundings.place == "submodel" and not surroundings.constant:
+        return "the sample period of a submodel is `sample`"
+    return None
+
+
 class Typer:
     """Finds the types of expressions in one place of the program and records them with what names mean.
 
@@ -240,7 +249,15 @@ class Typer:
         declared = declared_at(near) if near else None
         wanted = "variable" if surroundings.place == "process" and not surroundings.constant else "value"
         self.context.refuse(
-            UnknownName(node.span, name=node.name, wanted=wanted, suggestion=suggestion, declared=declared), node
+            UnknownName(
+                node.span,
+                name=node.name,
+                wanted=wanted,
+                suggestion=suggestion,
+                declared=declared,
+                advice=_advice_on_missing(node.name, surroundings),
+            ),
+            node,
         )
 
     def _refuse_kind(self, node: ast.Name, symbol: Symbol, advice: str | None) -> None:

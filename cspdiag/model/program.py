@@ -71,10 +71,12 @@ class Scope:
     """What the names inside a process, submodel, driver or environment mean; ``ports`` are in text order.
 
     ``undeclared``: names without a declaration about which something is said at one place; further uses are silent.
+    ``incomplete``: names may be missing because of what was already reported.
     """
 
     def __init__(self) -> None:
         self.undeclared: set[str] = set()
+        self.incomplete = False
         self.ports: dict[str, PortSymbol] = {}
         self.names: dict[str, Symbol] = {}
 

@@ -26,9 +26,7 @@ def find(typer: Typer, reference: ast.Reference, wanted: str, kinds: tuple[type,
         definition = context.program.definitions.get(name)
         if definition is not None:
             refuse_kind(typer, reference, definition, wanted)
-        elif not context.excuses_unknown_names and (
-            wanted == "output" or name not in typer.surroundings.scope.undeclared
-        ):
+        elif not (context.excuses_unknown_names or _excused(typer.surroundings.scope, name, wanted)):
             names = typer.surroundings.scope.names
             suggestion = context.speller.nearest(
                 name, (other for other, found in names.items() if isinstance(found, kinds))
@@ -48,6 +46,10 @@ def find(typer: Typer, reference: ast.Reference, wanted: str, kinds: tuple[type,
         return None
     context.program.bindings[reference] = symbol
     return symbol
+
+
+def _excused(scope: Scope, name: str, wanted: str) -> bool:
+    return scope.incomplete or (wanted != "output" and name in scope.undeclared)
 
 
 def _advice_on_missing(name: str, wanted: str) -> str | None:

@@ -76,6 +76,7 @@ def _resolve_environment(context: Context, definition: ast.EnvironmentDefinition
         scope.names.update(scope.ports)
     else:
         context.program.poisoned.add(definition)
+        scope.incomplete = True
         for argument in definition.arguments:
             typer.before_running().infer(argument.value)
     if definition.step is not None:

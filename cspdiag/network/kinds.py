@@ -15,7 +15,7 @@ from cspdiag.network.diagnostics_kinds import (
     RendezvousInSequence,
 )
 from cspdiag.network.diagnostics_parallel import EventReadInParallel, ParallelReaders, ParallelWriters, Race
-from cspdiag.network.relations import Uses, UsesByKey
+from cspdiag.network.relations import Pair, Uses, UsesByKey
 from cspdiag.network.shapes import AskedKind, ChannelShape, Key, Shape, attached_key, element_name
 from cspdiag.syntax import ast
 
@@ -111,16 +111,25 @@ def _check_sequential(channel: ChannelShape, use: Uses, kind: AskedKind | None, 
 
 
 def _check_several(channel: ChannelShape, use: Uses, word: str | None, report: Report) -> None:
-    if use.parallel_writes is not None and word != "any":
-        one, other = use.parallel_writes
+    writers, readers = _of_two(use.parallel_writes), _of_two(use.parallel_reads)
+    if writers is not None and word != "any":
+        one, other = writers
         refused = ParallelWriters(span=one.span, channel=channel.name, one=one, other=other, said=word, outermost=False)
         _refuse(channel, refused, report)
-    if use.parallel_reads is not None and word not in ("any", "broadcast"):
-        one, other = use.parallel_reads
+    if readers is not None and word not in ("any", "broadcast"):
+        one, other = readers
         _refuse(channel, ParallelReaders(span=one.span, channel=channel.name, one=one, other=other, said=word), report)
     if word == "broadcast" and use.sequential_reads is not None:
         one, other = use.sequential_reads
         _refuse(channel, BroadcastInSequence(span=one.span, channel=channel.name, one=one, other=other), report)
+
+
+def _of_two(pair: Pair | None) -> Pair | None:
+    """A pair of different users: that an instance runs twice at the same time is told where it runs."""
+    if pair is None:
+        return None
+    one, other = pair
+    return None if one.instance and one.instance == other.instance else pair
 
 
 def _refuse(channel: ChannelShape, diagnostic: Diagnostic, report: Report) -> None:
@@ -132,6 +141,7 @@ def check_outermost(shape: Shape, uses: UsesByKey, asked: Asked, report: Report)
     """The ports of the outermost process meet the environment, which neither waits nor blocks."""
     for port, _, key in shape.port_elements():
         use, kinds = uses.get(key, _NOBODY), asked.get(key, {})
+        writers, readers = _of_two(use.parallel_writes), _of_two(use.parallel_reads)
         refused = ["any", "buffer", "overwrite", "sync"] if port.period is not None else ["buffer", "overwrite", "sync"]
         if port.direction == "out":
             refused = ["broadcast", "buffer", "overwrite", "sync"]
@@ -151,9 +161,9 @@ def check_outermost(shape: Shape, uses: UsesByKey, asked: Asked, report: Report)
                     declared=port.span,
                 )
             )
-        elif port.direction == "out" and use.parallel_writes is not None and "any" not in kinds:
-            one, other = use.parallel_writes
+        elif port.direction == "out" and writers is not None and "any" not in kinds:
+            one, other = writers
             report.add(ParallelWriters(span=one.span, channel=key, one=one, other=other, said=None, outermost=True))
-        elif port.direction == "in" and port.period is None and use.parallel_reads is not None and not kinds:
-            one, other = use.parallel_reads
+        elif port.direction == "in" and port.period is None and readers is not None and not kinds:
+            one, other = readers
             report.add(EventReadInParallel(span=one.span, port=key, one=one, other=other, declared=port.span))
