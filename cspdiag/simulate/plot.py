@@ -104,6 +104,13 @@ _QUANTITIES = {
     "A": "current (A)",
     "rad/s": "speed (rad/s)",
     "m": "position (m)",
+    "m/s": "speed (m/s)",
+    "N": "force (N)",
+    "N*m": "torque (N·m)",
+    "K": "temperature (K)",
+    "Pa": "pressure (Pa)",
+    "W": "power (W)",
+    "Hz": "frequency (Hz)",
 }
 
 
