@@ -45,7 +45,16 @@ from .composition import group, parallel, prioritized_parallel, stop, wait
 from .deadlock import DeadlockReport, WaitingProcess
 from .drivers import DevicePort, Driver, Signal
 from .durations import ms, nanoseconds, ns, s, seconds, us
-from .exceptions import Cancelled, ChannelMisuse, Deadlock, DriverError, Fault, ProcessError, Timeout
+from .exceptions import (
+    Cancelled,
+    ChannelMisuse,
+    Deadlock,
+    DriverError,
+    EnvironmentFailure,
+    Fault,
+    ProcessError,
+    Timeout,
+)
 from .external import EventInput, EventOutput, SampledInput, SampledOutput
 from .instants import Environment
 from .interrupt import interrupt
@@ -74,6 +83,7 @@ __all__ = [
     "Driver",
     "DriverError",
     "Environment",
+    "EnvironmentFailure",
     "EventInput",
     "EventOutput",
     "Fault",
