@@ -79,11 +79,11 @@ class Instants:
 
     def after(self, instant: int) -> int | None:
         """The next instant after ``instant``."""
+        if not self._cycles:
+            return None
         phase = instant % self._hyperperiod
         distance = self._distances.get(phase)
         if distance is None:
-            if not self._cycles:
-                return None
             distance = min([cycle - phase % cycle for cycle in self._cycles])
             _remember(self._distances, phase, distance)
         return instant + distance

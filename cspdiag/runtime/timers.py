@@ -61,8 +61,8 @@ class Timers:
         if timers is None:
             return
         if len(timers) == 1:
-            del self._at[instant]
-            next(iter(timers)).due()
+            (timer,) = self._at.pop(instant)
+            timer.due()
             return
         for timer in list(timers):
             if self.stop(instant, timer):
