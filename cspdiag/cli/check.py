@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import sys
 from argparse import ArgumentParser, Namespace
+from collections.abc import Sequence
 
-from cspdiag.cli.failure import FINE, UNSUCCESSFUL
+from cspdiag.cli.failure import FINE, UNSUCCESSFUL, UsageError, described
 from cspdiag.cli.terminal import show_diagnostics
 from cspdiag.diagnostics.diagnostic import Diagnostic
 from cspdiag.diagnostics.report import Report
+from cspdiag.diagnostics.span import SourceFile
 from cspdiag.pipeline import check
 from cspdiag.sources import read_source
 
@@ -23,21 +25,34 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def run(arguments: Namespace) -> int:
-    """Check every file and show what was found."""
-    sources = [read_source(name) for name in dict.fromkeys(arguments.files)]
+    """Check every file and show what was found; a file that cannot be read does not keep the others from it."""
+    sources, unreadable = _read(arguments.files)
     found = Report()
     for source in sources:
         for diagnostic in check(source, read_source).report.diagnostics:
             found.add(diagnostic)
     _show(found.diagnostics, [source.name for source in sources], arguments)
+    if unreadable:
+        raise UsageError("; ".join(unreadable))
     return UNSUCCESSFUL if found.has_errors else FINE
+
+
+def _read(names: Sequence[str]) -> tuple[list[SourceFile], list[str]]:
+    """What could be read, and a sentence for each file that could not."""
+    sources, unreadable = [], []
+    for name in dict.fromkeys(names):
+        try:
+            sources.append(read_source(name))
+        except OSError as problem:
+            unreadable.append(described(problem))
+    return sources, unreadable
 
 
 def _show(diagnostics: list[Diagnostic], names: list[str], arguments: Namespace) -> None:
     match arguments.format:
         case "text":
             show_diagnostics(diagnostics, arguments.color)
-            if not diagnostics:
+            if names and not diagnostics:
                 files = "1 file" if len(names) == 1 else f"{len(names)} files"
                 sys.stderr.write(f"checked {files}: no errors\n")
         case "concise":

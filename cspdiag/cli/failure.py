@@ -19,3 +19,10 @@ class NoResultError(Exception):
 
 class UsageError(Exception):
     """The command cannot be carried out as given; the message is one line for the person who gave it."""
+
+
+def described(problem: OSError) -> str:
+    """A file that cannot be read or written, and why, in one line."""
+    reason = problem.strerror or str(problem)
+    reason = f"{reason[:1].lower()}{reason[1:]}"
+    return f"{problem.filename}: {reason}" if problem.filename is not None else reason

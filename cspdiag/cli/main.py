@@ -23,6 +23,7 @@ from cspdiag.cli.failure import (
     WRONG_USAGE,
     NoResultError,
     UsageError,
+    described,
 )
 
 VERBS = {
@@ -87,7 +88,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return BROKEN_PIPE
     except OSError as problem:
-        return _refuse(_described(problem))
+        return _refuse(described(problem))
     except SystemExit as end:
         return end.code if isinstance(end.code, int) else FINE
     except Exception as problem:
@@ -172,12 +173,6 @@ def _refuse(message: str) -> int:
     line = " ".join(printable(message).split("\n"))
     sys.stderr.write(f"cspdiag: {line}\n")
     return WRONG_USAGE
-
-
-def _described(problem: OSError) -> str:
-    reason = problem.strerror or str(problem)
-    reason = f"{reason[:1].lower()}{reason[1:]}"
-    return f"{problem.filename}: {reason}" if problem.filename is not None else reason
 
 
 def _accept_any_character() -> None:

@@ -29,6 +29,18 @@ def test_several_files_are_checked_each_and_told_once(cspdiag: Command, good: Pa
     assert cspdiag("check", good, good.rename(good.with_name("b.csp")), bad).code == 2
 
 
+def test_a_file_that_cannot_be_read_does_not_keep_the_others_from_being_checked(
+    cspdiag: Command, good: Path, bad: Path
+) -> None:
+    missing = [good.with_name(name) for name in ("nothing.csp", "nowhere.csp")]
+    result = cspdiag("check", missing[0], bad, missing[1])
+    assert result.code == 2
+    assert f"--> {bad}:11:32" in result.err
+    assert result.err.splitlines()[-1].startswith(f"cspdiag: {missing[0]}: no such file")
+    assert str(missing[1]) in result.err.splitlines()[-1]
+    assert cspdiag("check", missing[0]).err.count("\n") == 1
+
+
 def test_an_import_that_several_files_share_is_told_once(cspdiag: Command, good: Path, bad: Path) -> None:
     users = [good.with_name(f"user{number}.csp") for number in range(2)]
     for user in users:
