@@ -65,6 +65,10 @@ from cspdiag.network.expressions import Expression
 from cspdiag.network.walk import instances_run, mentions_variable, parts
 
 
+_MAY_FAULT = re.compile(r"[(/%]")
+"""In code: calls, of which checks of ranges are some, and divisions."""
+
+
 @dataclass(frozen=True)
 class Method:
     """A part of a composition that runs beside others and so needs a coroutine of its own."""
@@ -296,8 +300,10 @@ class Composition:
                 return call(self.imports.runtime("Ready"), Atom(self.members.source(source)))
             case InputEvent(source=source):
                 return call(self.imports.runtime("Input"), Atom(self.members.source(source)))
-            case OutputEvent(sink=sink):
-                return call(self.imports.runtime("Output"), Atom(self.members.sink(sink)))
+            case OutputEvent(sink=sink, value=value):
+                # The value is given at each selection; only an interrupt makes its guard anew each time.
+                given = () if printer is self.initial else (printer.print(value),)
+                return call(self.imports.runtime("Output"), Atom(self.members.sink(sink)), *given)
             case AfterEvent(duration=duration):
                 fixed = printer is self.initial and mentions_variable(duration)
                 return call(self.imports.runtime("After"), Atom("0") if fixed else printer.print(duration))
@@ -309,19 +315,26 @@ class Composition:
         if any(branch.condition is not None for branch in branches):
             yield Argument(tuple_of(self._condition(branch) for branch in branches), "enabled")
         values = tuple(
-            Entry(str(number), self.printer.print(branch.event.value))
+            Entry(str(number), self._if_enabled(branch, branch.event.value, "None"))
             for number, branch in enumerate(branches)
             if isinstance(branch.event, OutputEvent)
         )
         if values:
             yield Argument(Items("{}", values), "values")
         delays = tuple(
-            Entry(str(number), self.printer.print(branch.event.duration))
+            Entry(str(number), self._if_enabled(branch, branch.event.duration, "0"))
             for number, branch in enumerate(branches)
             if isinstance(branch.event, AfterEvent) and mentions_variable(branch.event.duration)
         )
         if delays:
             yield Argument(Items("{}", delays), "delays")
+
+    def _if_enabled(self, branch: Branch, expression: Expression, otherwise: str) -> Code:
+        """What an event needs; where the condition does not hold, what might fault is not evaluated."""
+        code = self.printer.print(expression)
+        if branch.condition is None or not _MAY_FAULT.search(code.flat):
+            return code
+        return Conditional(code, at_least(self.printer.print(branch.condition), OR), Atom(otherwise))
 
     def _condition(self, branch: Branch) -> Code:
         return Atom("True") if branch.condition is None else self.printer.print(branch.condition)

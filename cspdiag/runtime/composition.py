@@ -52,10 +52,10 @@ class Branches:
             return
         self._parent.waiting = self
         yield
-        if self._abandoned:
-            raise Cancelled
         if self._error is not None:
             raise self._error
+        if self._abandoned and self.cancelled:
+            raise Cancelled
 
     def branch_ended(self, branch: Task, error: BaseException | None) -> None:
         """See ``Join.branch_ended``."""

@@ -15,7 +15,7 @@ from math import isfinite
 from typing import TYPE_CHECKING, Any, Generic, Literal, TypeAlias
 
 from .drivers import NO_SAMPLE, Driver, read_from, write_to
-from .exceptions import ChannelMisuse, Fault, Timeout
+from .exceptions import Cancelled, ChannelMisuse, Fault, Timeout
 from .ports import In, Out, T
 from .scheduler import Party, scheduler
 from .selector import Selector, Watchers, lower_bits, raise_bits, without
@@ -35,6 +35,11 @@ class _LatchedEnd(In[T]):
         self._fresh = False
         self._value: Any = None
         self._inputs: Watchers = ()
+
+    @property
+    def collectable(self) -> bool:
+        """See ``In.collectable``."""
+        return self._fresh
 
     def take(self) -> T:
         """See ``In.take``."""
@@ -67,6 +72,12 @@ class _LatchedEnd(In[T]):
             if selector.armed & bit:
                 return True
         return False
+
+
+def _refuse_cancelled() -> None:
+    """A reader that was readied, and then cancelled before it ran, has not communicated: it ends here."""
+    if scheduler.current.cancelled:
+        raise Cancelled
 
 
 class _Pace:
@@ -149,6 +160,7 @@ class SampledEnd(_LatchedEnd[T]):
 
     def collect(self, party: Party) -> bool:
         """See ``In.collect``."""
+        _refuse_cancelled()
         return self.request(party)
 
     def _taken(self, reader: Party) -> T:
@@ -282,6 +294,9 @@ class EventEnd(_LatchedEnd[T]):
 
     def collect(self, party: Party) -> bool:
         """See ``In.collect``."""
+        if scheduler.current.cancelled and self._fresh and self._readers:
+            scheduler.enqueue(self._readers.popleft())
+        _refuse_cancelled()
         if self._fresh:
             party.received = self._taken(party)
             return True

@@ -30,6 +30,11 @@ class In(Generic[T_co]):
 
     name: str
 
+    @property
+    def collectable(self) -> bool:
+        """Whether a waiting party would find something, of which it has not yet been told."""
+        return False
+
     @coroutine
     def read(self) -> Generator[None, None, T_co]:
         """One communication: waits for a value and takes it."""

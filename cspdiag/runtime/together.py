@@ -27,6 +27,10 @@ E = TypeVar("E")
 F = TypeVar("F")
 
 
+_NOTHING: Any = object()
+"""What a parked reader has received until a partner hands a value over or it collects one."""
+
+
 class _Offered:
     """One communication of several that a task offers at once; while none of them has to wait, one object serves for all."""
 
@@ -40,11 +44,12 @@ class _Offered:
         self.task = task
         self.received: Any = None
 
-    def waits(self, together: _Together, position: int, end: AnyIn | AnyOut) -> None:
+    def waits(self, together: _Together, position: int, end: AnyIn | AnyOut, received: Any = None) -> None:
         """It was parked at ``end``."""
         self._together = together
         self.position = position
         self.end = end
+        self.received = received
         together.waiting.append(self)
 
     @property
@@ -56,18 +61,20 @@ class _Offered:
         return self.task.ready_queue
 
     def resume(self, _: None) -> None:
-        """The communication is done; the last one resumes the task."""
+        """The communication is done, or there is something to collect; the last one resumes the task."""
         together = self._together
         if self not in together.waiting:
             return
         scheduler.current = self.task
-        try:
-            done = not isinstance(self.end, In) or self.end.collect(self)
-        except Exception as error:
-            together.fail(self, error)
-            done = True
-        if done:
+        if self.received is not _NOTHING:
             together.done(self)
+            return
+        try:
+            together.collect(self)
+        except (Exception, Cancelled) as error:
+            together.fail(self, error)
+        if not together.waiting:
+            self.task.resume(None)
 
 
 class _Together:
@@ -78,8 +85,21 @@ class _Together:
     def __init__(self, task: Task, values: list[Any]) -> None:
         self.task = task
         self.values = values
-        self.error: Exception | None = None
+        self.error: BaseException | None = None
         self.waiting: list[_Offered] = []
+
+    def collect(self, readied: _Offered) -> None:
+        """The task runs because of ``readied``: takes, in port order, whatever else there is by now."""
+        still = []
+        for offered in self.waiting:
+            if offered.received is _NOTHING:
+                assert isinstance(offered.end, In)
+                there = offered is readied or offered.end.collectable
+                if not there or not offered.end.collect(offered):
+                    still.append(offered)
+                    continue
+            self.values[offered.position] = offered.received
+        self.waiting = still
 
     def done(self, offered: _Offered) -> None:
         self.values[offered.position] = offered.received
@@ -87,16 +107,16 @@ class _Together:
         if not self.waiting:
             self.task.resume(None)
 
-    def fail(self, offered: _Offered, error: Exception) -> None:
+    def fail(self, offered: _Offered, error: BaseException) -> None:
         """Gives up the others; the task gets the error."""
         self.error = error
-        self.give_up(keep=offered)
+        self.waiting.remove(offered)
+        self.give_up()
 
-    def give_up(self, keep: _Offered | None = None) -> None:
+    def give_up(self) -> None:
         for offered in self.waiting:
-            if offered is not keep:
-                offered.end.withdraw(offered)
-        self.waiting = [] if keep is None else [keep]
+            offered.end.withdraw(offered)
+        self.waiting = []
 
     def wait(self) -> Generator[None, None, None]:
         """Waits for the communications that are not done."""
@@ -158,7 +178,7 @@ else:
                     values.append(offered.received)
                 else:
                     together = together or _Together(task, values)
-                    offered.waits(together, len(values), end)
+                    offered.waits(together, len(values), end, _NOTHING)
                     values.append(None)
                     offered = _Offered(task)
         except BaseException:

@@ -9,7 +9,7 @@ from cspdiag.network import actions as act
 from cspdiag.network.expressions import Expression
 from cspdiag.network.ir import Connection, ConstantEnd, DiscardEnd, LocalChannel, Network, ProcessClass, SubmodelClass
 from tests.conformance import media
-from tests.conformance.media import EndKey, FaultRaised, Medium, Offer, TimeoutRaised
+from tests.conformance.media import EndKey, Medium, Offer, RaisedFaultError, RaisedTimeoutError
 from tests.conformance.requests import Choose, Communicate, Interrupt, Parallel, Request, Steps, Wait
 from tests.conformance.scheduler import Scheduler
 from tests.conformance.values import Law, fitting, value_of, within
@@ -17,7 +17,7 @@ from tests.conformance.values import Law, fitting, value_of, within
 Place = tuple[str, int | None]
 
 
-class ExceptionRaised(Exception):
+class DeclaredError(Exception):
     """A declared exception."""
 
 
@@ -33,7 +33,12 @@ class ProcessInstance:
     """An instance of a process: its variables and channels, and the instances inside."""
 
     def __init__(
-        self, program: Program, cls: ProcessClass, path: str, parameters: Mapping[str, Any], ports: Mapping[Place, Medium]
+        self,
+        program: Program,
+        cls: ProcessClass,
+        path: str,
+        parameters: Mapping[str, Any],
+        ports: Mapping[Place, Medium],
     ) -> None:
         assert cls.external is None, "bodies in other languages have no specification"
         self.program = program
@@ -124,14 +129,9 @@ class ProcessInstance:
             case act.RunInstance(instance=name):
                 yield from (self.processes[name].run() if name in self.processes else self.submodels[name].run())
             case act.ReadValue():
-                request = Communicate()
-                request.offers.append(self._reader(request, action.source))
-                (value,) = yield request
-                self.assign(action.target, value)
+                yield from self._read(action.source, action.target)
             case act.WriteValue():
-                request = Communicate()
-                request.offers.append(self._writer(request, action.sink, self.value(action.value)))
-                yield request
+                yield from self._write(action.sink, action.value)
             case act.AssignValue():
                 self.assign(action.target, self.value(action.value))
             case act.SkipStep():
@@ -143,12 +143,17 @@ class ProcessInstance:
             case act.ResetInstance():
                 self.submodels[action.instance].law.reset()
             case act.RaiseException():
-                raise ExceptionRaised(action.exception)
+                raise DeclaredError(action.exception)
             case act.SequentialSteps():
                 for step in action.steps:
                     yield from self.steps(step)
             case act.ParallelSteps():
                 yield Parallel([self.steps(step) for step in action.steps], action.prioritized)
+            case act.Choice(branches=(act.Branch(condition=None, event=event) as branch,)) if not isinstance(
+                event, act.ReadyEvent
+            ):
+                yield from self._alone(event)
+                yield from self.steps(branch.body)
             case act.Choice():
                 chosen = yield self._alternative(action.branches, action.prioritized, id(action))
                 yield from self._guarded(action.branches, chosen)
@@ -164,6 +169,8 @@ class ProcessInstance:
                 yield from self.steps(action.then if self.value(action.condition) else action.otherwise)
             case act.CatchException():
                 yield from self._catching(action)
+            case act.InterruptOn(branch=branch) if branch.condition is not None and not self.value(branch.condition):
+                yield from self.steps(action.body)
             case act.InterruptOn():
                 guard = self._alternative((action.branch,), True, id(action))
                 chosen = yield Interrupt(self.steps(action.body), guard)
@@ -174,11 +181,34 @@ class ProcessInstance:
             case _:
                 assert_never(action)
 
+    def _read(self, source: act.End, target: act.Target) -> Steps:
+        request = Communicate()
+        request.offers.append(self._reader(request, source))
+        (value,) = yield request
+        self.assign(target, value)
+
+    def _write(self, sink: act.End, value: Expression) -> Steps:
+        request = Communicate()
+        request.offers.append(self._writer(request, sink, self.value(value)))
+        yield request
+
+    def _alone(self, event: act.Event) -> Steps:
+        """A guard that is waited for by itself is the communication, or the delay, that it stands for."""
+        match event:
+            case act.InputEvent():
+                yield from self._read(event.source, event.target)
+            case act.OutputEvent():
+                yield from self._write(event.sink, event.value)
+            case act.AfterEvent():
+                yield Wait(self.value(event.duration))
+            case _:
+                return
+
     def _catching(self, action: act.CatchException) -> Steps:
         caught = False
         try:
             yield from self.steps(action.body)
-        except (ExceptionRaised, FaultRaised, TimeoutRaised) as error:
+        except (DeclaredError, RaisedFaultError, RaisedTimeoutError) as error:
             if exception_name(error) != action.exception:
                 raise
             caught = True
@@ -275,9 +305,9 @@ class SubmodelInstance:
 def exception_name(error: Exception) -> str:
     """The name of an exception in the language."""
     match error:
-        case FaultRaised():
+        case RaisedFaultError():
             return "Fault"
-        case TimeoutRaised():
+        case RaisedTimeoutError():
             return "Timeout"
         case _:
             return str(error)

@@ -10,7 +10,7 @@ import dataclasses
 import math
 from typing import TYPE_CHECKING, Any
 
-from tests.conformance.values import FaultRaised
+from tests.conformance.values import RaisedFaultError
 
 if TYPE_CHECKING:
     from tests.conformance.requests import Request
@@ -20,7 +20,7 @@ EndKey = tuple[str, str, int | None, int]
 """A reading end: the path of the process that owns it, its port or channel, the index of the port, the number of the end."""
 
 
-class TimeoutRaised(Exception):
+class RaisedTimeoutError(Exception):
     """A sample was overwritten before it was taken."""
 
 
@@ -53,9 +53,12 @@ class Medium:
         self.world = world
         self.name = name
         self.offers: list[Offer] = []
+        self.ends: list[EndKey] = []
 
     def register(self, end: EndKey) -> None:
-        """There is a reading end."""
+        """There is a reading end; ends are served in the order in which they stand in the program."""
+        if end not in self.ends:
+            self.ends.append(end)
 
     def withdraw(self, offer: Offer) -> None:
         """The offer no longer holds."""
@@ -81,6 +84,10 @@ class Medium:
     def retry(self, offer: Offer) -> None:
         """The process of a waiting plain offer runs again."""
 
+    def wakes(self, offer: Offer) -> bool:
+        """Whether the process of a waiting plain offer may go on."""
+        return self.outside and self.ready(offer)
+
     def opposite(self, offer: Offer) -> list[Offer]:
         """The offers of others that this one could meet."""
         return [o for o in self.offers if o.writes != offer.writes and o.task is not offer.task]
@@ -96,19 +103,21 @@ class Rendezvous(Medium):
     """A channel of kind ``sync`` or ``any``."""
 
     def arrive(self, offer: Offer) -> None:
-        for partner in self.opposite(offer):
-            if partner.guard is None:
-                return self._pass(offer, partner)
-        self.offers.append(offer)
+        plain = [partner for partner in self.opposite(offer) if partner.guard is None]
+        if plain:
+            self._pass(offer, plain[0])
+        else:
+            self.offers.append(offer)
 
     def ready(self, offer: Offer) -> bool:
         return bool(self.opposite(offer))
 
     def choose(self, offer: Offer) -> None:
-        partner = self.opposite(offer)[0]
+        # Those that merely read or write are served before alternatives, which may still choose something else.
+        partner = min(self.opposite(offer), key=lambda o: o.guard is not None)
         if offer.only_ready:
             offer.done = True
-            if all(o.guard is not None for o in self.opposite(offer)):
+            if partner.guard is not None:
                 partner.request.bind(partner)
         elif partner.only_ready:
             partner.request.resolve(partner)
@@ -170,12 +179,8 @@ class Broadcast(Medium):
 
     def __init__(self, world: Scheduler, name: str) -> None:
         super().__init__(world, name)
-        self.ends: list[EndKey] = []
         self.writing: Offer | None = None
         self.missing: list[EndKey] = []
-
-    def register(self, end: EndKey) -> None:
-        self.ends.append(end)
 
     def withdraw(self, offer: Offer) -> None:
         super().withdraw(offer)
@@ -184,13 +189,21 @@ class Broadcast(Medium):
 
     def arrive(self, offer: Offer) -> None:
         if offer.writes:
-            self.writing, self.missing = offer, list(self.ends)
-            for reader in [o for o in self.offers if not o.writes and o.guard is None]:
-                self._take(reader)
+            self._write(offer)
         elif self.writing is not None and offer.end in self.missing:
             self._take(offer)
+            self._all_taken()
         else:
             self.offers.append(offer)
+
+    def _write(self, offer: Offer) -> None:
+        self.writing, self.missing = offer, []
+        for end in self.ends:
+            self.missing.append(end)
+            for reader in [o for o in self.offers if not o.writes and o.guard is None and o.end == end]:
+                self._take(reader)
+            self.world.notice()
+        self._all_taken()
 
     def ready(self, offer: Offer) -> bool:
         if offer.writes:
@@ -213,6 +226,7 @@ class Broadcast(Medium):
             for reader in readers:
                 if not reader.only_ready:
                     self._take(reader)
+            self._all_taken()
             return
         if self.writing is None:
             writer = self.opposite(offer)[0]
@@ -221,16 +235,18 @@ class Broadcast(Medium):
             offer.done = True
         else:
             self._take(offer)
+            self._all_taken()
 
     def _take(self, reader: Offer) -> None:
         assert self.writing is not None
-        writer = self.writing
-        self.world.communicate(self.name, writer.value)
-        reader.value = writer.value
+        self.world.communicate(self.name, self.writing.value)
+        reader.value = self.writing.value
         self.missing.remove(reader.end)
         self.complete(reader)
-        if not self.missing:
-            self.writing = None
+
+    def _all_taken(self) -> None:
+        if self.writing is not None and not self.missing:
+            writer, self.writing = self.writing, None
             self.complete(writer)
 
 
@@ -300,7 +316,7 @@ def _refuse_what_is_no_number(value: Any) -> None:
         for part in value:
             _refuse_what_is_no_number(part)
     elif isinstance(value, float) and not math.isfinite(value):
-        raise FaultRaised(f"{value} for an output of the outermost process")
+        raise RaisedFaultError(f"{value} for an output of the outermost process")
 
 
 class ExternalInput(Medium):
@@ -338,23 +354,25 @@ class EventInput(ExternalInput):
     def __init__(self, world: Scheduler, name: str, broadcast: bool) -> None:
         super().__init__(world, name)
         self.broadcast = broadcast
-        self.ends: list[EndKey] = []
         self.latches: dict[EndKey | None, Any] = {}
-
-    def register(self, end: EndKey) -> None:
-        self.ends.append(end)
 
     def offered(self, value: Any) -> None:
         """The environment's output has a value at an instant of the grid; it is an event if it has changed."""
         if value != self.present:
             self.present = value
-            self.latches = dict.fromkeys(self.ends if self.broadcast else [None], value)
+            for latch in self.ends if self.broadcast else [None]:
+                self.latches[latch] = value
+                self.world.notice()
 
     def _key(self, end: EndKey) -> EndKey | None:
         return end if self.broadcast else None
 
     def ready(self, offer: Offer) -> bool:
         return self._key(offer.end) in self.latches
+
+    def wakes(self, offer: Offer) -> bool:
+        waiting = [o for o in self.offers if o.guard is None and self._key(o.end) == self._key(offer.end)]
+        return self.ready(offer) and waiting[0] is offer
 
     def take(self, end: EndKey) -> Any:
         return self.latches.pop(self._key(end))
@@ -380,19 +398,32 @@ class SampledInput(ExternalInput):
     def sampled(self, value: Any) -> None:
         """The instant of a sample."""
         self.present = value
-        for session in self.sessions.values():
-            if session.available:
-                session.missed = True
-            session.available = True
+        for end in self.ends:
+            session = self.sessions.get(end)
+            if session is not None:
+                session.missed = session.missed or session.available
+                session.available = True
+                self.world.notice()
 
     def ready(self, offer: Offer) -> bool:
-        return self.sessions[offer.end].available
+        session = self.sessions.get(offer.end)
+        return self._followed(offer.end) if session is None else session.available
+
+    def _followed(self, end: EndKey) -> bool:
+        """Whether the process of the end followed this period at the present tick already, through another end."""
+        tick = self.world.now // self.period * self.period
+        return any(
+            other_end[0] == end[0] and session.since < tick
+            for port in self.world.inputs
+            if isinstance(port, SampledInput) and port.period == self.period
+            for other_end, session in port.sessions.items()
+        )
 
     def take(self, end: EndKey) -> Any:
-        session = self.sessions[end]
+        session = self.sessions.setdefault(end, Session(self.world.now, True))
         if session.missed and self.world.timeouts:
             session.missed = False
-            raise TimeoutRaised
+            raise RaisedTimeoutError
         session.available = session.missed = False
         return self.present
 
@@ -401,25 +432,10 @@ class SampledInput(ExternalInput):
         self.sessions = {end: session for end, session in self.sessions.items() if end[0] != path}
 
 
-def begin_sessions(offers: list[Offer], inputs: list[SampledInput], now: int) -> None:
-    """First reads, all that a process begins together.
-
-    The end has the sample of the present tick to take if its process has followed that period already at that tick through another end;
-    otherwise it waits for the next tick.
-    """
+def begin_sessions(offers: list[Offer]) -> None:
+    """First reads, all that a process begins to wait for together."""
     new = [o for o in offers if isinstance(o.medium, SampledInput) and o.end not in o.medium.sessions]
-    found = []
-    for offer in new:
+    found = [(o, o.medium.ready(o)) for o in new]
+    for offer, available in found:
         assert isinstance(offer.medium, SampledInput)
-        period = offer.medium.period
-        tick = now // period * period
-        follows = any(
-            end[0] == offer.end[0] and session.since < tick
-            for other in inputs
-            if other.period == period
-            for end, session in other.sessions.items()
-        )
-        found.append((offer, follows))
-    for offer, follows in found:
-        assert isinstance(offer.medium, SampledInput)
-        offer.medium.sessions[offer.end] = Session(now, follows)
+        offer.medium.sessions[offer.end] = Session(offer.medium.world.now, available)

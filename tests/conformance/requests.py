@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Generator, Sequence
 from typing import TYPE_CHECKING, Any
 
-from tests.conformance.media import Offer
+from tests.conformance.media import Offer, begin_sessions
 
 if TYPE_CHECKING:
     from tests.conformance.scheduler import Scheduler, Task
 
 
-class Cancelled(Exception):
+class CancelledError(Exception):
     """A sibling has failed, or an interrupt has come: the process ends here."""
 
 
@@ -96,7 +96,7 @@ class Communicate(Request):
         self.offers: list[Offer] = []
 
     def begin(self) -> None:
-        self.world.begin_sessions(self.offers)
+        begin_sessions(self.offers)
         for offer in self.offers:
             offer.medium.arrive(offer)
             self.world.notice()
@@ -108,7 +108,7 @@ class Communicate(Request):
             offer.medium.retry(offer)
 
     def may_go_on(self) -> bool:
-        return any(offer.medium.outside and offer.medium.ready(offer) for offer in self.offers_now())
+        return any(offer.medium.wakes(offer) for offer in self.offers_now())
 
     def offers_now(self) -> Sequence[Offer]:
         return [offer for offer in self.offers if not offer.done]
@@ -138,9 +138,7 @@ class Choose(Request):
         self.always: set[int] = set()
         self.chosen: int | None = None
         self.parked = False
-
-    def begin(self) -> None:
-        self.world.begin_sessions(list(self.offers.values()))
+        self.interrupt: Interrupt | None = None
 
     def ready_guards(self) -> list[int]:
         """The guards that are ready now, in text order."""
@@ -157,7 +155,7 @@ class Choose(Request):
             return
         ready = self.ready_guards()
         if not ready:
-            self._park()
+            self.park()
             return
         last = -1 if self.prioritized else self.memory.get("last", -1)
         index = next((i for i in ready if i > last), ready[0])
@@ -170,15 +168,19 @@ class Choose(Request):
         if offer.done:
             self.finish((index, offer.value))
 
-    def _park(self) -> None:
+    def park(self) -> None:
+        """Begin to wait."""
         if not self.parked:
             self.parked = True
+            begin_sessions(list(self.offers.values()))
             for offer in self.offers.values():
                 offer.medium.park(offer)
             self.world.notice()
 
     def _settle(self, index: int) -> None:
         self.chosen = index
+        if self.interrupt is not None and not self.interrupt.body.ended:
+            self.interrupt.trigger()
         self.memory["last"] = index
         for offer in self.offers.values():
             offer.medium.withdraw(offer)
@@ -197,6 +199,12 @@ class Choose(Request):
 
     def offer_done(self, offer: Offer) -> None:
         self.finish((self.chosen, offer.value))
+
+    def finish(self, result: Any = None) -> None:
+        if self.interrupt is None or self.interrupt.body.ended:
+            super().finish(result)
+        else:
+            self.done, self.result = True, result
 
     def offers_now(self) -> Sequence[Offer]:
         if self.chosen is None:
@@ -260,14 +268,14 @@ class Parallel(Request):
 
     def branch_ended(self, task: Task, error: Exception | None) -> None:
         """A branch has ended."""
-        if isinstance(error, Cancelled):
+        if isinstance(error, CancelledError):
             self.abandoned = True
         elif error is not None and self.failure is None:
             self.failure = error
             for sibling in self.tasks:
                 self.world.cancel(sibling)
         if all(branch.ended for branch in self.tasks):
-            self.error = self.failure or (Cancelled() if self.abandoned else None)
+            self.error = self.failure or (CancelledError() if self.abandoned else None)
             self.finish()
 
     def abandon(self) -> None:
@@ -276,48 +284,61 @@ class Parallel(Request):
 
 
 class Interrupt(Request):
-    """A body that is abandoned once ``guard`` is ready; the result is that of the guard, or None if the body has ended by itself."""
+    """A body that is abandoned once ``guard`` is ready; the result is that of the guard, or None if the body has ended by itself.
+
+    The guard waits beside the body as an alternative does: another alternative may choose to communicate with it.
+    """
 
     def __init__(self, body: Steps, guard: Choose) -> None:
         super().__init__()
         self.body_steps = body
         self.guard = guard
         self.triggered = False
-        self.failure: Exception | None = None
 
     def begin(self) -> None:
         self.guard.task, self.guard.world, self.guard.began = self.task, self.world, self.began
-        self.guard.begin()
+        self.guard.interrupt = self
         self.body = self.world.start(self.body_steps, self.task.priority, self)
         self.world.make_ready(self.body)
+        self.guard.park()
 
     @property
     def completed(self) -> bool:
-        return self.done or self.guard.done
+        return self.done or (self.guard.done and self.body.ended)
 
     @property
     def branches_run(self) -> bool:
         return not self.body.ended
 
     def may_go_on(self) -> bool:
-        if self.body.ended:
-            return self.guard.may_go_on()
-        return not self.triggered and self.guard.may_go_on()
+        return (self.body.ended or not self.triggered) and self.guard.may_go_on()
 
     def wake(self) -> None:
         if self.body.ended:
             super().wake()
         else:
-            self.triggered = True
-            self.world.cancel(self.body)
+            self.trigger()
+
+    def trigger(self) -> None:
+        """The guard is ready, or was chosen by the other side."""
+        self.triggered = True
+        self.world.cancel(self.body)
 
     def branch_ended(self, task: Task, error: Exception | None) -> None:
         """The body has ended."""
-        if isinstance(error, Cancelled) and self.triggered and not self.task.cancelled:
+        abandoned = isinstance(error, CancelledError)
+        if self.guard.done and (error is None or abandoned):
+            self.world.make_ready(self.task)
+        elif abandoned and self.triggered and not self.task.cancelled:
             self.world.make_ready(self.task)
         else:
+            self._withdraw_guard()
             self.error = error
             self.finish()
+
+    def _withdraw_guard(self) -> None:
+        for offer in self.guard.offers.values():
+            offer.medium.withdraw(offer)
 
     def attempt(self) -> None:
         if self.body.ended and not self.done:
@@ -333,7 +354,8 @@ class Interrupt(Request):
         return () if self.triggered and not self.body.ended else self.guard.deadlines()
 
     def abandon(self) -> None:
+        self._withdraw_guard()
         if self.body.ended:
-            self.guard.abandon()
+            super().abandon()
         else:
             self.world.cancel(self.body)

@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any, Protocol
 
-from tests.conformance.media import EventInput, ExternalInput, Offer, SampledInput, SampledOutput, begin_sessions
-from tests.conformance.requests import Cancelled, Interrupt, Parallel, Request, Steps
+from tests.conformance.media import EventInput, ExternalInput, SampledInput, SampledOutput
+from tests.conformance.requests import CancelledError, Interrupt, Parallel, Request, Steps
 from tests.conformance.traces import Communication, Ending
 
 Resumption = Callable[[], Request]
@@ -77,10 +77,6 @@ class Scheduler:
         if self.outside is not None:
             self.outside.give(channel.removeprefix(f"{self.top}."), value)
 
-    def begin_sessions(self, offers: list[Offer]) -> None:
-        """First reads of sampled inputs begin."""
-        begin_sessions(offers, [port for port in self.inputs if isinstance(port, SampledInput)], self.now)
-
     def process_ended(self, path: str) -> None:
         """The reading ends of a process are no longer waited at."""
         for port in self.inputs:
@@ -145,7 +141,7 @@ class Scheduler:
 
     def _begun(self, task: Task, request: Request) -> Resumption | None:
         if task.cancelled:
-            return partial(task.steps.throw, Cancelled())
+            return partial(task.steps.throw, CancelledError())
         self.begun += 1
         request.task, request.world, request.began = task, self, self.begun
         task.request = request
@@ -170,7 +166,7 @@ class Scheduler:
         self.waiting.remove(request)
         task.request = None
         if not request.completed:
-            return partial(task.steps.throw, Cancelled())
+            return partial(task.steps.throw, CancelledError())
         if request.error is not None:
             return partial(task.steps.throw, request.error)
         return partial(task.steps.send, request.outcome())

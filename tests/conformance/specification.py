@@ -16,7 +16,7 @@ from tests.conformance.instances import Place, ProcessInstance, Program, excepti
 from tests.conformance.media import Medium
 from tests.conformance.scheduler import Scheduler
 from tests.conformance.traces import Ending, Execution
-from tests.conformance.values import FaultRaised, Law
+from tests.conformance.values import Law, RaisedFaultError
 from tests.laws.interpreter import FaultError, zero
 
 
@@ -24,7 +24,8 @@ class Plant:
     """The environment's system."""
 
     def __init__(self, environment: Environment) -> None:
-        assert environment.system is not None and not environment.drivers, "devices have no specification"
+        assert environment.system is not None
+        assert not environment.drivers, "devices have no specification"
         self.step = environment.step
         self.law = Law(environment.system, {})
         self.inputs = {port.name: zero(port.type) for port in environment.system.ports if port.direction == "in"}
@@ -75,7 +76,7 @@ def execute(network: Network, environment: str | None = None, until: int | None 
             for medium in world.inputs:
                 medium.present = plant.output(medium.name.removeprefix(f"{network.top}."))
         ending = world.run(program.run(), until)
-    except (FaultRaised, FaultError):
+    except (RaisedFaultError, FaultError):
         ending = Ending("failed", world.now, "Fault")
     if world.failure is not None:
         ending = ending._replace(error=exception_name(world.failure))

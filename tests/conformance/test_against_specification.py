@@ -15,10 +15,12 @@ from cspdiag.network.ir import Network
 from cspdiag.simulate.execute import simulate
 from tests.conformance.specification import execute
 from tests.conformance.traces import Communication, Ending, Execution, compare
+from tests.properties.encounters import encounters
 from tests.properties.programs import programs
 
 ROOT = Path(__file__).parents[2]
 MODELS = sorted(path.relative_to(ROOT).as_posix() for path in ROOT.glob("models/*/*.csp"))
+PROGRAMS = sorted(path.relative_to(ROOT).as_posix() for path in Path(__file__).parent.glob("programs/*.csp"))
 LIBRARIES = {"models/jiwy/laws.csp", "models/jiwy/plant.csp", "models/dining/table.csp"}
 
 JUST_AFTER = 1
@@ -63,8 +65,16 @@ def test_model(name: str) -> None:
         assert_conforms(network, files, environment, 1_200_000_000 + JUST_AFTER)
 
 
+@pytest.mark.parametrize("name", PROGRAMS)
+def test_program(name: str) -> None:
+    """Programs that implementations have disagreed about."""
+    network, files = build(read(name))
+    for environment in [e.name for e in network.environments] or [None]:
+        assert_conforms(network, files, environment, 100_000_000 + JUST_AFTER)
+
+
 @settings(max_examples=60, deadline=None, suppress_health_check=list(HealthCheck))
-@given(programs())
+@given(programs() | encounters())
 def test_random_program(text: str) -> None:
     note(text)
     network, files = build(SourceFile(name="random.csp", text=text))

@@ -14,14 +14,14 @@ from tests.laws.interpreter import Interpreter
 Names = Callable[[str], Any]
 
 
-class FaultRaised(Exception):
+class RaisedFaultError(Exception):
     """Overflow, a value out of range, division by zero, a value that is no number."""
 
 
 def value_of(expression: ex.Expression, parameters: Mapping[str, Any], names: Names, time: float = 0.0) -> Any:
     """The value; ``names`` looks up signals of a submodel and variables of a process.
 
-    Raises FaultRaised.
+    Raises RaisedFaultError.
     """
 
     def inner(part: ex.Expression) -> Any:
@@ -67,9 +67,9 @@ def value_of(expression: ex.Expression, parameters: Mapping[str, Any], names: Na
 
 
 def within(index: int, array: tuple[Any, ...]) -> int:
-    """An index of an element; FaultRaised out of range."""
+    """An index of an element; RaisedFaultError out of range."""
     if not 0 <= index < len(array):
-        raise FaultRaised(f"index {index} of an array of {len(array)}")
+        raise RaisedFaultError(f"index {index} of an array of {len(array)}")
     return index
 
 
@@ -85,7 +85,7 @@ def fitting(kind: Type, value: Any) -> Any:
         case _:
             return value
     if not low <= value <= high:
-        raise FaultRaised(f"{value} is no value of {kind}")
+        raise RaisedFaultError(f"{value} is no value of {kind}")
     return value
 
 
@@ -100,7 +100,7 @@ def _converted(kind: Type, value: Any) -> Any:
     if isinstance(kind, RealType):
         return fitting(kind, value)
     if isinstance(value, float) and not math.isfinite(value):
-        raise FaultRaised("not a number")
+        raise RaisedFaultError("not a number")
     return fitting(kind, math.trunc(value))
 
 
@@ -127,7 +127,7 @@ def _binary(operator: str, left: Any, right: Any) -> Any:
         case "^":
             return _power(left, right)
     if right == 0:
-        raise FaultRaised("division by zero")
+        raise RaisedFaultError("division by zero")
     if isinstance(left, float):
         return left / right if operator == "/" else (math.nan if math.isinf(left) else math.fmod(left, right))
     quotient = abs(left) // abs(right) * (1 if (left < 0) == (right < 0) else -1)
@@ -137,7 +137,7 @@ def _binary(operator: str, left: Any, right: Any) -> Any:
 def _power(base: Any, exponent: Any) -> Any:
     if isinstance(base, int):
         if exponent < 0:
-            raise FaultRaised("negative power of a whole number")
+            raise RaisedFaultError("negative power of a whole number")
         return base**exponent
     try:
         return math.pow(base, exponent)
