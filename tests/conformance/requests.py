@@ -327,9 +327,9 @@ class Interrupt(Request):
     def branch_ended(self, task: Task, error: Exception | None) -> None:
         """The body has ended."""
         abandoned = isinstance(error, CancelledError)
-        if self.guard.done and (error is None or abandoned):
-            self.world.make_ready(self.task)
-        elif abandoned and self.triggered and not self.task.cancelled:
+        if (self.guard.done and (error is None or abandoned)) or (
+            abandoned and self.triggered and not self.task.cancelled
+        ):
             self.world.make_ready(self.task)
         else:
             self._withdraw_guard()
