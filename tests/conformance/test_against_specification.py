@@ -73,7 +73,7 @@ def test_program(name: str) -> None:
         assert_conforms(network, files, environment, 100_000_000 + JUST_AFTER)
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=60, derandomize=True, deadline=None, suppress_health_check=list(HealthCheck))
 @given(programs() | encounters())
 def test_random_program(text: str) -> None:
     note(text)
