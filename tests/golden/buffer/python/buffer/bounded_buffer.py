@@ -43,7 +43,11 @@ class BoundedBuffer(Process):
             # buffer.csp:36
             match await self.choice.select(
                 enabled=(self.count.value < capacity, self.count.value > 0),
-                values={1: element(self.ring.value, self.oldest.value)},
+                values={
+                    1: element(self.ring.value, self.oldest.value)
+                    if self.count.value > 0
+                    else None,
+                },
             ):
                 case 0:  # input ? ring[(oldest + count) % capacity]
                     self.ring.value = replaced(
