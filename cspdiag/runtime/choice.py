@@ -125,9 +125,8 @@ class _Pledge:
         return self._choice.task.ready_queue
 
     def resume(self, _: None) -> None:
-        task = scheduler.current = self._choice.task
         self._choice.pledged = None
-        task.resume(None)
+        self._choice.redeem()
 
 
 class Choice:
@@ -291,6 +290,11 @@ class Choice:
         self.chosen = index
         self.value = value
         self.wake()
+
+    def redeem(self) -> None:
+        """The value that was promised has been read: the task goes on."""
+        scheduler.current = self.task
+        self.task.resume(None)
 
     def pledge(self, index: int) -> Party:
         """The other side has chosen output guard ``index`` and will read later; the party waits for that."""

@@ -7,21 +7,64 @@ from types import coroutine
 from typing import Any
 
 from .alternative import Alternative
-from .choice import Choice, Guard, Input, Output
+from .choice import Choice, Guard, Input, Output, waits_of_guard
 from .composition import Branches
 from .exceptions import Cancelled
-from .scheduler import Task, scheduler
+from .scheduler import Party, Task, Waits, scheduler
 
 
 class _Interruption(Choice):
     """The guard of an interrupt: it does not wake a task that waits, it cancels the body."""
 
     body: Task
+    body_has_ended = False
 
     def wake(self) -> None:
         """The guard has become ready."""
         self.woken = True
         self.body.cancel()
+
+    def pledge(self, index: int) -> Party:
+        """See ``Choice.pledge``; the body goes on to its next communication while the value waits to be read."""
+        party = super().pledge(index)
+        self.wake()
+        return party
+
+    def redeem(self) -> None:
+        """See ``Choice.redeem``: before the body has ended, nobody waits for it."""
+        if self.body_has_ended:
+            super().redeem()
+
+    def retract(self) -> None:
+        """Offers the guard no longer, and what was promised is not kept."""
+        if self.selector.waiting is not None:
+            self.end_waiting()
+        if self.pledged is not None and self.pledged.end.withdraw(self.pledged):
+            self.pledged = None
+            self.chosen = -1
+
+    def withdraw(self, party: Party) -> bool:
+        """See ``Waiting.withdraw``: the body has ended, and the value waits to be read."""
+        self.retract()
+        return self.pledged is None
+
+    def waits_for(self, party: Party) -> Waits:
+        """See ``Waiting.waits_for``."""
+        return (waits_of_guard(self.guards[0]),)
+
+
+class _Body(Branches):
+    """The body of an interrupt as the only branch; who cancels the interrupt takes its guard back."""
+
+    __slots__ = ("interruption",)
+
+    interruption: _Interruption
+
+    def withdraw(self, party: Party) -> bool:
+        """See ``Branches.withdraw``."""
+        if self.pending:
+            self.interruption.retract()
+        return super().withdraw(party)
 
 
 @coroutine
@@ -36,17 +79,21 @@ def interrupt(
     task = scheduler.current
     if task.cancelled:
         raise Cancelled
-    branches = Branches(task)
+    branches = _Body(task)
     branches.start((body,))
-    interruption = _Interruption((guard,))
+    interruption = branches.interruption = _Interruption((guard,))
     interruption.body = branches.tasks[0]
     interruption.begin_waiting(task, 1, {}, {})
     if interruption.selector.ready or interruption.time_outs_passed(1, {}):
         interruption.wake()
     try:
         yield from branches.wait()
+        interruption.body_has_ended = True
+        while interruption.pledged is not None:
+            task.waiting = interruption
+            yield
     finally:
-        interruption.end_waiting()
+        interruption.retract()
         interruption.give_up()
     if interruption.chosen >= 0:
         value = interruption.value
