@@ -18,6 +18,7 @@ from cspdiag.network.diagnostics_periods import SampleUnknown
 from cspdiag.network.elaborate import Elaboration
 from cspdiag.network.guards import check_guards
 from cspdiag.network.kinds import Asked, asked_kinds, check_outermost, infer_kinds
+from cspdiag.network.period_origins import PeriodOrigins
 from cspdiag.network.periods import Rates, check_event_ports, net_rates
 from cspdiag.network.relations import Relations
 from cspdiag.network.shapes import Overrides, Shape, attached_key
@@ -45,14 +46,25 @@ class Analysis:
         self.flows: dict[Shape, Flow] = {}
         self._sizes: dict[Shape, int] = {}
         self._roots: list[tuple[Shape, bool]] = []
+        self._root_arguments: list[tuple[Shape, tuple[ast.Argument, ...]]] = []
         self._ranks: dict[ast.Node, int] = {definition: n for n, definition in enumerate(self.definitions.order)}
         self._needs_sample: dict[ast.SubmodelDefinition, bool] = {}
 
     def add_root(
-        self, definition: ast.ProcessDefinition, values: Mapping[str, Value], overrides: Overrides, *, is_open: bool
+        self,
+        definition: ast.ProcessDefinition,
+        arguments: tuple[ast.Argument, ...],
+        values: Mapping[str, Value],
+        overrides: Overrides,
+        *,
+        is_open: bool,
     ) -> Shape:
-        """An outermost process; ``is_open``: it belongs to a library, and what its ports meet is unknown."""
+        """An outermost process with the arguments of its environment and the values that they, defaults and overrides give.
+
+        ``is_open``: it belongs to a library, and what its ports meet is unknown.
+        """
         shape = self.elaboration.root(definition, values, overrides)
+        self._root_arguments.append((shape, arguments))
         if (shape, is_open) not in self._roots:
             self._roots.append((shape, is_open))
         return shape
@@ -62,6 +74,7 @@ class Analysis:
         for shape in self.inside_out():
             self._count(shape)
             self._infer(shape)
+        self._report_periods()
         for shape, is_open in self._roots:
             if not is_open and not shape.incomplete:
                 check_outermost(shape, self.relations.of(shape), self.asked[shape], self.report)
@@ -106,6 +119,14 @@ class Analysis:
             inside = 0
         self._sizes[shape] = 1 + inside
 
+    def _report_periods(self) -> None:
+        origins = PeriodOrigins(self.program, self.elaboration.refused_periods)
+        for shape in self.inside_out() if self.elaboration.refused_periods else ():
+            origins.shape(shape)
+        for shape, arguments in self._root_arguments:
+            origins.root(shape, arguments)
+        origins.report(self.report)
+
     def _infer(self, shape: Shape) -> None:
         uses = self.relations.of(shape)
         self.asked[shape] = asked_kinds(shape, self.asked)
@@ -120,6 +141,8 @@ class Analysis:
         for instance in placed.shape.instances.values():
             definition = instance.shape.definition
             if not isinstance(definition, ast.SubmodelDefinition) or instance.name in placed.samples:
+                continue
+            if instance.name in placed.unknown_samples:
                 continue
             keys = [attached_key(attached) for attached in instance.attachments.values()]
             if any(key is not None and placed.facts[key][0] == "open" for key in keys) or placed.shape.incomplete:

@@ -38,6 +38,8 @@ class Placed:
     shape: Shape
     facts: Facts
     samples: Mapping[str, int]
+    unknown_samples: frozenset[str]
+    """Submodel instances that have a sample period which is not known."""
     inside: dict[str, Placed]
     """The process instances by name."""
     is_outermost: bool
@@ -81,7 +83,12 @@ class Contexts:
             periods = {key: period for key, (_, period) in facts.items()}
             samples = Samples(shape, rates, periods, self.report)
             known = self._known[identity] = Placed(
-                shape=shape, facts=facts, samples=samples.found, inside={}, is_outermost=is_outermost
+                shape=shape,
+                facts=facts,
+                samples=samples.found,
+                unknown_samples=samples.unknown,
+                inside={},
+                is_outermost=is_outermost,
             )
             self.placed.append(known)
             self._pending.append(known)

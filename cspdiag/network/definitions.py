@@ -22,7 +22,7 @@ class Definitions:
         self._sort()
         self._structural: dict[Instantiable, frozenset[str]] = {}
         for definition in self.order:
-            self._structural[definition] = frozenset(self._find_structural(definition))
+            self._structural[definition] = self._with_defaults(definition, self._find_structural(definition))
 
     def instantiated(self, instance: ast.Instance) -> Instantiable | None:
         """The definition of an instance, None where it was reported as unknown."""
@@ -33,7 +33,9 @@ class Definitions:
         """Names of the parameters that sizes, indexes, periods and capacities depend on."""
         known = self._structural.get(definition)
         if known is None:
-            known = self._structural[definition] = frozenset(self._parameters_in(_port_expressions(definition)))
+            known = self._structural[definition] = self._with_defaults(
+                definition, self._parameters_in(_port_expressions(definition))
+            )
         return known
 
     def roots(self) -> list[ast.ProcessDefinition]:
@@ -98,6 +100,14 @@ class Definitions:
                     yield from self._parameters_in((*part.indexes, *part.member_indexes))
                 case ast.Replicator():
                     yield from self._parameters_in((part.count,))
+
+    def _with_defaults(self, definition: Instantiable, found: Iterable[str]) -> frozenset[str]:
+        """With the parameters that the defaults of those use, which stand before them."""
+        whole = set(found)
+        for parameter in reversed(definition.parameters):
+            if parameter.name.text in whole and parameter.default is not None:
+                whole.update(self._parameters_in((parameter.default,)))
+        return frozenset(whole)
 
     def _instance_expressions(self, instance: ast.Instance) -> Iterator[ast.Node]:
         size = instance.size

@@ -13,18 +13,25 @@ class PeriodNotPositive(Diagnostic):
 
     Sampled ports communicate at the instants k·T, k = 1, 2, … There are such instants only for a period longer than zero.
 
+    What is marked is where the period comes from: the constant or the argument that gives it to every port further in. With
+    `--set` the value is the one of the command line, and the constant or parameter that was set is marked.
+
     Refused::
 
+        const T = 0 ms
+
         process Main {
-          in angle : int @ 0 ms
+          in angle : int @ T
           communication { var last : int = 0 }
           composition { mu angle ? last }
         }
 
     Mended::
 
+        const T = 1 ms
+
         process Main {
-          in angle : int @ 1 ms
+          in angle : int @ T
           communication { var last : int = 0 }
           composition { mu angle ? last }
         }
@@ -34,10 +41,22 @@ class PeriodNotPositive(Diagnostic):
     title = "sample period that is not positive"
 
     period: int
+    use: Span
+    """The port that has it."""
+    is_set: bool
+    """Whether the value was given from outside, to the name at ``span``."""
 
     @property
     def message(self) -> str:
         return f"a sample period of {duration(self.period)} is not possible: it must be longer than zero"
+
+    @property
+    def label(self) -> str:
+        return f"set to {duration(self.period)}" if self.is_set else ""
+
+    @property
+    def labels(self) -> tuple[Label, ...]:
+        return () if self.use == self.span else (Label(self.use, "the sample period here"),)
 
 
 @record

@@ -12,14 +12,13 @@ from cspdiag.diagnostics import Report
 from cspdiag.diagnostics.record import replaced
 from cspdiag.model.evaluate import evaluate
 from cspdiag.model.program import PortSymbol, Program, Value
-from cspdiag.model.types import ArrayType, RealType, Type
+from cspdiag.model.types import ArrayType, Type
 from cspdiag.network.compose import compose
 from cspdiag.network.connect import connect
 from cspdiag.network.definitions import Definitions, Instantiable, arguments_of
 from cspdiag.network.diagnostics_arrays import SizeNotPositive, TooManyInstances
-from cspdiag.network.diagnostics_periods import PeriodNotPositive
 from cspdiag.network.places import Places
-from cspdiag.network.shapes import InstanceShape, Overrides, PortShape, Shape, element_name
+from cspdiag.network.shapes import UNKNOWN_PERIOD, InstanceShape, Overrides, PortShape, Shape, element_name
 from cspdiag.syntax import ast
 
 LARGEST_PROCESS = 100_000
@@ -37,6 +36,8 @@ class Elaboration:
         self.report = report
         self.shapes: list[Shape] = []
         """Callers before callees, in the order of discovery."""
+        self.refused_periods: dict[Shape, list[tuple[ast.Expression, int]]] = {}
+        """The periods of ports that are not longer than zero, with their values in nanoseconds."""
         self._known: dict[object, Shape] = {}
         self._pending: list[Shape] = []
 
@@ -106,23 +107,20 @@ class Elaboration:
         sizes = [self.integer(dimension, values) for dimension in declared.dimensions]
         return _with_sizes(known, sizes)
 
-    def period(self, ports: ast.Ports, values: Values) -> int | None:
-        """The sample period of a declaration in nanoseconds."""
+    def period(self, ports: ast.Ports, shape: Shape) -> int | None:
+        """The sample period of a declaration in nanoseconds; one that is refused is kept for the report and unknown."""
         expression = ports.period
         if expression is None:
             return None
         if isinstance(expression, ast.Duration):
             period: Value | None = expression.nanoseconds
         else:
-            period = evaluate(self.program, expression, values, self.report)
-            known = self.program.types.get(expression)
-            if isinstance(known, RealType) and isinstance(period, float) and period > 0:
-                period = round(1e9 / period)
+            period = evaluate(self.program, expression, shape.values, self.report)
         if not isinstance(period, int) or isinstance(period, bool):
-            return None
+            return UNKNOWN_PERIOD
         if period <= 0:
-            self.report.add(PeriodNotPositive(span=expression.span, period=period))
-            return None
+            self.refused_periods.setdefault(shape, []).append((expression, period))
+            return UNKNOWN_PERIOD
         return period
 
     def _ports(self, shape: Shape) -> None:
@@ -153,7 +151,7 @@ class Elaboration:
             direction=symbol.declaration.direction,
             type=self.type_of(symbol.declaration.type, symbol.type, shape.values),
             size=size,
-            period=self.period(symbol.declaration, shape.values),
+            period=self.period(symbol.declaration, shape),
         )
 
     def _fill(self, shape: Shape) -> None:

@@ -42,7 +42,7 @@ from cspdiag.network.contexts import Placed
 from cspdiag.network.diagnostics_alternatives import GuardNotRead
 from cspdiag.network.ends import all_actions
 from cspdiag.network.relations import end_key
-from cspdiag.network.shapes import InstanceShape, Key, attached_key, element_name
+from cspdiag.network.shapes import UNKNOWN_PERIOD, InstanceShape, Key, attached_key, element_name
 from cspdiag.network.waiting import inputs_of, is_open, read_may_wait, write_may_wait
 
 
@@ -193,7 +193,9 @@ class _Beginnings:
     def _is_companion(self, key: Key) -> bool:
         """Whether ``key`` is a sampled input ready whenever the guard's port is: read only together with it, at its period."""
         assert self.key is not None
-        if self.placed.facts[key] != self.placed.facts[self.key] or self.placed.facts[key][0] != "sampled":
+        (kind, period), (guard_kind, guard_period) = self.placed.facts[key], self.placed.facts[self.key]
+        is_known = UNKNOWN_PERIOD not in (period, guard_period)
+        if kind != "sampled" or guard_kind != "sampled" or (is_known and period != guard_period):
             return False
         shape = self.placed.shape
         for instance in shape.instances.values():

@@ -40,11 +40,11 @@ def check(program: Program, report: Report) -> None:
         if process is not None and process not in analysis.definitions.recursive:
             environment_of.add(process)
             values = _arguments(analysis, process, environment.arguments, {})
-            analysis.add_root(process, _by_name(values), {}, is_open=False)
+            analysis.add_root(process, environment.arguments, _by_name(values), {}, is_open=False)
     for definition in analysis.definitions.roots():
         if definition not in environment_of:
             values = _arguments(analysis, definition, (), {})
-            analysis.add_root(definition, _by_name(values), {}, is_open=definition not in main)
+            analysis.add_root(definition, (), _by_name(values), {}, is_open=definition not in main)
     analysis.run()
     check_release(program, report)
     submodels.check(program, report, analysis.law_samples())
@@ -70,14 +70,15 @@ def lower(
             f"there is no environment `{environment}`{f' for `{top}`' if top else ''}{_suggestion(environment, known)}"
         )
     process = _top(program, analysis, top, chosen)
-    values = _arguments(analysis, process, chosen.arguments if chosen else (), overrides)
+    arguments = chosen.arguments if chosen else ()
+    values = _arguments(analysis, process, arguments, overrides)
     for parameter in process.parameters:
         if parameter not in values:
             raise SelectionError(
                 f"the outermost process `{process.name.text}` has no value for its parameter `{parameter.name.text}`: "
                 f"give it a default, set it, or write an environment for `{process.name.text}(...)`"
             )
-    shape = analysis.add_root(process, _by_name(values), overrides, is_open=False)
+    shape = analysis.add_root(process, arguments, _by_name(values), overrides, is_open=False)
     (placed,) = analysis.run()
     if report.has_errors:
         return None

@@ -12,12 +12,12 @@ from typing import TypeAlias
 from cspdiag.diagnostics import Report, Span
 from cspdiag.diagnostics.record import record
 from cspdiag.network.diagnostics_periods import PeriodsDisagree, SampledInsideOnly, SamplesDisagree
-from cspdiag.network.shapes import InstanceShape, Key, Shape, attached_key, element_name
+from cspdiag.network.shapes import UNKNOWN_PERIOD, InstanceShape, Key, Shape, attached_key, element_name
 
 
 @record
 class Rate:
-    """A sample period in nanoseconds and the port that says it."""
+    """A sample period in nanoseconds, or UNKNOWN_PERIOD, and the port that says it."""
 
     period: int
     said: Span
@@ -42,7 +42,9 @@ def net_rates(shape: Shape, inside: Mapping[Shape, Rates], report: Report) -> Ra
             if net is None or rate is None:
                 continue
             known = rates.setdefault(net, rate)
-            if known.period != rate.period:
+            if UNKNOWN_PERIOD in (known.period, rate.period):
+                rates[net] = Rate(UNKNOWN_PERIOD, known.said)
+            elif known.period != rate.period:
                 report.add(
                     PeriodsDisagree(
                         span=attached.span,
@@ -59,13 +61,16 @@ def net_rates(shape: Shape, inside: Mapping[Shape, Rates], report: Report) -> Ra
 def check_event_ports(shape: Shape, rates: Rates, report: Report) -> None:
     """A port of the outermost process without a period is an event port, also to those inside."""
     for port, _, key in shape.port_elements():
-        if port.period is None and port.symbol.declaration.period is None and key in rates:
-            rate = rates[key]
+        rate = rates.get(key)
+        if port.period is None and rate is not None and rate.period != UNKNOWN_PERIOD:
             report.add(SampledInsideOnly(span=port.span, port=key, period=rate.period, inner=rate.said))
 
 
 class Samples:
-    """The sample period of each submodel instance of a shape, in nanoseconds; None where nothing tells."""
+    """The sample period of each submodel instance of a shape, in nanoseconds; nothing for those where nothing tells.
+
+    ``unknown``: the instances that have a period which is not known.
+    """
 
     def __init__(self, shape: Shape, rates: Rates, periods: Mapping[Key, int | None], report: Report) -> None:
         self.shape = shape
@@ -74,6 +79,9 @@ class Samples:
         self.report = report
         self.found: dict[str, int] = {}
         self._infer()
+        self.unknown = frozenset(name for name, period in self.found.items() if period == UNKNOWN_PERIOD)
+        for name in self.unknown:
+            del self.found[name]
 
     def _infer(self) -> None:
         submodels = [i for i in self.shape.instances.values() if i.shape.is_submodel]
@@ -88,17 +96,22 @@ class Samples:
             self._spread(submodels, pending)
 
     def _direct(self, instance: InstanceShape) -> int | None:
-        """The period of the nets that say one; the first of two that disagree."""
+        """The period of the nets that say one; the first of two that disagree, unknown where one is."""
         first: tuple[int, Key] | None = None
+        is_unknown = False
         for attached in instance.attachments.values():
             key = attached_key(attached)
             period = None if key is None else self.periods.get(key)
             if key is None or period is None:
                 continue
-            if first is None:
+            if period == UNKNOWN_PERIOD:
+                is_unknown = True
+            elif first is None:
                 first = period, key
             elif first[0] != period:
                 self._report(instance, first, (period, key))
+        if is_unknown:
+            return UNKNOWN_PERIOD
         return None if first is None else first[0]
 
     def _report(self, instance: InstanceShape, one: tuple[int, Key], other: tuple[int, Key]) -> None:
@@ -137,7 +150,7 @@ class Samples:
                             offers.setdefault(other.name, set()).add(self.found[instance.name])
             front = []
             for name in sorted(offers):
-                if len(offers[name]) == 1:
-                    self.found[name] = offers[name].pop()
+                if len(offers[name]) == 1 or UNKNOWN_PERIOD in offers[name]:
+                    self.found[name] = min(offers[name])
                     waiting.discard(name)
                     front.append(self.shape.instances[name])

@@ -22,6 +22,9 @@ from cspdiag.syntax.ast import KindName
 Key: TypeAlias = str
 """A port element (``request[3]``) or a channel of a shape, by its name; both live in one space of names."""
 
+UNKNOWN_PERIOD = 0
+"""The period of a port or net that has one which is not known: it was refused, or depends on a parameter without a value."""
+
 PortElement: TypeAlias = "tuple[str, int | None]"
 
 Overrides: TypeAlias = Mapping[str, Value]
@@ -45,7 +48,7 @@ class PortShape:
     type: Type
     size: int | None
     period: int | None
-    """In nanoseconds; None where none was said or it is unknown."""
+    """In nanoseconds; None where none was said, UNKNOWN_PERIOD where it is unknown."""
 
     @property
     def span(self) -> Span:
