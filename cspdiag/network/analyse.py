@@ -20,6 +20,7 @@ from cspdiag.network.guards import check_guards
 from cspdiag.network.kinds import Asked, asked_kinds, check_outermost, infer_kinds
 from cspdiag.network.period_origins import PeriodOrigins
 from cspdiag.network.periods import Rates, check_event_ports, net_rates
+from cspdiag.network.rate_boundaries import RateBoundaries
 from cspdiag.network.relations import Relations
 from cspdiag.network.shapes import Overrides, Shape, attached_key
 from cspdiag.network.submodels import needs_sample
@@ -86,6 +87,10 @@ class Analysis:
             check_guards(placed, self.report)
             check_progress(placed, waiting, self.report)
             self._check_samples(placed)
+        if len({period for placed in self.contexts.placed for period in placed.samples.values()}) > 1:
+            boundaries = RateBoundaries(self.report)
+            for placed in self._inside_out_in_context():
+                boundaries.process(placed)
         return outermost
 
     def law_samples(self) -> set[tuple[ast.SubmodelDefinition, int]]:

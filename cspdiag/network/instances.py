@@ -114,7 +114,7 @@ class _Walk:
                 _OpenNet(f"{path}.{channel.name}", channel.kind, channel.type, None, period, channel.span)
             )
         if shape not in self._own_uses:
-            self._own_uses[shape] = _own_uses(shape)
+            self._own_uses[shape] = own_uses(shape)
         writes, reads = self._own_uses[shape]
         for key in writes:
             if key in attached:
@@ -140,7 +140,7 @@ class _Walk:
         return nets
 
 
-def _own_uses(shape: Shape) -> tuple[list[Key], list[Key]]:
+def own_uses(shape: Shape) -> tuple[list[Key], list[Key]]:
     """The ports and channels that a process itself writes and reads, each once, in text order; expressions are no readers."""
     writes: dict[Key, None] = {}
     reads: dict[Key, None] = {}
