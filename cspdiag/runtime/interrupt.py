@@ -60,6 +60,12 @@ class _Body(Branches):
 
     interruption: _Interruption
 
+    def branch_ended(self, branch: Task, error: BaseException | None) -> None:
+        """See ``Join.branch_ended``. A body that ends by itself takes the guard with it, unless somebody has chosen it."""
+        super().branch_ended(branch, error)
+        if not isinstance(error, Cancelled) and self.interruption.selector.waiting is not None:
+            self.interruption.end_waiting()
+
     def withdraw(self, party: Party) -> bool:
         """See ``Branches.withdraw``."""
         if self.pending:
