@@ -64,7 +64,6 @@ from cspdiag.network.actions import (
 from cspdiag.network.expressions import Expression
 from cspdiag.network.walk import instances_run, mentions_variable, parts
 
-
 _MAY_FAULT = re.compile(r"[(/%]")
 """In code: calls, of which checks of ranges are some, and divisions."""
 
