@@ -29,6 +29,7 @@ from cspdiag.codegen.python_members import Members
 from cspdiag.codegen.python_rolling import LEAST, rolled_steps, statements_template, template
 from cspdiag.codegen.python_statements import Block, Line, Statement, assign, lines, run
 from cspdiag.codegen.python_types import quoted
+from cspdiag.codegen.ranges import cannot_fault
 from cspdiag.network.actions import (
     Action,
     AfterEvent,
@@ -149,6 +150,13 @@ class Composition:
             case _:
                 return self._coroutine(action, hint or coroutine_name(action))
 
+    def _later(self, action: Action, hint: str | None = None) -> Code:
+        """As ``awaitable``, for what begins later than it is made: what it writes is then computed when it runs."""
+        match action:
+            case WriteValue(value=value) | WaitStep(duration=value) if not cannot_fault(value):
+                return self._coroutine(action, hint or coroutine_name(action))
+        return self.awaitable(action, hint)
+
     def _branches(self, steps: Sequence[Action]) -> Iterable[Argument]:
         alike = self._alike(steps)
         if alike is not None:
@@ -158,7 +166,7 @@ class Composition:
         while position < len(steps):
             whole = self._whole_array(steps, position)
             if whole is None:
-                yield Argument(self.awaitable(steps[position]))
+                yield Argument(self._later(steps[position]))
                 position += 1
             else:
                 name, count = whole
@@ -190,7 +198,7 @@ class Composition:
         return (f"self.{array.name}", len(wanted)) if given == list(wanted) else None
 
     def _group(self, label: str, body: Action) -> Code:
-        return call(self.imports.runtime("group"), Atom(quoted(label)), self.awaitable(body, label))
+        return call(self.imports.runtime("group"), Atom(quoted(label)), self._later(body, label))
 
     def _coroutine(self, action: Action, hint: str) -> Code:
         name = self.members.names.fresh(f"_{hint}")
@@ -345,7 +353,7 @@ class Composition:
 
     def _interrupt(self, body: Action, branch: Branch) -> Code:
         guard = self._guard(branch.event, self.printer)
-        interrupted = self.awaitable(body)
+        interrupted = self._later(body)
         taken: tuple[Statement, ...] = ()
         if isinstance(branch.event, InputEvent):
             attribute = f"self.{self.members.names.fresh('interruption')}"

@@ -1,18 +1,23 @@
-"""Which integer operations can leave the range of their type."""
+"""What can go wrong when an expression is evaluated: integers that leave the range of their type."""
 
 from __future__ import annotations
 
 from cspdiag.model.types import EnumType, IntType, TimeType, Type
 from cspdiag.network.expressions import (
+    ArrayElements,
     BinaryOperation,
     ConditionalValue,
     Conversion,
     Expression,
+    FieldValue,
     FunctionCall,
     LiteralValue,
     ParameterValue,
+    StructValue,
     UnaryOperation,
+    VariableValue,
 )
+from cspdiag.network.walk import parts
 
 Range = tuple[int, int]
 
@@ -29,6 +34,12 @@ def needs_check(expression: Expression) -> bool:
     low, high = _result(expression)
     bounds = _bounds(expression.type)
     return low < bounds[0] or high > bounds[1]
+
+
+def cannot_fault(expression: Expression) -> bool:
+    """Whether evaluating the expression computes nothing, so that it does not matter when it is evaluated."""
+    stored = LiteralValue | ParameterValue | VariableValue | FieldValue | StructValue | ArrayElements
+    return all(isinstance(part, stored) for part in parts(expression))
 
 
 def _is_constant(expression: Expression) -> bool:
