@@ -55,7 +55,8 @@ from .exceptions import (
     ProcessError,
     Timeout,
 )
-from .external import EventInput, EventOutput, SampledInput, SampledOutput
+from .external import EventOutput, SampledOutput
+from .inputs import EventInput, SampledInput
 from .instants import Environment
 from .interrupt import interrupt
 from .network import Network

@@ -14,7 +14,8 @@ from typing import Any
 from .clock import Clock
 from .drivers import NO_SAMPLE, DriverFailed, name_of
 from .exceptions import DriverError
-from .external import EventInput, EventOutput, Port, SampledInput, SampledOutput
+from .external import EventOutput, Port, SampledOutput
+from .inputs import EventInput, SampledInput
 
 _PATIENCE = 2.0
 """Seconds that a blocking driver has to take a safe value and to end."""

@@ -11,7 +11,8 @@ from typing import Any, Protocol, TypeAlias, TypeVar
 
 from .durations import ms
 from .exceptions import EnvironmentFailure
-from .external import EventInput, EventOutput, Port, SampledInput, SampledOutput
+from .external import EventOutput, Port, SampledOutput
+from .inputs import EventInput, SampledInput
 from .places import statement_of
 from .scheduler import scheduler
 

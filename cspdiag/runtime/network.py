@@ -15,7 +15,8 @@ from .deadlock import report_deadlock
 from .devices import Devices
 from .drivers import DriverFailed
 from .exceptions import EnvironmentFailure
-from .external import EventInput, Port, SampledInput
+from .external import Port
+from .inputs import EventInput, SampledInput
 from .instants import Environment, Instants, start
 from .observer import Observer
 from .outcome import Jitter, Outcome

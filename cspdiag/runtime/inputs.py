@@ -1,0 +1,308 @@
+"""Inputs of the outermost process: where a program takes what its environment offers.
+
+Every process that reads a *sampled* input has an end of its own, with a session that begins when it first waits for a sample and lasts until the
+process ends; within it, each sample must be taken before the next one comes. An *event* input keeps the latest value offered until it is read.
+A value from outside communicates when a reader takes it.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, Literal
+
+from .drivers import NO_SAMPLE, Driver, read_from
+from .exceptions import ChannelMisuse, Timeout
+from .latched import LatchedEnd, refuse_cancelled
+from .ports import In, T
+from .scheduler import Party, scheduler
+from .selector import Selector, raise_bits
+
+if TYPE_CHECKING:
+    from .choice import Choice
+    from .process import Process
+
+
+class _Pace:
+    """The ends of one process with one period. The process *follows* the period from its first sample until it ends."""
+
+    __slots__ = ("ends", "followed")
+
+    def __init__(self) -> None:
+        self.ends: list[SampledEnd[Any]] = []
+        self.followed = False
+
+
+class SampledEnd(LatchedEnd[T]):
+    """The end of one reader of a sampled input.
+
+    Its session begins when the reader first waits for a sample. Before that, while its process follows the period through another end, it
+    holds the sample of the present tick, so that a first read belongs to the same instant as the reads beside it.
+    """
+
+    __slots__ = ("_begun", "_overdue", "_pace", "_port", "_reader")
+
+    def __init__(self, port: SampledInput[T], pace: _Pace) -> None:
+        super().__init__(port.name)
+        self._port = port
+        self._pace = pace
+        self._begun = False
+        self._overdue = False
+        self._reader: Party | None = None
+        pace.ends.append(self)
+
+    @property
+    def listens(self) -> bool:
+        """Whether it wants the next sample: its session has begun, or its process follows the period."""
+        return self._begun or self._pace.followed
+
+    @property
+    def awaited(self) -> bool:
+        """Whether somebody waits for the next sample."""
+        return self._reader is not None or self._alternative_waits()
+
+    def sample(self, value: T) -> None:
+        """The tick: a new sample, for an end that listens."""
+        if not self._begun:
+            self._hold(value)
+            return
+        if not self._pace.followed:
+            self._pace.followed = True
+            for end in self._pace.ends:
+                if not end._begun and end._port.sampled:
+                    end._hold(end._port.latest)
+                end._port.sessions_changed()
+        if self._fresh:
+            self._port.missed += 1
+            self._overdue = self._port.on_miss == "timeout"
+        self._value = value
+        self._fresh = True
+        if self._reader is not None:
+            scheduler.enqueue(self._reader)
+            self._reader = None
+        if self._inputs:
+            raise_bits(self._inputs)
+
+    def _hold(self, value: T) -> None:
+        """Keeps the sample of the present tick for a first read; to overwrite it is no miss."""
+        self._value = value
+        self._fresh = True
+        raise_bits(self._inputs)
+
+    def request(self, party: Party) -> bool:
+        """See ``In.request``. Raises Timeout if a sample was overwritten since the last read."""
+        if self._fresh:
+            party.received = self._taken(party)
+            return True
+        if self._reader is not None:
+            raise ChannelMisuse(f"one end of {self.name} is read by two processes at the same time")
+        self._reader = party
+        if not self._begun:
+            self._begin()
+        return False
+
+    def collect(self, party: Party) -> bool:
+        """See ``In.collect``."""
+        refuse_cancelled()
+        return self.request(party)
+
+    def _taken(self, reader: Party) -> T:
+        if self._overdue:
+            self._overdue = False
+            raise Timeout(f"a sample of {self.name} was overwritten before it had been taken")
+        if not self._begun:
+            self._begin()
+        return self._communicated(reader)
+
+    def _begin(self) -> None:
+        self._begun = True
+        self._port.sessions_changed()
+        for selector, bit in self._inputs:
+            selector.attend &= ~bit
+
+    def close(self) -> None:
+        """The session is over: the next read waits for the next tick again."""
+        self._begun = self._fresh = self._overdue = self._pace.followed = False
+        self._port.sessions_changed()
+        for selector, bit in self._inputs:
+            selector.attend |= bit
+            selector.ready &= ~bit
+
+    def withdraw(self, party: Party) -> bool:
+        """See ``In.withdraw``."""
+        if self._reader is not party:
+            return False
+        self._reader = None
+        return True
+
+    def watch_input(self, selector: Selector, bit: int) -> None:
+        """See ``In.watch_input``."""
+        super().watch_input(selector, bit)
+        if not self._begun:
+            selector.attend |= bit
+
+    def enroll_input(self, choice: Choice, index: int) -> None:
+        """An alternative waits for the first sample: the session begins."""
+        if not self._begun:
+            self._begin()
+
+
+class SampledInput(In[T]):
+    """A sampled input of the outermost process; ``missed`` counts samples that were overwritten untaken."""
+
+    __slots__ = ("_listening", "driver", "ends", "latest", "line", "missed", "name", "on_miss", "period", "sampled")
+
+    def __init__(self, name: str, *, period: int, driver: Driver | None = None) -> None:
+        self.name = name
+        self.period = period
+        self.driver = driver
+        self.line: Any = driver
+        self.ends: list[SampledEnd[T]] = []
+        self._listening: list[SampledEnd[T]] | None = None
+        self.missed = 0
+        self.on_miss: Literal["timeout", "count"] = "timeout"
+        self.latest: Any = None
+        self.sampled = False
+        """Whether there has been a sample, which is then ``latest``."""
+
+    def reader(self, owner: Process | None = None) -> SampledEnd[T]:
+        """The end of a process, whose session lasts until the process ends."""
+        end: SampledEnd[T] = SampledEnd(self, _Pace() if owner is None else self._pace_of(owner))
+        self.ends.append(end)
+        return end if owner is None else owner.owns(end)
+
+    def _pace_of(self, owner: Process) -> _Pace:
+        for end in owner.ends:
+            if isinstance(end, SampledEnd) and end._port.period == self.period:
+                return end._pace
+        return _Pace()
+
+    def sessions_changed(self) -> None:
+        """Other ends than before may listen."""
+        self._listening = None
+
+    def _ends_that_listen(self) -> list[SampledEnd[T]]:
+        listening = self._listening
+        if listening is None:
+            listening = self._listening = [end for end in self.ends if end.listens]
+        return listening
+
+    def sample(self) -> None:
+        """The tick: takes the new sample for all readers."""
+        if self.line is None:
+            return
+        value = read_from(self.line, self.name)
+        if value is NO_SAMPLE:
+            return
+        self.latest = value
+        self.sampled = True
+        for end in self._ends_that_listen():
+            end.sample(value)
+
+    @property
+    def can_come(self) -> bool:
+        """Whether a tick can make a process ready: a reader waits for the next sample."""
+        return self.driver is not None and _some_awaited(self._ends_that_listen())
+
+
+class EventEnd(LatchedEnd[T]):
+    """A latch of an event input."""
+
+    __slots__ = ("_readers",)
+
+    def __init__(self, name: str) -> None:
+        super().__init__(name)
+        self._readers: deque[Party] = deque()
+
+    @property
+    def awaited(self) -> bool:
+        """Whether somebody waits for an event."""
+        return bool(self._readers) or self._alternative_waits()
+
+    def occur(self, value: T) -> None:
+        """The environment offers a new value."""
+        self._value = value
+        self._fresh = True
+        if self._readers:
+            scheduler.enqueue(self._readers.popleft())
+        raise_bits(self._inputs)
+
+    def request(self, party: Party) -> bool:
+        """See ``In.request``."""
+        if self._fresh:
+            party.received = self._taken(party)
+            return True
+        self._readers.append(party)
+        return False
+
+    def collect(self, party: Party) -> bool:
+        """See ``In.collect``."""
+        if scheduler.current.cancelled and self._fresh and self._readers:
+            scheduler.enqueue(self._readers.popleft())
+        refuse_cancelled()
+        if self._fresh:
+            party.received = self._taken(party)
+            return True
+        self._readers.appendleft(party)
+        return False
+
+    def withdraw(self, party: Party) -> bool:
+        """See ``In.withdraw``."""
+        if party not in self._readers:
+            return False
+        self._readers.remove(party)
+        return True
+
+
+class EventInput(In[T]):
+    """An event input of the outermost process.
+
+    With ``kind="broadcast"`` every reading end has a latch of its own; otherwise all readers share one, and a value goes to one of them.
+    """
+
+    __slots__ = ("_last", "driver", "ends", "kind", "line", "name", "polled")
+
+    def __init__(
+        self, name: str, *, driver: Driver | None = None, kind: Literal["sync", "any", "broadcast"] = "sync"
+    ) -> None:
+        self.name = name
+        self.driver = driver
+        self.line: Any = driver
+        self.polled = driver is not None
+        self.kind = kind
+        self.ends: list[EventEnd[T]] = [] if kind == "broadcast" else [EventEnd(name)]
+        self._last: Any = None
+
+    def reader(self, owner: Process | None = None) -> EventEnd[T]:
+        """The end of a process."""
+        if self.kind == "broadcast":
+            self.ends.append(EventEnd(self.name))
+        return self.ends[-1]
+
+    def start(self) -> None:
+        """The value at the beginning is no event."""
+        self._last = read_from(self.line, self.name)
+
+    def poll(self) -> None:
+        """A grid instant: offers the value if it has changed."""
+        value = read_from(self.line, self.name)
+        if value != self._last:
+            self._last = value
+            self.occur(value)
+
+    def occur(self, value: T) -> None:
+        """The environment offers a new value."""
+        for end in self.ends:
+            end.occur(value)
+
+    @property
+    def can_come(self) -> bool:
+        """Whether an event can make a process ready: a reader waits for it."""
+        return self.driver is not None and _some_awaited(self.ends)
+
+
+def _some_awaited(ends: Sequence[SampledEnd[Any]] | Sequence[EventEnd[Any]]) -> bool:
+    for end in ends:  # noqa: SIM110 - as above
+        if end.awaited:
+            return True
+    return False
