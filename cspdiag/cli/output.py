@@ -14,18 +14,12 @@ MANIFEST = ".cspdiag-manifest"
 
 
 def replace_text(path: str, text: str) -> None:
-    """Write a text file by way of a temporary one beside it; a symbolic link keeps pointing where it points."""
-    real = os.path.realpath(path)
-    temporary = f"{real}.{os.getpid()}.tmp"
-    try:
-        with open(temporary, "x", encoding="utf-8", newline="\n") as file:
-            file.write(text)
-        with suppress(OSError):
-            os.chmod(temporary, os.stat(real).st_mode & 0o7777)
-        os.replace(temporary, real)
-    finally:
-        with suppress(FileNotFoundError):
-            os.unlink(temporary)
+    """Write a text file as ``write_whole`` does."""
+    from pathlib import Path
+
+    from cspdiag.simulate.files import write_whole
+
+    write_whole(Path(path), text.encode())
 
 
 def write_package(folder: str, files: Mapping[str, str], *, force: bool) -> None:

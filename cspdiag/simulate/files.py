@@ -5,8 +5,8 @@ from __future__ import annotations
 import io
 import json
 import os
-import tempfile
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -17,25 +17,21 @@ if TYPE_CHECKING:
 
 
 def write_whole(path: Path, data: bytes) -> None:
-    """Write a file whole or not at all: into a temporary one beside it, then renamed.
+    """Write a file whole or not at all, by way of a temporary one beside it.
 
-    Raises OSError as the file system does.
+    A symbolic link keeps pointing where it points, a file keeps its permissions. Raises OSError as the file system does.
     """
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    real = os.path.realpath(path)
+    temporary = f"{real}.{os.getpid()}.tmp"
     try:
-        with os.fdopen(handle, "wb") as file:
+        with open(temporary, "xb") as file:
             file.write(data)
-        os.chmod(temporary, 0o666 & ~_umask())
-        os.replace(temporary, path)
-    except BaseException:
-        os.unlink(temporary)
-        raise
-
-
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask
+        with suppress(OSError):
+            os.chmod(temporary, os.stat(real).st_mode & 0o7777)
+        os.replace(temporary, real)
+    finally:
+        with suppress(FileNotFoundError):
+            os.unlink(temporary)
 
 
 def readable(value: object, kind: Type | None) -> object:
