@@ -20,6 +20,7 @@ from cspdiag.network.actions import (
     Group,
     IfElse,
     InterruptOn,
+    OptimizedStep,
     ParallelSteps,
     RaiseException,
     ReadValue,
@@ -110,6 +111,8 @@ class _Loads:
                 | RaiseException()
             ):
                 return 0.0
+            case OptimizedStep():
+                raise AssertionError("made by the optimizer, later")
             case _:
                 assert_never(action)
 

@@ -144,7 +144,7 @@ def _run(verb: str, options: list[str]) -> int:
 
 
 def _module(verb: str) -> Verb:
-    return cast(Verb, import_module(f"cspdiag.cli.{verb}"))
+    return cast("Verb", import_module(f"cspdiag.cli.{verb}"))
 
 
 def _overview() -> str:

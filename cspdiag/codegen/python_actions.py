@@ -43,6 +43,7 @@ from cspdiag.network.actions import (
     IfElse,
     InputEvent,
     InterruptOn,
+    OptimizedStep,
     OutputEvent,
     ParallelSteps,
     PortEnd,
@@ -127,6 +128,8 @@ class Composition:
                 return (run(Prefix("await ", self._group(label, action.body))),)
             case RunInstance() | WriteValue() | WaitStep() | StopStep() | ParallelSteps() | InterruptOn() | Group():
                 return (run(Prefix("await ", self.awaitable(action)), self._checked_place(action)),)
+            case OptimizedStep():
+                raise AssertionError("made by the optimizer, for another target")
         assert_never(action)
 
     def awaitable(self, action: Action, hint: str | None = None) -> Code:

@@ -1,12 +1,19 @@
-"""What a process does: the composition, resolved and unrolled."""
+"""What a process does: the composition, resolved and unrolled.
+
+The last few actions are not in the text: the passes of ``network.optimize`` make them.
+"""
 
 from __future__ import annotations
 
-from typing import TypeAlias
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from cspdiag.diagnostics import Span
 from cspdiag.diagnostics.record import record
+from cspdiag.model.types import Type
 from cspdiag.network.expressions import Expression
+
+if TYPE_CHECKING:
+    from cspdiag.network.ir import ExternalCall, SubmodelEquation
 
 
 @record
@@ -174,10 +181,14 @@ class Branch(Step):
 
 @record(kw_only=True)
 class Choice(Step):
-    """An alternative. A guarded process alone is one with a single branch."""
+    """An alternative. A guarded process alone is one with a single branch.
+
+    ``name`` is unique in the class once the passes of ``network.optimize`` have given names.
+    """
 
     branches: tuple[Branch, ...]
     prioritized: bool
+    name: str = ""
 
 
 @record(kw_only=True)
@@ -230,6 +241,89 @@ class Group(Step):
     body: Action
 
 
+@record(kw_only=True)
+class OptimizedStep(Step):
+    """A step that only the passes of ``network.optimize`` make; whoever runs before them never meets one."""
+
+
+@record(kw_only=True)
+class InputRead:
+    """One of the reads of ``ReadInputs``: the value becomes the local signal ``name``."""
+
+    source: End
+    name: str
+    type: Type
+
+
+@record(kw_only=True)
+class ReadInputs(OptimizedStep):
+    """The inputs of an inlined control law: all reads are begun at once in this order, then it waits for all."""
+
+    reads: tuple[InputRead, ...]
+
+
+@record(kw_only=True)
+class OutputWrite:
+    """One of the writes of ``WriteOutputs``."""
+
+    sink: End
+    value: Expression
+
+
+@record(kw_only=True)
+class WriteOutputs(OptimizedStep):
+    """The outputs of an inlined control law: all values are offered at once in this order, then it waits for all."""
+
+    writes: tuple[OutputWrite, ...]
+
+
+@record(kw_only=True)
+class RunLaw(OptimizedStep):
+    """One run of an inlined control law, as ``SubmodelClass`` says, on states and constants of the enclosing class.
+
+    ``law`` is the instance's name and the prefix of all its names (``servo.pid.ud``). The equations make local signals, which
+    ``WriteOutputs`` after it may use. ``sample`` is the period in seconds that continuous states are integrated over.
+    """
+
+    law: str
+    equations: tuple[SubmodelEquation | ExternalCall, ...]
+    next_values: tuple[tuple[str, Expression], ...] = ()
+    derivative_equations: tuple[SubmodelEquation, ...] = ()
+    derivatives: tuple[tuple[str, Expression], ...] = ()
+    method: Literal["rk4", "euler"] = "rk4"
+    step: int | None = None
+    sample: Expression | None = None
+
+
+@record(kw_only=True)
+class ResetStates(OptimizedStep):
+    """Puts states of the class back to their initial values."""
+
+    states: tuple[str, ...]
+
+
+@record(kw_only=True)
+class ProcessScope(OptimizedStep):
+    """The body of a process that was flattened into this class.
+
+    ``instance`` is its path below this class. ``ends`` are its reading ends: the sampled ones of them with one period pace each other,
+    and all are closed when the body ends, in whatever way.
+    """
+
+    instance: str
+    class_name: str
+    ends: tuple[End, ...]
+    body: Action
+
+
+@record(kw_only=True)
+class ReportCommunication(OptimizedStep):
+    """Tells the trace of a communication on a channel that was optimized away; ``channel`` is its path below this class."""
+
+    channel: str
+    value: Expression
+
+
 Action: TypeAlias = (
     RunInstance
     | ReadValue
@@ -249,4 +343,10 @@ Action: TypeAlias = (
     | CatchException
     | InterruptOn
     | Group
+    | ReadInputs
+    | WriteOutputs
+    | RunLaw
+    | ResetStates
+    | ProcessScope
+    | ReportCommunication
 )

@@ -24,6 +24,7 @@ from cspdiag.network.actions import (
     IfElse,
     InputEvent,
     InterruptOn,
+    OptimizedStep,
     OutputEvent,
     ParallelSteps,
     RaiseException,
@@ -143,6 +144,8 @@ class _Walk:
                 return self._abandoned(lambda: self.action(action.body), lambda: self._branch(action.branch))
             case Group():
                 return self.action(action.body)
+            case OptimizedStep():
+                raise AssertionError("made by the optimizer, later")
             case _:
                 assert_never(action)
 

@@ -12,7 +12,7 @@ from cspdiag.model.types import Type
 from cspdiag.network.actions import ChannelEnd, PortEnd
 from cspdiag.network.dump_action import action_lines, end_text
 from cspdiag.network.dump_expression import expression_text, value_text
-from cspdiag.network.dump_submodel import external_text, port_text, submodel_body
+from cspdiag.network.dump_submodel import external_text, memory_lines, port_text, submodel_body
 from cspdiag.network.durations import duration
 from cspdiag.network.expressions import Value
 from cspdiag.network.ir import (
@@ -118,6 +118,7 @@ def _process_body(entry: ProcessClass) -> Iterator[str]:
         yield port_text(port)
     for channel in entry.channels:
         yield _channel(channel)
+    yield from memory_lines(entry)
     for instance in entry.instances:
         yield from _instance(instance)
     if entry.body is not None:

@@ -18,15 +18,21 @@ from cspdiag.network.actions import (
     IfElse,
     InputEvent,
     InterruptOn,
+    OptimizedStep,
     OutputEvent,
     ParallelSteps,
     PortEnd,
+    ProcessScope,
     RaiseException,
+    ReadInputs,
     ReadValue,
     ReadyEvent,
     Repeat,
+    ReportCommunication,
     ResetInstance,
+    ResetStates,
     RunInstance,
+    RunLaw,
     SequentialSteps,
     SkipEvent,
     SkipStep,
@@ -34,9 +40,11 @@ from cspdiag.network.actions import (
     Target,
     WaitStep,
     WhileLoop,
+    WriteOutputs,
     WriteValue,
 )
 from cspdiag.network.dump_expression import expression_text
+from cspdiag.network.dump_submodel import law_lines
 
 
 def end_text(end: End) -> str:
@@ -81,7 +89,11 @@ def action_lines(action: Action) -> Iterator[str]:
             for step in action.steps:
                 yield from _inside(step)
         case Choice():
-            yield "alternative" + (" by priority" if action.prioritized else "")
+            yield (
+                "alternative"
+                + (f" {action.name}" if action.name else "")
+                + (" by priority" if action.prioritized else "")
+            )
             for branch in action.branches:
                 yield from _branch(branch)
         case Repeat():
@@ -109,6 +121,36 @@ def action_lines(action: Action) -> Iterator[str]:
         case Group():
             yield f"group {action.label}"
             yield from _inside(action.body)
+        case OptimizedStep():
+            yield from _made_by_a_pass(action)
+        case _:
+            assert_never(action)
+
+
+def _made_by_a_pass(
+    action: ReadInputs | WriteOutputs | RunLaw | ResetStates | ProcessScope | ReportCommunication,
+) -> Iterator[str]:
+    match action:
+        case ReadInputs():
+            yield "at once"
+            for read in action.reads:
+                yield f"  {end_text(read.source)} ? {read.name}"
+        case WriteOutputs():
+            yield "at once"
+            for write in action.writes:
+                yield f"  {end_text(write.sink)} ! {expression_text(write.value)}"
+        case RunLaw():
+            yield f"law {action.law}"
+            for line in law_lines(action):
+                yield f"  {line}"
+        case ResetStates():
+            yield f"reset {', '.join(action.states)}"
+        case ProcessScope():
+            ends = ", ".join(end_text(end) for end in action.ends)
+            yield f"process {action.instance} : {action.class_name}" + (f" closes {ends}" if ends else "")
+            yield from _inside(action.body)
+        case ReportCommunication():
+            yield f"report {action.channel} = {expression_text(action.value)}"
         case _:
             assert_never(action)
 

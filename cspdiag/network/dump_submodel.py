@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from cspdiag.network.actions import RunLaw
 from cspdiag.network.dump_expression import expression_text
 from cspdiag.network.durations import duration
-from cspdiag.network.ir import ExternalBody, ExternalCall, Port, SubmodelClass, SubmodelEquation
+from cspdiag.network.ir import ExternalBody, ExternalCall, Port, ProcessClass, SubmodelClass, SubmodelEquation
 
 
 def external_text(external: ExternalBody) -> str:
@@ -25,11 +26,21 @@ def submodel_body(law: SubmodelClass) -> Iterator[str]:
     """The lines inside the braces of a submodel class."""
     for port in law.ports:
         yield port_text(port)
-    for constant in law.constants:
+    yield from memory_lines(law)
+    yield from law_lines(law)
+
+
+def memory_lines(owner: SubmodelClass | ProcessClass) -> Iterator[str]:
+    """Constants and states."""
+    for constant in owner.constants:
         yield f"constant {_equation(constant)}"
-    for state in law.states:
+    for state in owner.states:
         kind = "continuous" if state.continuous else "discrete"
         yield f"state {state.name} : {state.type} = {expression_text(state.initial)} {kind}"
+
+
+def law_lines(law: SubmodelClass | RunLaw) -> Iterator[str]:
+    """What one run computes."""
     for equation in law.equations:
         yield _equation(equation)
     for name, value in law.next_values:

@@ -17,6 +17,7 @@ from cspdiag.network.actions import (
     IfElse,
     InputEvent,
     InterruptOn,
+    OptimizedStep,
     ParallelSteps,
     RaiseException,
     ReadValue,
@@ -91,6 +92,8 @@ class ReadingEnds:
                 WriteValue() | AssignValue() | SkipStep() | StopStep() | WaitStep() | ResetInstance() | RaiseException()
             ):
                 pass
+            case OptimizedStep():
+                raise AssertionError("made by the optimizer, later")
             case _:
                 assert_never(action)
 
@@ -215,6 +218,8 @@ def with_ends(action: Action, ends: ReadingEnds) -> Action:
                 | RaiseException()
             ):
                 return part
+            case OptimizedStep():
+                raise AssertionError("made by the optimizer, later")
             case _:
                 assert_never(part)
 
@@ -266,5 +271,7 @@ def _inside(action: Action) -> tuple[Action, ...]:
             | RaiseException()
         ):
             return ()
+        case OptimizedStep():
+            raise AssertionError("made by the optimizer, later")
         case _:
             assert_never(action)

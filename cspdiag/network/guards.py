@@ -23,6 +23,7 @@ from cspdiag.network.actions import (
     IfElse,
     InputEvent,
     InterruptOn,
+    OptimizedStep,
     ParallelSteps,
     RaiseException,
     ReadValue,
@@ -145,6 +146,8 @@ class _Beginnings:
                 return _of_alternatives(map(self.of, (action.then, action.otherwise)), action.span)
             case CatchException() | InterruptOn():
                 return self.of(action.body)
+            case OptimizedStep():
+                raise AssertionError("made by the optimizer, later")
             case _:
                 assert_never(action)
 

@@ -51,14 +51,35 @@ class NamedConstant(Declared):
     value: Value
 
 
+@record
+class Medium:
+    """What a port is connected to, once classes are specialized by it.
+
+    ``kind`` is that of the channel, or for ports that reach the outside ``sampled`` and ``event`` (inputs), ``latched`` (a sampled output),
+    ``direct`` (an event output, or an immediate one), or ``constant`` and ``discard``. ``guarded_reads`` and ``guarded_writes``
+    tell whether any alternative or interrupt has a guard on that side of the channel, anywhere.
+    """
+
+    kind: Literal[
+        "var", "sync", "broadcast", "any", "buffer", "overwrite",
+        "sampled", "event", "latched", "direct", "constant", "discard",
+    ]  # fmt: skip
+    guarded_reads: bool = False
+    guarded_writes: bool = False
+
+
 @record(kw_only=True)
 class Port(Declared):
-    """A port of a class; ``size`` is the length of an array of ports; ``period`` is for documentation."""
+    """A port of a class; ``size`` is the length of an array of ports; ``period`` is for documentation.
+
+    ``media`` has the medium of the port, or of each element of the array, once the class is specialized.
+    """
 
     direction: Direction
     type: Type
     size: int | None = None
     period: Expression | None = None
+    media: tuple[Medium, ...] = ()
 
 
 @record(kw_only=True)
@@ -66,6 +87,7 @@ class LocalChannel(Declared):
     """A channel that a process class owns; a variable of the text is one of kind ``var``.
 
     ``initial`` belongs to ``var``, ``capacity`` to ``buffer`` and ``overwrite``, ``ends`` (the number of reading ends) to ``broadcast``.
+    ``guarded_reads`` and ``guarded_writes`` are as in ``Medium``, and known once classes are specialized.
     """
 
     type: Type
@@ -73,6 +95,8 @@ class LocalChannel(Declared):
     initial: Expression | None = None
     capacity: int | None = None
     ends: int = 1
+    guarded_reads: bool = False
+    guarded_writes: bool = False
 
 
 @record
@@ -124,20 +148,6 @@ class ExternalBody:
 
 
 @record(kw_only=True)
-class ProcessClass(Declared):
-    """A process: ports, what it owns, and its composition. With ``external`` it owns nothing and ``body`` is None."""
-
-    definition: str
-    parameters: tuple[ClassParameter, ...] = ()
-    ports: tuple[Port, ...] = ()
-    channels: tuple[LocalChannel, ...] = ()
-    instances: tuple[InstanceOf, ...] = ()
-    body: Action | None = None
-    external: ExternalBody | None = None
-    wcet: int | None = None
-
-
-@record(kw_only=True)
 class SubmodelState(Declared):
     """A state; ``continuous`` ones have a derivative, the others a next value."""
 
@@ -152,6 +162,42 @@ class SubmodelEquation(Declared):
 
     type: Type
     value: Expression
+
+
+@record
+class CreatedInstance:
+    """An instance, in the order of creation."""
+
+    instance: str
+
+
+@record
+class CreatedChoice:
+    """An alternative, in the order of creation."""
+
+    choice: str
+
+
+@record(kw_only=True)
+class ProcessClass(Declared):
+    """A process: ports, what it owns, and its composition. With ``external`` it owns nothing and ``body`` is None.
+
+    The passes of ``network.optimize`` fill in ``constants`` (of parameters only, evaluated once in order) and ``states``, those of control laws that
+    were inlined, and ``creation``: reading ends, instances and the names of alternatives in the order in which they come to be without those passes,
+    which decides who is served first where several wait for one event.
+    """
+
+    definition: str
+    parameters: tuple[ClassParameter, ...] = ()
+    ports: tuple[Port, ...] = ()
+    channels: tuple[LocalChannel, ...] = ()
+    instances: tuple[InstanceOf, ...] = ()
+    body: Action | None = None
+    external: ExternalBody | None = None
+    wcet: int | None = None
+    constants: tuple[SubmodelEquation, ...] = ()
+    states: tuple[SubmodelState, ...] = ()
+    creation: tuple[End | CreatedInstance | CreatedChoice, ...] = ()
 
 
 @record(kw_only=True)

@@ -24,6 +24,7 @@ from cspdiag.network.actions import (
     IfElse,
     InputEvent,
     InterruptOn,
+    OptimizedStep,
     OutputEvent,
     ParallelSteps,
     PortEnd,
@@ -234,6 +235,8 @@ class _Walk:
                 return self._fold([both, self._action(action.branch.body)], False)
             case Group():
                 return self._action(action.body)
+            case OptimizedStep():
+                raise AssertionError("made by the optimizer, later")
             case _:
                 assert_never(action)
 

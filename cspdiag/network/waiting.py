@@ -14,6 +14,7 @@ from cspdiag.network.actions import (
     Group,
     IfElse,
     InterruptOn,
+    OptimizedStep,
     ParallelSteps,
     RaiseException,
     ReadValue,
@@ -97,6 +98,8 @@ class Waiting:
                 return self.action(placed, action.body)
             case InterruptOn():
                 return self.action(placed, action.body)
+            case OptimizedStep():
+                raise AssertionError("made by the optimizer, later")
             case _:
                 assert_never(action)
 

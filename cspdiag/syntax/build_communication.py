@@ -39,7 +39,7 @@ class CommunicationBuilder(ExpressionBuilder):
         return ast.Ports(
             span=span,
             doc=self.doc(span.start),
-            direction=cast(Any, direction.text),
+            direction=cast("Any", direction.text),
             names=(first, *names),
             type=port_type,
             default=default,
@@ -195,4 +195,4 @@ class CommunicationBuilder(ExpressionBuilder):
 
     def kind(self, span: Span, name: Token, capacity: ast.Expression | None = None) -> ast.Kind:
         """``broadcast``, ``buffer 4``."""
-        return ast.Kind(span=span, name=cast(Any, name.text), capacity=capacity)
+        return ast.Kind(span=span, name=cast("Any", name.text), capacity=capacity)

@@ -64,7 +64,7 @@ class CompositionBuilder(ExpressionBuilder):
         self, span: Span, operator: Token, replicator: ast.Replicator, process: ast.Composition
     ) -> ast.Replicated:
         """``par i < N : P``."""
-        return ast.Replicated(span=span, operator=cast(Any, operator.text), replicator=replicator, process=process)
+        return ast.Replicated(span=span, operator=cast("Any", operator.text), replicator=replicator, process=process)
 
     def guarded(self, span: Span, guard: ast.Guard, process: ast.Composition) -> ast.Guarded:
         """``guard -> P``."""

@@ -205,7 +205,7 @@ class DefinitionBuilder(CommunicationBuilder, CompositionBuilder):
     def assertion(self, span: Span, process: ast.Identifier, claim: tuple[Any, ...]) -> ast.Assertion:
         """``assert P deadlock free``."""
         claimed, *rest = claim
-        specification, model = cast(Any, rest or (None, "traces"))
+        specification, model = cast("Any", rest or (None, "traces"))
         return ast.Assertion(
             span=span,
             doc=self.doc(span.start),

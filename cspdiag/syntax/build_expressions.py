@@ -35,7 +35,7 @@ class ExpressionBuilder(Construction):
     def duration(self, span: Span, token: Token) -> ast.Duration:
         """``1 ms``, ``1 kHz``."""
         digits = token.text.rstrip("nusmiHzkM").rstrip()
-        unit = cast(Any, token.text[len(digits) :].lstrip())
+        unit = cast("Any", token.text[len(digits) :].lstrip())
         magnitude = float(digits)
         value = nanoseconds(digits, unit)
         if value is None:
@@ -69,11 +69,11 @@ class ExpressionBuilder(Construction):
 
     def unary(self, span: Span, operator: Token, operand: ast.Expression) -> ast.Unary:
         """``-x`` or ``not x``."""
-        return ast.Unary(span=span, operator=cast(Any, operator.text), operand=operand)
+        return ast.Unary(span=span, operator=cast("Any", operator.text), operand=operand)
 
     def binary(self, span: Span, left: ast.Expression, operator: Token, right: ast.Expression) -> ast.Binary:
         """An operator between two expressions."""
-        return ast.Binary(span=span, operator=cast(Any, operator.text), left=left, right=right)
+        return ast.Binary(span=span, operator=cast("Any", operator.text), left=left, right=right)
 
     def conditional(
         self, span: Span, condition: ast.Expression, then: ast.Expression, otherwise: ast.Expression
