@@ -7,12 +7,25 @@ from typing import Any, assert_never
 
 from cspdiag.network import actions as act
 from cspdiag.network.expressions import Expression
-from cspdiag.network.ir import Connection, ConstantEnd, DiscardEnd, LocalChannel, Network, ProcessClass, SubmodelClass
+from cspdiag.network.ir import (
+    Connection,
+    ConstantEnd,
+    CreatedChoice,
+    CreatedInstance,
+    DiscardEnd,
+    InstanceOf,
+    LocalChannel,
+    Network,
+    ProcessClass,
+    SubmodelClass,
+)
 from tests.conformance import media
+from tests.conformance.ends import ends_read, flattened_ends
 from tests.conformance.media import EndKey, Medium, Offer, RaisedFaultError, RaisedTimeoutError
 from tests.conformance.requests import Choose, Communicate, Interrupt, Parallel, Request, Steps, Wait
 from tests.conformance.scheduler import Scheduler
-from tests.conformance.values import Law, fitting, value_of, within
+from tests.conformance.submodels import InlinedLaws, SubmodelInstance
+from tests.conformance.values import value_of, within
 
 Place = tuple[str, int | None]
 
@@ -47,22 +60,53 @@ class ProcessInstance:
         self.path = path
         self.parameters = parameters
         self.ports = ports
-        self.memories: dict[int, dict[str, int]] = {}
+        self.memories: dict[str, dict[str, int]] = {}
+        """Which guard each alternative chose last; a process that runs again goes on where it was."""
+        self.laws = InlinedLaws(cls, parameters, self._variable)
         self.channels = {channel.name: self._channel(channel) for channel in cls.channels}
         self.processes: dict[str, ProcessInstance] = {}
         self.submodels: dict[str, SubmodelInstance] = {}
         assert cls.body is not None
-        for end in dict.fromkeys(ends_read(cls.body)):
-            self.medium(end).register(self.key(end))
+        self.flattened = {end: f"{path}.{instance}" for end, instance in flattened_ends(cls.body)}
+        """The paths of the processes that own ends and were flattened into this one."""
+        instances = {instance.name: instance for instance in cls.instances}
+        for made in cls.creation or self._in_text_order():
+            match made:
+                case act.PortEnd() | act.ChannelEnd():
+                    self.medium(made).register(self.key(made))
+                case CreatedInstance():
+                    self._create(instances.pop(made.instance))
+                case CreatedChoice():
+                    pass
+                case _:
+                    assert_never(made)
+        for instance in instances.values():
+            self._create(instance)
+
+    def _in_text_order(self) -> Iterator[act.End | CreatedInstance]:
+        """The ends of the process itself and of its submodels, and then what other processes make inside."""
+        cls = self.cls
+        assert cls.body is not None
+        yield from ends_read(cls.body)
         for instance in cls.instances:
-            inner = program.network.class_named(instance.class_name)
-            arguments = {name: self.value(value) for name, value in instance.arguments}
-            inner_path = f"{path}.{instance.name}"
-            if isinstance(inner, ProcessClass):
-                joined = {(c.port, c.index): self._attached(c) for c in instance.connections}
-                self.processes[instance.name] = ProcessInstance(program, inner, inner_path, arguments, joined)
-            else:
-                self.submodels[instance.name] = SubmodelInstance(self, inner, arguments, instance.connections)
+            inner = self.program.network.class_named(instance.class_name)
+            if isinstance(inner, SubmodelClass):
+                inputs = {port.name for port in inner.ports if port.direction == "in"}
+                for connection in instance.connections:
+                    end = connection.attachment
+                    if connection.port in inputs and not isinstance(end, ConstantEnd | DiscardEnd):
+                        yield end
+        yield from (CreatedInstance(instance.name) for instance in cls.instances)
+
+    def _create(self, instance: InstanceOf) -> None:
+        inner = self.program.network.class_named(instance.class_name)
+        arguments = {name: self.value(value) for name, value in instance.arguments}
+        if isinstance(inner, ProcessClass):
+            joined = {(c.port, c.index): self.attached(c) for c in instance.connections}
+            path = f"{self.path}.{instance.name}"
+            self.processes[instance.name] = ProcessInstance(self.program, inner, path, arguments, joined)
+        else:
+            self.submodels[instance.name] = SubmodelInstance(self, inner, arguments, instance.connections)
 
     def _channel(self, channel: LocalChannel) -> Medium:
         name = f"{self.path}.{channel.name}"
@@ -80,7 +124,8 @@ class ProcessInstance:
             case _:
                 assert_never(channel.kind)
 
-    def _attached(self, connection: Connection) -> Medium:
+    def attached(self, connection: Connection) -> Medium:
+        """What a port of an instance inside is attached to."""
         match connection.attachment:
             case ConstantEnd(value=value):
                 return media.AtOnce(self.world, "", self.value(value))
@@ -94,14 +139,15 @@ class ProcessInstance:
         return self.ports[end.port, end.index] if isinstance(end, act.PortEnd) else self.channels[end.channel]
 
     def key(self, end: act.End) -> EndKey:
-        """The end as one of this process."""
+        """The end as one of this process, or of one that was flattened into it."""
+        owner = self.flattened.get(end, self.path)
         if isinstance(end, act.PortEnd):
-            return (self.path, end.port, end.index, end.end)
-        return (self.path, f".{end.channel}", None, end.end)
+            return (owner, end.port, end.index, end.end)
+        return (owner, f".{end.channel}", None, end.end)
 
     def value(self, expression: Expression) -> Any:
-        """The value of an expression over parameters and variables."""
-        return value_of(expression, self.parameters, self._variable)
+        """The value of an expression over parameters, variables, and what inlined control laws compute."""
+        return value_of(expression, self.parameters, self._variable, self.laws.values.__getitem__)
 
     def _variable(self, name: str) -> Any:
         variable = self.channels[name]
@@ -155,7 +201,8 @@ class ProcessInstance:
                 yield from self._alone(event)
                 yield from self.steps(branch.body)
             case act.Choice():
-                chosen = yield self._alternative(action.branches, action.prioritized, id(action))
+                memory = action.name or f"at {id(action)}"
+                chosen = yield self._alternative(action.branches, action.prioritized, memory)
                 yield from self._guarded(action.branches, chosen)
             case act.Repeat():
                 while True:
@@ -172,12 +219,34 @@ class ProcessInstance:
             case act.InterruptOn(branch=branch) if branch.condition is not None and not self.value(branch.condition):
                 yield from self.steps(action.body)
             case act.InterruptOn():
-                guard = self._alternative((action.branch,), True, id(action))
+                guard = self._alternative((action.branch,), True, f"at {id(action)}")
                 chosen = yield Interrupt(self.steps(action.body), guard)
                 if chosen is not None:
                     yield from self._guarded((action.branch,), chosen)
             case act.Group():
                 yield from self.steps(action.body)
+            case act.ProcessScope(instance=path):
+                try:
+                    yield from self.steps(action.body)
+                finally:
+                    self.world.process_ended(f"{self.path}.{path}")
+            case act.ReadInputs(reads=reads):
+                request = Communicate()
+                request.offers += [self._reader(request, read.source) for read in reads]
+                values = yield request
+                self.laws.values.update(zip((read.name for read in reads), values, strict=True))
+            case act.RunLaw():
+                self.laws.run(action)
+            case act.WriteOutputs(writes=writes):
+                request = Communicate()
+                values = [self.value(write.value) for write in writes]
+                for write, value in zip(writes, values, strict=True):
+                    request.offers.append(self._writer(request, write.sink, value))
+                yield request
+            case act.ResetStates(states=states):
+                self.laws.reset(states)
+            case act.ReportCommunication():
+                self.world.communicate(f"{self.path}.{action.channel}", self.value(action.value))
             case _:
                 assert_never(action)
 
@@ -221,8 +290,8 @@ class ProcessInstance:
     def _writer(self, request: Request, end: act.End, value: Any) -> Offer:
         return Offer(request, self.medium(end), self.key(end), writes=True, value=value)
 
-    def _alternative(self, branches: tuple[act.Branch, ...], prioritized: bool, place: int) -> Choose:
-        request = Choose(prioritized, self.memories.setdefault(place, {}))
+    def _alternative(self, branches: tuple[act.Branch, ...], prioritized: bool, memory: str) -> Choose:
+        request = Choose(prioritized, self.memories.setdefault(memory, {}))
         for index, branch in enumerate(branches):
             if branch.condition is not None and not self.value(branch.condition):
                 continue
@@ -251,57 +320,6 @@ class ProcessInstance:
         yield from self.steps(branches[index].body)
 
 
-class SubmodelInstance:
-    """A submodel that communicates through the ends of the process that encloses it."""
-
-    def __init__(
-        self,
-        owner: ProcessInstance,
-        cls: SubmodelClass,
-        parameters: Mapping[str, Any],
-        connections: tuple[Connection, ...],
-    ) -> None:
-        assert cls.external is None, "bodies in other languages have no specification"
-        self.owner = owner
-        self.cls = cls
-        self.law = Law(cls, parameters)
-        self.joined: dict[Place, tuple[Medium, EndKey]] = {}
-        directions = {port.name: port.direction for port in cls.ports}
-        for connection in connections:
-            medium = owner._attached(connection)
-            end = connection.attachment
-            if isinstance(end, ConstantEnd | DiscardEnd):
-                key: EndKey = (owner.path, "", None, 0)
-            else:
-                key = owner.key(end)
-                if directions[connection.port] == "in":
-                    medium.register(key)
-            self.joined[connection.port, connection.index] = (medium, key)
-
-    def _places(self, direction: str) -> Iterator[tuple[str, Place]]:
-        for port in self.cls.ports:
-            if port.direction == direction:
-                yield from ((port.name, place) for place in self.joined if place[0] == port.name)
-
-    def run(self) -> Steps:
-        """Read all inputs, compute one sample, write all outputs."""
-        reading = Communicate()
-        names = []
-        for name, place in self._places("in"):
-            medium, key = self.joined[place]
-            names.append(name if place[1] is None else f"{name}[{place[1]}]")
-            reading.offers.append(Offer(reading, medium, key, writes=False))
-        values = yield reading
-        signals = self.law.sample(**dict(zip(names, values, strict=True)))
-        writing = Communicate()
-        for name, place in self._places("out"):
-            medium, key = self.joined[place]
-            kind = next(port.type for port in self.cls.ports if port.name == name)
-            value = fitting(kind, signals[name if place[1] is None else f"{name}[{place[1]}]"])
-            writing.offers.append(Offer(writing, medium, key, writes=True, value=value))
-        yield writing
-
-
 def exception_name(error: Exception) -> str:
     """The name of an exception in the language."""
     match error:
@@ -318,35 +336,3 @@ def _replaced(whole: Any, indexes: list[int], value: Any) -> Any:
         return value
     index = within(indexes[0], whole)
     return (*whole[:index], _replaced(whole[index], indexes[1:], value), *whole[index + 1 :])
-
-
-def ends_read(action: act.Action) -> Iterator[act.End]:
-    """The ends that readers and guards of an action read."""
-    match action:
-        case act.ReadValue(source=source):
-            yield source
-        case act.SequentialSteps(steps=steps) | act.ParallelSteps(steps=steps):
-            for step in steps:
-                yield from ends_read(step)
-        case act.Choice(branches=branches):
-            for branch in branches:
-                yield from _ends_of_branch(branch)
-        case act.Repeat(body=body) | act.WhileLoop(body=body) | act.Group(body=body):
-            yield from ends_read(body)
-        case act.IfElse():
-            yield from ends_read(action.then)
-            yield from ends_read(action.otherwise)
-        case act.CatchException():
-            yield from ends_read(action.body)
-            yield from ends_read(action.handler)
-        case act.InterruptOn():
-            yield from ends_read(action.body)
-            yield from _ends_of_branch(action.branch)
-        case _:
-            return
-
-
-def _ends_of_branch(branch: act.Branch) -> Iterator[act.End]:
-    if isinstance(branch.event, act.InputEvent | act.ReadyEvent):
-        yield branch.event.source
-    yield from ends_read(branch.body)

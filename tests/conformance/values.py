@@ -9,23 +9,30 @@ from typing import Any, assert_never
 
 from cspdiag.model.types import IntType, RealType, StructType, TimeType, Type
 from cspdiag.network import expressions as ex
+from cspdiag.network.ir import SubmodelClass
 from tests.laws.interpreter import Interpreter
 
 Names = Callable[[str], Any]
+
+
+def _no_variable(name: str) -> Any:
+    raise AssertionError(f"a control law has no variable {name}")
 
 
 class RaisedFaultError(Exception):
     """Overflow, a value out of range, division by zero, a value that is no number."""
 
 
-def value_of(expression: ex.Expression, parameters: Mapping[str, Any], names: Names, time: float = 0.0) -> Any:
-    """The value; ``names`` looks up signals of a submodel and variables of a process.
+def value_of(
+    expression: ex.Expression, parameters: Mapping[str, Any], variables: Names, signals: Names, time: float = 0.0
+) -> Any:
+    """The value; ``variables`` looks up channels of kind ``var``, and ``signals`` what control laws compute.
 
     Raises RaisedFaultError.
     """
 
     def inner(part: ex.Expression) -> Any:
-        return value_of(part, parameters, names, time)
+        return value_of(part, parameters, variables, signals, time)
 
     match expression:
         case ex.LiteralValue():
@@ -33,9 +40,9 @@ def value_of(expression: ex.Expression, parameters: Mapping[str, Any], names: Na
         case ex.ParameterValue():
             return parameters[expression.name]
         case ex.VariableValue():
-            return names(expression.channel)
+            return variables(expression.channel)
         case ex.SignalValue():
-            return names(expression.name)
+            return signals(expression.name)
         case ex.PresentTime():
             return time
         case ex.UnaryOperation():
@@ -194,8 +201,12 @@ def _of_one_number(function: str, x: float) -> float:
 
 
 class Law(Interpreter):
-    """One instance of a submodel."""
+    """One instance of a submodel; ``variables`` are those of the process that it was inlined into, if it was."""
+
+    def __init__(self, cls: SubmodelClass, parameters: Mapping[str, Any], variables: Names = _no_variable) -> None:
+        self.variables = variables
+        super().__init__(cls, parameters)
 
     def value(self, expression: ex.Expression, signals: Mapping[str, Any]) -> Any:
         """The value of an expression over the signals."""
-        return value_of(expression, self.parameters, signals.__getitem__, self.time)
+        return value_of(expression, self.parameters, self.variables, signals.__getitem__, self.time)

@@ -1,0 +1,103 @@
+"""Control laws in processes: as instances of submodels, and inlined by the optimizer."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any
+
+from cspdiag.network import actions as act
+from cspdiag.network.expressions import Expression
+from cspdiag.network.ir import Connection, ConstantEnd, DiscardEnd, ProcessClass, SubmodelClass
+from tests.conformance.media import EndKey, Medium, Offer
+from tests.conformance.requests import Communicate, Steps
+from tests.conformance.values import Law, Names, fitting, value_of
+
+if TYPE_CHECKING:
+    from tests.conformance.instances import Place, ProcessInstance
+
+
+class SubmodelInstance:
+    """A submodel that communicates through the ends of the process that encloses it."""
+
+    def __init__(
+        self,
+        owner: ProcessInstance,
+        cls: SubmodelClass,
+        parameters: Mapping[str, Any],
+        connections: tuple[Connection, ...],
+    ) -> None:
+        assert cls.external is None, "bodies in other languages have no specification"
+        self.owner = owner
+        self.cls = cls
+        self.law = Law(cls, parameters)
+        self.joined: dict[Place, tuple[Medium, EndKey]] = {}
+        for connection in connections:
+            end = connection.attachment
+            key: EndKey = (owner.path, "", None, 0) if isinstance(end, ConstantEnd | DiscardEnd) else owner.key(end)
+            self.joined[connection.port, connection.index] = (owner.attached(connection), key)
+
+    def _places(self, direction: str) -> Iterator[tuple[str, Place]]:
+        for port in self.cls.ports:
+            if port.direction == direction:
+                yield from ((port.name, place) for place in self.joined if place[0] == port.name)
+
+    def run(self) -> Steps:
+        """Read all inputs, compute one sample, write all outputs."""
+        reading = Communicate()
+        names = []
+        for name, place in self._places("in"):
+            medium, key = self.joined[place]
+            names.append(name if place[1] is None else f"{name}[{place[1]}]")
+            reading.offers.append(Offer(reading, medium, key, writes=False))
+        values = yield reading
+        signals = self.law.sample(**dict(zip(names, values, strict=True)))
+        writing = Communicate()
+        for name, place in self._places("out"):
+            medium, key = self.joined[place]
+            kind = next(port.type for port in self.cls.ports if port.name == name)
+            value = fitting(kind, signals[name if place[1] is None else f"{name}[{place[1]}]"])
+            writing.offers.append(Offer(writing, medium, key, writes=True, value=value))
+        yield writing
+
+
+class InlinedLaws:
+    """The constants, states and local signals of the control laws that were inlined into a process."""
+
+    def __init__(self, cls: ProcessClass, parameters: Mapping[str, Any], variables: Names) -> None:
+        self.parameters = parameters
+        self.variables = variables
+        self.values: dict[str, Any] = {}
+        self.initial = {state.name: state.initial for state in cls.states}
+        for constant in cls.constants:
+            self.values[constant.name] = self._value(constant.value)
+        self.reset(tuple(self.initial))
+
+    def _value(self, expression: Expression) -> Any:
+        return value_of(expression, self.parameters, self.variables, self.values.__getitem__)
+
+    def reset(self, states: tuple[str, ...]) -> None:
+        """Put states back to their initial values."""
+        for name in states:
+            self.values[name] = self._value(self.initial[name])
+
+    def run(self, action: act.RunLaw) -> None:
+        """One run: the local signals, and then the next states."""
+        law = Law(_as_submodel(action), self.parameters, self.variables)
+        law.constants = self.values
+        signals = law.evaluate()
+        law.advance(signals, 0.0 if action.sample is None else self._value(action.sample))
+        self.values |= {**signals, **law.states}
+
+
+def _as_submodel(action: act.RunLaw) -> SubmodelClass:
+    return SubmodelClass(
+        name=action.law,
+        span=action.span,
+        definition=action.law,
+        equations=action.equations,
+        next_values=action.next_values,
+        derivative_equations=action.derivative_equations,
+        derivatives=action.derivatives,
+        method=action.method,
+        step=action.step,
+    )
