@@ -9,10 +9,10 @@ from collections.abc import Iterable, Iterator
 from typing import assert_never
 
 from cspdiag.model.types import Type
-from cspdiag.network.actions import ChannelEnd, PortEnd
+from cspdiag.network.actions import ChannelEnd, End, PortEnd
 from cspdiag.network.dump_action import action_lines, end_text
 from cspdiag.network.dump_expression import expression_text, value_text
-from cspdiag.network.dump_submodel import external_text, memory_lines, port_text, submodel_body
+from cspdiag.network.dump_submodel import external_text, guards_text, memory_lines, port_text, submodel_body
 from cspdiag.network.durations import duration
 from cspdiag.network.expressions import Value
 from cspdiag.network.ir import (
@@ -20,6 +20,8 @@ from cspdiag.network.ir import (
     ChannelKind,
     ClassParameter,
     ConstantEnd,
+    CreatedChoice,
+    CreatedInstance,
     Declared,
     DiscardEnd,
     Environment,
@@ -121,9 +123,23 @@ def _process_body(entry: ProcessClass) -> Iterator[str]:
     yield from memory_lines(entry)
     for instance in entry.instances:
         yield from _instance(instance)
+    if entry.creation:
+        yield f"created in the order {', '.join(map(_created, entry.creation))}"
     if entry.body is not None:
         yield "composition"
         yield from _indented(action_lines(entry.body))
+
+
+def _created(part: End | CreatedInstance | CreatedChoice) -> str:
+    match part:
+        case CreatedInstance():
+            return part.instance
+        case CreatedChoice():
+            return part.choice
+        case PortEnd() | ChannelEnd():
+            return end_text(part)
+        case _:
+            assert_never(part)
 
 
 def _kind(kind: ChannelKind, capacity: int | None) -> str:
@@ -133,7 +149,9 @@ def _kind(kind: ChannelKind, capacity: int | None) -> str:
 def _channel(channel: LocalChannel) -> str:
     initial = "" if channel.initial is None else f" = {expression_text(channel.initial)}"
     ends = "" if channel.ends == 1 else f" to {channel.ends} ends"
-    return f"{_kind(channel.kind, channel.capacity)} {channel.name} : {channel.type}{initial}{ends}"
+    return (
+        f"{_kind(channel.kind, channel.capacity)} {channel.name} : {channel.type}{initial}{ends}{guards_text(channel)}"
+    )
 
 
 def _instance(instance: InstanceOf) -> Iterator[str]:

@@ -7,7 +7,16 @@ from collections.abc import Iterator
 from cspdiag.network.actions import RunLaw
 from cspdiag.network.dump_expression import expression_text
 from cspdiag.network.durations import duration
-from cspdiag.network.ir import ExternalBody, ExternalCall, Port, ProcessClass, SubmodelClass, SubmodelEquation
+from cspdiag.network.ir import (
+    ExternalBody,
+    ExternalCall,
+    LocalChannel,
+    Medium,
+    Port,
+    ProcessClass,
+    SubmodelClass,
+    SubmodelEquation,
+)
 
 
 def external_text(external: ExternalBody) -> str:
@@ -19,7 +28,20 @@ def port_text(port: Port) -> str:
     """``in feedback : double<rad> @ T``."""
     size = "" if port.size is None else f"[{port.size}]"
     period = "" if port.period is None else f" @ {expression_text(port.period)}"
-    return f"{port.direction} {port.name}{size} : {port.type}{period}"
+    return f"{port.direction} {port.name}{size} : {port.type}{period}{_media(port.media)}"
+
+
+def _media(media: tuple[Medium, ...]) -> str:
+    """`` via sync, reads guarded``: what a port of a specialized class is connected to; for an array once if all are alike."""
+    if not media:
+        return ""
+    alike = media[:1] if len(set(media)) == 1 else media
+    return " via " + "; ".join(f"{m.kind}{guards_text(m)}" for m in alike)
+
+
+def guards_text(place: Medium | LocalChannel) -> str:
+    """Which sides of a channel alternatives guard."""
+    return (", reads guarded" if place.guarded_reads else "") + (", writes guarded" if place.guarded_writes else "")
 
 
 def submodel_body(law: SubmodelClass) -> Iterator[str]:

@@ -20,6 +20,10 @@ from cspdiag.network.expressions import Expression, Value
 
 ChannelKind: TypeAlias = Literal["var", "sync", "broadcast", "any", "buffer", "overwrite"]
 Direction: TypeAlias = Literal["in", "out"]
+MediumKind: TypeAlias = Literal[
+    "var", "sync", "broadcast", "any", "buffer", "overwrite",
+    "sampled", "event", "latched", "direct", "constant", "discard",
+]  # fmt: skip
 
 
 @record(kw_only=True)
@@ -60,10 +64,7 @@ class Medium:
     tell whether any alternative or interrupt has a guard on that side of the channel, anywhere.
     """
 
-    kind: Literal[
-        "var", "sync", "broadcast", "any", "buffer", "overwrite",
-        "sampled", "event", "latched", "direct", "constant", "discard",
-    ]  # fmt: skip
+    kind: MediumKind
     guarded_reads: bool = False
     guarded_writes: bool = False
 

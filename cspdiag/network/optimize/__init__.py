@@ -1,0 +1,53 @@
+"""Passes over the network, each a pure function; together they are ``-O1``.
+
+What a process communicates, when, and how it ends stay the same after each of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from cspdiag.diagnostics.record import node
+from cspdiag.network.ir import Network
+from cspdiag.network.optimize.specialize import specialize
+from cspdiag.syntax.nesting import room_to_recurse
+
+
+@node
+class Pass:
+    """A step of optimization; ``description`` is one line for people."""
+
+    name: str
+    description: str
+    apply: Callable[[Network], Network]
+
+
+PASSES: tuple[Pass, ...] = (
+    Pass(
+        name="specialize",
+        description="A class for each way in which its ports are connected; alternatives get names.",
+        apply=specialize,
+    ),
+)
+"""In their order; a pass may rely on those before it."""
+
+
+def pass_named(name: str) -> Pass:
+    """The pass of that name; KeyError if there is none."""
+    for entry in PASSES:
+        if entry.name == name:
+            return entry
+    raise KeyError(name)
+
+
+@room_to_recurse()
+def optimize(network: Network, passes: Sequence[Pass] = PASSES) -> Network:
+    """The network after the passes, in the order given."""
+    for entry in passes:
+        network = entry.apply(network)
+    return network
+
+
+def lower_for_targets(network: Network) -> Network:
+    """The network after what every compiled target needs: media of ports, names of alternatives, order of creation."""
+    return optimize(network, (pass_named("specialize"),))
