@@ -192,8 +192,33 @@ class Starred:
         return f"*{self.value.flat}"
 
 
+@dataclass(frozen=True)
+class Named:
+    """``name := value``: a value that is wanted again in the same expression; always in parentheses."""
+
+    name: str
+    value: Code
+    precedence: ClassVar[int] = CONDITIONAL - 1
+
+    @property
+    def flat(self) -> str:
+        """The text on one line."""
+        return f"{self.name} := {self.value.flat}"
+
+
 Code: TypeAlias = (
-    Atom | Call | Postfix | Prefix | Chain | Conditional | Parenthesized | Items | Entry | Comprehension | Starred
+    Atom
+    | Call
+    | Postfix
+    | Prefix
+    | Chain
+    | Conditional
+    | Parenthesized
+    | Items
+    | Entry
+    | Comprehension
+    | Starred
+    | Named
 )
 
 

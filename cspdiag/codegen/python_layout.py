@@ -18,6 +18,7 @@ from cspdiag.codegen.python_code import (
     Conditional,
     Entry,
     Items,
+    Named,
     Parenthesized,
     Postfix,
     Prefix,
@@ -131,6 +132,8 @@ def _inside(indent: str, before: str, code: Code, after: str) -> list[str]:
             return _operands(indent, before, list(_alternatives(code)), after)
         case Prefix():
             return _inside(indent, before + code.text, code.operand, after)
+        case Named():
+            return _inside(indent, f"{before}{code.name} := ", code.value, after)
     return _broken(indent, before, code, after)
 
 
@@ -180,7 +183,7 @@ def _broken(indent: str, before: str, code: Code, after: str) -> list[str]:
             return _broken(indent, before + code.text, code.operand, after)
         case Chain():
             return _flow(indent, before, list(_leaves(code, "")), after)
-        case Conditional():
+        case Conditional() | Named():
             return _inside(indent, before, code, after)
 
 

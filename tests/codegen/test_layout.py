@@ -19,6 +19,8 @@ from cspdiag.codegen.python_code import (
     Code,
     Conditional,
     Items,
+    Named,
+    Parenthesized,
     Prefix,
     at_least,
     infix,
@@ -31,7 +33,7 @@ NAMES = ("x", "pan_angle", "self.stiffness", "joystick_horizontal", "k1_pan_moto
 
 
 def expression(random: random.Random, depth: int) -> Code:
-    kind = random.randrange(9) if depth > 0 else 0
+    kind = random.randrange(10) if depth > 0 else 0
     below = depth - 1
     match kind:
         case 1 | 2:
@@ -63,6 +65,9 @@ def expression(random: random.Random, depth: int) -> Code:
         case 8:
             sign = random.choice(("-", "not "))
             return Prefix(sign, at_least(expression(random, below), SIGN if sign == "-" else NOT))
+        case 9:
+            named = Parenthesized(Named("x1", expression(random, below)))
+            return infix("<", COMPARISON, named, expression(random, below))
     return Atom(random.choice(NAMES))
 
 
