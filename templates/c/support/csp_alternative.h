@@ -1,0 +1,124 @@
+/* Alternatives and interrupts: waiting for one of several guards.
+ *
+ * Bit k of an alternative is set exactly while guard k is ready, whether or not the alternative waits. Whatever makes a guard
+ * ready or unready sets or clears its bit, so a selection costs the same for ten guards as for a thousand.
+ */
+#ifndef CSP_ALTERNATIVE_H
+#define CSP_ALTERNATIVE_H
+
+#include "csp_core.h"
+#include "csp_process.h"
+
+#if UINTPTR_MAX > 0xFFFFFFFFU
+typedef uint64_t csp_word;
+#define CSP_WORD_BITS 64U
+#else
+typedef uint32_t csp_word;
+#define CSP_WORD_BITS 32U
+#endif
+
+/* Two levels of words: 4096 guards on 64 bits, 1024 on 32. */
+#define CSP_GUARDS_MAX (CSP_WORD_BITS * CSP_WORD_BITS)
+
+typedef enum csp_guard_kind {
+    CSP_GUARD_INPUT,    /* reads into `slot` */
+    CSP_GUARD_READY,    /* the guarded process begins by reading */
+    CSP_GUARD_OUTPUT,   /* writes from `slot` */
+    CSP_GUARD_VARIABLE, /* an input guard on a variable or a constant: always ready; reads nothing */
+    CSP_GUARD_AFTER,
+    CSP_GUARD_SKIP
+} csp_guard_kind;
+
+struct csp_guard {
+    csp_guard *next;     /* that watches the same channel */
+    csp_guard *enrolled; /* the next that waits there, where both sides alternate */
+    csp_alternative *alternative;
+    csp_medium *medium;
+    csp_timer *timer;
+    void *slot;
+    int64_t duration; /* of a time-out */
+    uint32_t size;    /* of the value */
+    uint16_t index;
+    uint8_t kind;    /* csp_guard_kind */
+    bool attends;    /* the channel wants to know when the alternative waits */
+    bool is_enrolled;
+};
+
+/* The words of an alternative of more than CSP_WORD_BITS guards, CSP_WORDS(count) each. */
+#define CSP_WORDS(count) (((count) + CSP_WORD_BITS - 1U) / CSP_WORD_BITS)
+
+struct csp_alternative {
+    csp_word ready;   /* bits of the guards, or of the words of `more_ready` that are not 0 */
+    csp_word enabled; /* bits of the guards, or not used */
+    csp_word *more_ready;
+    csp_word *more_enabled;
+    csp_guard *guard;
+    csp_party *process; /* while it waits */
+    uint16_t count;
+    uint16_t after_last; /* where a fair choice begins */
+    uint16_t chosen;     /* the guard */
+    uint16_t time_outs;  /* number of guards with `after` */
+    bool prioritized;
+    bool waits;  /* registered */
+    bool armed;  /* the first guard that becomes ready wakes it */
+    bool woken;  /* is in the ready queue */
+    bool solved; /* the other side has chosen for it */
+    bool offers; /* the guard chosen is an output that still waits in its channel for the reader that it was promised to */
+    bool pledged; /* as `offers`, chosen by the other side */
+    csp_party pledge;
+    struct csp_interrupt *interrupt; /* whose guard this is, or NULL */
+};
+
+/* ---- Before the program starts, in the order of ProcessClass.creation ---- */
+
+/* `words` has 2 * CSP_WORDS(count) words, or is NULL for up to CSP_WORD_BITS guards. */
+void csp_alternative_init(csp_alternative *alternative, csp_guard *guard, uint16_t count, csp_word *words,
+                          bool prioritized);
+/* One call for every guard. `medium` is the channel (outputs; any, buffer, sync) or the reading end; CSP_AT_ONCE media are always ready. */
+void csp_guard_read(csp_alternative *alternative, uint16_t index, csp_medium *medium, void *value, size_t size);
+void csp_guard_ready(csp_alternative *alternative, uint16_t index, csp_medium *medium);
+void csp_guard_write(csp_alternative *alternative, uint16_t index, csp_medium *medium, void *value, size_t size);
+void csp_guard_after(csp_alternative *alternative, uint16_t index, csp_timer *timer);
+void csp_guard_skip(csp_alternative *alternative, uint16_t index);
+
+/* ---- Selection ---- */
+
+/* Which guards may be chosen: all, or none and then some. Values of output guards are put where csp_guard_write said, and
+ * durations of time-outs given, before. */
+void csp_enable_all(csp_alternative *alternative);
+void csp_enable_none(csp_alternative *alternative);
+void csp_enable(csp_alternative *alternative, uint16_t index);
+static inline void csp_delay(csp_alternative *alternative, uint16_t index, int64_t duration)
+{
+    alternative->guard[index].duration = duration;
+}
+
+/* CSP_AWAIT(csp_select(party, a), csp_select_again(party, a), ...): then `a->chosen` is the index of the guard, and its communication was
+ * made. */
+csp_progress csp_select(csp_party *party, csp_alternative *alternative);
+csp_progress csp_select_again(csp_party *party, csp_alternative *alternative);
+
+/* ---- Interrupt ---- */
+
+typedef struct csp_interrupt {
+    csp_parallel body;  /* its only branch */
+    csp_branches branch;
+    csp_alternative alternative; /* its only guard */
+    csp_guard guard;
+    csp_timer timer;
+    csp_party canceller; /* ends the body where the body has itself made the guard ready */
+    csp_process *victim;
+    bool body_ended;
+    bool communicates;
+    bool taken; /* the handler runs */
+} csp_interrupt;
+
+/* `body` is the offset of the body's csp_process in the struct. The guard: csp_guard_... with &interrupt->alternative and index 0, each time just before: */
+void csp_interrupt_init(csp_interrupt *interrupt, uint32_t body);
+void csp_interrupt_prepare(csp_interrupt *interrupt);
+
+/* CSP_AWAIT(csp_interruptible(party, i), csp_interruptible_again(party, i), ...): then, if `i->taken`, the guard's branch is run. */
+csp_progress csp_interruptible(csp_party *party, csp_interrupt *interrupt);
+csp_progress csp_interruptible_again(csp_party *party, csp_interrupt *interrupt);
+
+#endif

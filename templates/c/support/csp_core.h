@@ -1,0 +1,223 @@
+/* The kernel of CSP programs: processes, channels, alternatives, time. C99, no heap, no recursion.
+ *
+ * A *party* is what can be ready or wait at one channel: a process, or one of several communications that a process
+ * has offered at once. A *process* is a party with a struct of its own behind it, and a step function:
+ *
+ *     csp_party *cell_step(csp_party *party);
+ *
+ * The scheduler calls the step function of a ready party. It runs until the process must wait, and then keeps in
+ * `party->state` the *place* where it waits and returns NULL; called again, it goes on at that place. If it returns a
+ * party, that one goes on at once: a process called in sequence, or the caller of one that has ended. So there is a
+ * single loop that calls step functions, and no recursion.
+ *
+ * Every operation has three results: CSP_DONE; CSP_WAITS, the party is registered with what it waits for; CSP_FAILS,
+ * `csp.error` tells the exception, or that the process was cancelled. CSP_AWAIT (csp_step.h) does what follows of it.
+ *
+ * Each class of processes has a constant table of its places: what is waited for there, in which line of the program, and in
+ * which state the process goes on if the operation fails. Only cancellation, exceptions and reports look at it, so they
+ * cost nothing while all goes well.
+ */
+#ifndef CSP_CORE_H
+#define CSP_CORE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include "csp_config.h" /* CSP_TRACE (0 or 1), CSP_LEVELS (of priority, at least 1) */
+
+typedef struct csp_party csp_party;
+typedef struct csp_process csp_process;
+typedef struct csp_class csp_class;
+typedef struct csp_place csp_place;
+typedef struct csp_alternative csp_alternative;
+typedef struct csp_guard csp_guard;
+typedef struct csp_timer csp_timer;
+
+/* Goes on with a ready party; the party that goes on at once, or NULL. */
+typedef csp_party *csp_step(csp_party *party);
+
+typedef enum csp_progress { CSP_DONE = 0, CSP_WAITS = 1, CSP_FAILS = 2 } csp_progress;
+
+/* Flags of a party. */
+enum {
+    CSP_CANCELLED = 1, /* ends at its next communication */
+    CSP_ABANDONED = 2, /* was cancelled while it waited: goes on in the failed state of its place */
+    CSP_ENDED = 4,     /* does not run */
+    CSP_QUEUED = 8     /* an offer that is in the ready queue */
+};
+
+struct csp_party {
+    csp_party *next; /* in the ready queue, or in the queue of a channel */
+    csp_step *step;
+    void *slot;      /* the variable that a partner takes the value from, or puts it into */
+    uint16_t state;  /* the place where it waits; 0 before it has begun */
+    uint8_t flags;
+    uint8_t level;   /* of priority; 0 is the highest */
+    uint32_t number; /* of the process in the program, from 1, for traces and reports */
+};
+
+struct csp_process {
+    csp_party party;
+    csp_process *caller;   /* who called it, or whose parallel or interrupt it is a branch of; NULL: the program */
+    const csp_class *kind; /* of process */
+};
+
+struct csp_class {
+    csp_step *step;
+    const csp_place *places; /* by state */
+    const char *name;
+    const char *file;     /* of the program's text */
+    uint32_t line;        /* where the process is defined */
+    size_t offset;        /* of the csp_process in its struct: 0, but for branches of a composition */
+};
+
+/* What a process does at a place where it can wait or call. */
+typedef enum csp_waiting {
+    CSP_AT_NOTHING = 0,
+    CSP_AT_CALL,        /* object: the csp_process that was called */
+    CSP_AT_READ,        /* object: the channel or end */
+    CSP_AT_WRITE,       /* object: the channel */
+    CSP_AT_ALTERNATIVE, /* object: csp_alternative */
+    CSP_AT_OFFERS,      /* object: csp_offers */
+    CSP_AT_DELAY,       /* object: csp_timer */
+    CSP_AT_STOP,
+    CSP_AT_PARALLEL, /* object: csp_parallel */
+    CSP_AT_INTERRUPT /* object: csp_interrupt */
+} csp_waiting;
+
+struct csp_place {
+    uint8_t waiting;  /* csp_waiting */
+    bool indirect;    /* at `offset` there is a pointer to the object (a port), not the object itself */
+    uint16_t failed;  /* the state in which the process goes on when the operation fails */
+    uint32_t line;    /* of the program's text */
+    uint32_t offset;  /* of the object in the struct of the process */
+};
+
+/* An exception. Numbers of declared exceptions begin at CSP_FIRST_EXCEPTION. */
+enum { CSP_NO_EXCEPTION = 0, CSP_CANCELLATION = 1, CSP_FAULT = 2, CSP_TIMEOUT = 3, CSP_FIRST_EXCEPTION = 4 };
+
+/* What `message` is about, formatted only when it is shown. */
+typedef struct csp_operands {
+    int64_t integers[3];
+    double real;
+    const char *name;
+} csp_operands;
+
+typedef struct csp_error {
+    uint16_t exception;
+    uint32_t line;              /* of the text of the class of `process`, where `place` is NULL */
+    const csp_process *process; /* that raised it */
+    const char *place;          /* "laws.csp:12": where another file than that of the process is meant, or NULL */
+    const char *law;            /* the control law below the process, or NULL */
+    void (*describe)(const csp_operands *operands, char *text, size_t size); /* writes the message; may be NULL */
+    csp_operands operands;
+} csp_error;
+
+/* ---- Kernel ---- */
+
+typedef struct csp_queue {
+    csp_party *first;
+    csp_party *last;
+} csp_queue;
+
+typedef struct csp_kernel {
+    csp_queue ready[CSP_LEVELS];
+    csp_party *current; /* whose step function runs, or NULL */
+    int64_t now;        /* nanoseconds from the start */
+    csp_error error;    /* of the operation that has just failed */
+} csp_kernel;
+
+extern csp_kernel csp;
+
+#if CSP_TRACE
+/* The program's main defines these. A communication: the number of the channel or external port, the value, and the numbers of the
+ * processes that write and read, 0 for the environment. */
+void csp_observe(uint32_t channel, const void *value, uint32_t writer, uint32_t reader);
+/* A process (its number), or a named group or flattened process (numbered after the processes), has begun or ended; generated code calls them. */
+void csp_observe_begin(uint32_t number);
+void csp_observe_end(uint32_t number);
+#else
+#define csp_observe(channel, value, writer, reader) ((void)(channel), (void)(value), (void)(writer), (void)(reader))
+#define csp_observe_begin(number) ((void)(number))
+#define csp_observe_end(number) ((void)(number))
+#endif
+
+/* Puts a party that is registered nowhere into the ready queue of its level. */
+static inline void csp_ready(csp_party *party)
+{
+    csp_queue *const queue = &csp.ready[(CSP_LEVELS > 1) ? party->level : 0U];
+    party->next = NULL;
+    if (queue->first != NULL) {
+        queue->last->next = party;
+    } else {
+        queue->first = party;
+    }
+    queue->last = party;
+}
+
+static inline bool csp_is_cancelled(const csp_party *party)
+{
+    return (party->flags & (unsigned)CSP_CANCELLED) != 0U;
+}
+
+/* `csp.error` becomes the cancellation of a process that has tried to communicate. Always CSP_FAILS. */
+csp_progress csp_refuse(const csp_party *party);
+
+/* ---- The rendezvous of one writer and one reader, without guards: all of it is inline ---- */
+
+/* What all channels and external ports begin with. */
+typedef struct csp_medium {
+    uint32_t number; /* for traces and reports */
+    uint8_t kind;    /* csp_medium_kind */
+} csp_medium;
+
+typedef enum csp_medium_kind {
+    CSP_CHANNEL,       /* csp_channel: sync, without guards anywhere */
+    CSP_ANY,           /* csp_any_channel: any, and sync with guards */
+    CSP_BROADCAST,     /* csp_broadcast */
+    CSP_BROADCAST_END, /* csp_broadcast_end */
+    CSP_BUFFER,        /* csp_buffer: buffer and overwrite */
+    CSP_SAMPLED_END,   /* csp_sampled_end */
+    CSP_EVENT_END,     /* csp_event_end */
+    CSP_AT_ONCE        /* variables, constants, outputs to the outside, the sink: never waits */
+} csp_medium_kind;
+
+typedef struct csp_channel {
+    csp_medium medium;
+    csp_party *waiting; /* the writer or the reader, whoever came first */
+} csp_channel;
+
+/* `party` is the process itself or an offer; a process asks csp_is_cancelled before. CSP_DONE or CSP_WAITS. */
+static inline csp_progress csp_channel_write(csp_party *party, csp_channel *channel, void *value, size_t size)
+{
+    csp_party *const reader = channel->waiting;
+    if (reader == NULL) {
+        channel->waiting = party;
+        party->slot = value;
+        return CSP_WAITS;
+    }
+    channel->waiting = NULL;
+    (void)memcpy(reader->slot, value, size);
+    csp_ready(reader);
+    csp_observe(channel->medium.number, value, party->number, reader->number);
+    return CSP_DONE;
+}
+
+static inline csp_progress csp_channel_read(csp_party *party, csp_channel *channel, void *value, size_t size)
+{
+    csp_party *const writer = channel->waiting;
+    if (writer == NULL) {
+        channel->waiting = party;
+        party->slot = value;
+        return CSP_WAITS;
+    }
+    channel->waiting = NULL;
+    (void)memcpy(value, writer->slot, size);
+    csp_ready(writer);
+    csp_observe(channel->medium.number, value, writer->number, party->number);
+    return CSP_DONE;
+}
+
+#endif

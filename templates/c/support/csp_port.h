@@ -1,0 +1,27 @@
+/* What the kernel needs of where it runs. Each port is one file csp_port_*.c. */
+#ifndef CSP_PORT_H
+#define CSP_PORT_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+/* Called once at the start of time. */
+void csp_port_start(void);
+
+/* Nanoseconds since then. */
+int64_t csp_port_now(void);
+
+/* Waits until the instant, or until something has come from outside (an event of an interrupt handler, a request to stop); no process is ready. */
+void csp_port_wait_until(int64_t instant);
+
+/* Between them, what interrupt handlers do does not happen. */
+void csp_port_enter_critical(void);
+void csp_port_leave_critical(void);
+
+/* Something that cannot go on: does not return. */
+void csp_port_fatal(const char *message);
+
+/* Whether time is virtual: nothing takes time but waiting. */
+extern const bool csp_port_virtual_time;
+
+#endif

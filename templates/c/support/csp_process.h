@@ -1,0 +1,107 @@
+/* Processes: begin, end, fail, call, run in parallel, wait. */
+#ifndef CSP_PROCESS_H
+#define CSP_PROCESS_H
+
+#include "csp_core.h"
+
+/* The body of a step function is a `switch (party->state)` with `case 0:` in front. These macros make its other cases.
+ *
+ * `first` begins an operation and `again` goes on with it each time the process runs again at PLACE; both are of type csp_progress.
+ * The function has a variable `csp_progress progress`. FAILED is a label. */
+#define CSP_AWAIT(first, again, PLACE, FAILED)                                                                         \
+    progress = (first);                                                                                                \
+    while (progress == CSP_WAITS) {                                                                                    \
+        party->state = (uint16_t)(PLACE);                                                                              \
+        return NULL;                                                                                                   \
+    case PLACE:                                                                                                        \
+        progress = (again);                                                                                            \
+    }                                                                                                                  \
+    if (progress == CSP_FAILS) {                                                                                       \
+        goto FAILED;                                                                                                   \
+    }
+
+/* A communication on a csp_channel, which is done when the process runs again. `operation` is csp_channel_read or csp_channel_write. */
+#define CSP_COMMUNICATE(operation, channel, variable, PLACE, FAILED)                                                   \
+    if (csp_is_cancelled(party)) {                                                                                     \
+        (void)csp_refuse(party);                                                                                       \
+        goto FAILED;                                                                                                   \
+    }                                                                                                                  \
+    if (operation(party, (channel), &(variable), sizeof(variable)) == CSP_WAITS) {                                     \
+        party->state = (uint16_t)(PLACE);                                                                              \
+        return NULL;                                                                                                   \
+    case PLACE:;                                                                                                       \
+    }
+
+/* Runs another process in sequence; it goes on here when that has ended, or at FAILED when that has failed. */
+#define CSP_CALL(callee, PLACE)                                                                                        \
+    party->state = (uint16_t)(PLACE);                                                                                  \
+    return csp_call(party, (callee));                                                                                  \
+    case PLACE:;
+
+/* Before the program starts. */
+void csp_process_init(csp_process *process, const csp_class *kind, uint32_t number);
+
+/* Begins `callee` in sequence, in the task of `party`; it is to be returned to the scheduler. */
+csp_party *csp_call(csp_party *party, csp_process *callee);
+
+/* The process has come to its end, or fails with `csp.error`; what is returned is to be returned to the scheduler. */
+csp_party *csp_end(csp_party *party);
+csp_party *csp_fail(csp_party *party);
+
+/* The first thing at a FAILED label, before ends are closed and exceptions caught: tells `csp.error` of a process that was cancelled while it waited. */
+void csp_unwind(csp_party *party);
+
+/* Raises an exception in the process; `line` is that of the statement. Always CSP_FAILS. */
+csp_progress csp_raise(csp_party *party, uint16_t exception, uint32_t line);
+
+/* Whether a `catch` of `exception` applies to `csp.error`; if so it is caught. */
+bool csp_catch(uint16_t exception);
+
+/* ---- Delays ---- */
+
+/* A node of the heap of instants. */
+struct csp_timer {
+    int64_t instant;
+    uint64_t begun;    /* timers of one instant fall due in the order in which they began */
+    csp_timer *child;
+    csp_timer *sibling;
+    csp_timer *previous; /* the sibling before it, or the parent of the first; NULL: the root, or not in the heap */
+    csp_party *party;    /* that waits, or NULL: */
+    csp_guard *guard;    /* the time-out of an alternative */
+    bool runs;
+};
+
+csp_progress csp_wait(csp_party *party, csp_timer *timer, int64_t duration);
+csp_progress csp_wait_again(csp_party *party);
+/* Never ends, but by cancellation. */
+csp_progress csp_stop(csp_party *party);
+
+/* ---- Parallel ---- */
+
+/* Branches one after another in the struct of the parent, counted from the struct's beginning. */
+typedef struct csp_branches {
+    uint32_t offset; /* of the first csp_process */
+    uint32_t stride; /* from one to the next, in bytes */
+    uint32_t count;
+    uint8_t level;   /* that is added to the level of the parent; 0 but for prioritized parallels */
+} csp_branches;
+
+typedef struct csp_parallel {
+    const csp_branches *branches;
+    uint32_t runs; /* number of csp_branches */
+    uint32_t pending;
+    uint32_t run; /* where a walk over the tree of processes stands */
+    uint32_t index;
+    bool abandoned; /* the parent was cancelled */
+    bool cancelled; /* a branch was ended by cancellation */
+    csp_error error; /* the first of a branch */
+} csp_parallel;
+
+/* Starts all branches, in order. `party` waits for them with CSP_AWAIT(csp_par(...), csp_par_again(...), ...). */
+csp_progress csp_par(csp_party *party, csp_parallel *parallel, const csp_branches *branches, uint32_t runs);
+csp_progress csp_par_again(csp_party *party, csp_parallel *parallel);
+
+/* The struct that has `member` (a csp_process) at `party`: for step functions of branches. */
+#define CSP_ENCLOSING(party, type, member) ((type *)(void *)((char *)(party) - offsetof(type, member)))
+
+#endif
