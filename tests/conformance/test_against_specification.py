@@ -3,40 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, given, note, settings
 
 from cspdiag import pipeline
 from cspdiag.diagnostics import SourceFile
-from cspdiag.diagnostics.render_text import render
 from cspdiag.network.ir import Network
 from cspdiag.simulate.execute import simulate
+from tests.conformance.sources import JUST_AFTER, MODELS, PROGRAMS, environments, network_of, read
 from tests.conformance.specification import execute
 from tests.conformance.traces import Communication, Ending, Execution, compare
 from tests.properties.encounters import encounters
 from tests.properties.programs import programs
 
-ROOT = Path(__file__).parents[2]
-MODELS = sorted(path.relative_to(ROOT).as_posix() for path in ROOT.glob("models/*/*.csp"))
-PROGRAMS = sorted(path.relative_to(ROOT).as_posix() for path in Path(__file__).parent.glob("programs/*.csp"))
-LIBRARIES = {"models/jiwy/laws.csp", "models/jiwy/plant.csp", "models/dining/table.csp"}
-
-JUST_AFTER = 1
-"""Limits fall between two instants, so that it does not matter whether an instant at the limit still happens."""
-
-
-def read(path: str) -> SourceFile:
-    """A file of the checkout."""
-    return SourceFile(name=path, text=(ROOT / path).read_text(encoding="utf-8"))
-
 
 def build(source: SourceFile) -> tuple[Network, Mapping[str, str]]:
     """The network of a program and its generated Python."""
-    built = pipeline.build(source, read)
-    assert built.network is not None, render(built.checked.report.diagnostics)
-    return built.network, pipeline.generate(built.network, read)
+    network = network_of(source)
+    return network, pipeline.generate(network, read)
 
 
 def generated(network: Network, files: Mapping[str, str], environment: str | None, until: int) -> Execution:
@@ -58,10 +43,10 @@ def assert_conforms(network: Network, files: Mapping[str, str], environment: str
     assert specified.ending == done.ending
 
 
-@pytest.mark.parametrize("name", [name for name in MODELS if name not in LIBRARIES])
+@pytest.mark.parametrize("name", MODELS)
 def test_model(name: str) -> None:
     network, files = build(read(name))
-    for environment in [e.name for e in network.environments] or [None]:
+    for environment in environments(network):
         assert_conforms(network, files, environment, 1_200_000_000 + JUST_AFTER)
 
 
@@ -69,7 +54,7 @@ def test_model(name: str) -> None:
 def test_program(name: str) -> None:
     """Programs that implementations have disagreed about."""
     network, files = build(read(name))
-    for environment in [e.name for e in network.environments] or [None]:
+    for environment in environments(network):
         assert_conforms(network, files, environment, 100_000_000 + JUST_AFTER)
 
 

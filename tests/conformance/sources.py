@@ -1,0 +1,45 @@
+"""The programs that everything is compared on."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from cspdiag import pipeline
+from cspdiag.diagnostics import SourceFile
+from cspdiag.diagnostics.render_text import render
+from cspdiag.network.ir import Network
+
+ROOT = Path(__file__).parents[2]
+LIBRARIES = {"models/jiwy/laws.csp", "models/jiwy/plant.csp", "models/dining/table.csp"}
+"""Files without a program of their own."""
+
+
+def programs_in(folder: Path) -> list[str]:
+    """The programs at any depth below a folder, as paths of the checkout where they are inside it."""
+    paths = sorted(path.resolve() for path in folder.rglob("*.csp"))
+    names = [(path.relative_to(ROOT) if path.is_relative_to(ROOT) else path).as_posix() for path in paths]
+    return [name for name in names if name not in LIBRARIES]
+
+
+MODELS = programs_in(ROOT / "models")
+PROGRAMS = programs_in(Path(__file__).parent / "programs")
+
+JUST_AFTER = 1
+"""Limits fall between two instants, so that it does not matter whether an instant at the limit still happens."""
+
+
+def read(path: str) -> SourceFile:
+    """A file of the checkout, or anywhere."""
+    return SourceFile(name=path, text=(ROOT / path).read_text(encoding="utf-8"))
+
+
+def network_of(source: SourceFile) -> Network:
+    """The network of a program without errors."""
+    built = pipeline.build(source, read)
+    assert built.network is not None, render(built.checked.report.diagnostics)
+    return built.network
+
+
+def environments(network: Network) -> list[str | None]:
+    """The names of its environments, or None to run without."""
+    return [environment.name for environment in network.environments] or [None]
