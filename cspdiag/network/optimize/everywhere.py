@@ -1,0 +1,34 @@
+"""Changes in the middle of records, with everything around them made anew."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+from cspdiag.diagnostics.record import field_names, is_record, replaced
+
+T = TypeVar("T")
+
+LEFT_ALONE = frozenset({"span", "type", "doc"})
+
+
+def rewritten(item: T, change: Callable[[Any], Any]) -> T:
+    """``item`` with ``change`` applied to every record in it, innermost first; places and types are left alone.
+
+    What does not change stays the same object.
+    """
+    if isinstance(item, tuple):
+        entries: Any = tuple([rewritten(entry, change) for entry in item])
+        return item if all(new is old for new, old in zip(entries, item, strict=True)) else entries
+    if not is_record(item):
+        return item
+    changes = {}
+    for name in field_names(item):
+        if name not in LEFT_ALONE:
+            old = getattr(item, name)
+            if isinstance(old, tuple) or is_record(old):
+                new = rewritten(old, change)
+                if new is not old:
+                    changes[name] = new
+    result: T = change(replaced(item, **changes) if changes else item)
+    return result
