@@ -1,0 +1,128 @@
+"""Names in generated C: what the text says, escaped where C or its library has the name already."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+
+from cspdiag.network.ir import Network
+
+
+def _words(text: str) -> frozenset[str]:
+    return frozenset(text.split())
+
+
+RESERVED = _words(
+    """
+    auto break case char const continue default do double else enum extern float for goto if inline int long register
+    restrict return short signed sizeof static struct switch typedef union unsigned void volatile while
+    bool true false NULL main self asm fortran typeof near far huge interrupt
+    abs acos asin atan atan2 ceil cos cosh exp exp2 expm1 fabs floor fma fmax fmin fmod frexp gamma hypot isfinite isinf
+    isnan j0 j1 jn ldexp lgamma log log10 log1p log2 logb modf nan pow remainder rint round scalb signbit significand sin
+    sinh sqrt tan tanh trunc y0 y1 yn drem infinity
+    abort assert atexit atof atoi bsearch calloc clock difftime div errno exit fclose feof fflush fopen fprintf fread free
+    fputs fwrite getc getchar getenv index labs ldiv localtime longjmp malloc memchr memcmp memcpy memmove memset mktime
+    offsetof perror printf putc putchar puts qsort raise rand realloc remove rename rewind rindex scanf setjmp signal
+    sprintf srand stderr stdin stdout strcat strchr strcmp strcpy strlen strncpy strstr strtod strtol system time tmpfile
+    toupper tolower ungetc
+    accept alarm bind brk close connect creat dup environ exec execl execv fork getpid kill link listen lseek nice open
+    pause pipe poll read recv select send shutdown sleep socket stat sync times truncate unlink usleep wait write yield
+    linux unix i386 stdin int8_t int16_t int32_t int64_t uint8_t uint16_t uint32_t uint64_t size_t ptrdiff_t
+    """
+)
+"""Keywords of C, and names of its library and of POSIX that compilers know or headers define."""
+
+
+def identifier(text: str) -> str:
+    """A C name for a name of the text, or for several joined by dots and indexes (``pid.error``, ``cell[3]``)."""
+    joined = re.sub(r"\W+", "_", text, flags=re.ASCII).strip("_") if re.search(r"\W", text, re.ASCII) else text
+    if not joined or joined[0].isdigit():
+        joined = f"n{joined}"
+    if joined.startswith("_"):
+        joined = f"x{joined}"
+    clashes = joined in RESERVED or joined.lower().startswith("csp_") or joined in _MACROS
+    return f"{joined}_" if clashes else joined
+
+
+_MACROS = _words("EOF INFINITY NAN NULL DOMAIN OVERFLOW UNDERFLOW SING PLOSS TLOSS HUGE M_PI I BUFSIZ")
+
+
+def snake_case(name: str) -> str:
+    """``PositionController`` as ``position_controller``; ``PIDLoop`` as ``pid_loop``."""
+    spaced = re.sub(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])", "_", name)
+    return identifier(spaced.lower())
+
+
+class Names:
+    """Gives out C names, each once."""
+
+    def __init__(self, taken: Iterable[str] = ()) -> None:
+        self._taken = set(taken)
+        self._given: dict[str, str] = {}
+
+    def __getitem__(self, text: str) -> str:
+        """The name that was given for a name of the text; made at the first time."""
+        if text not in self._given:
+            self._given[text] = self.fresh(text)
+        return self._given[text]
+
+    def __contains__(self, name: str) -> bool:
+        """Whether a C name is taken."""
+        return name in self._taken
+
+    def fresh(self, text: str) -> str:
+        """A new name, as near to ``text`` as may be."""
+        wanted = identifier(text)
+        name, count = wanted, 1
+        while name in self._taken:
+            count += 1
+            name = f"{wanted.rstrip('_')}_{count}"
+        self._taken.add(name)
+        return name
+
+
+FILES = ("types", "constants", "network", "main", "main_simulation", "port", "exceptions", "environment", "values")
+"""Stems of files of a package that no class may be stored in."""
+
+
+class PackageNames:
+    """The names that all files of one package share.
+
+    A class has one name: of its struct, its files, and what its functions begin with. A constant, and a literal of an enum, is a name of
+    the whole program in C.
+    """
+
+    def __init__(self, network: Network) -> None:
+        self.package = network.name
+        self._folder = network.source.rpartition("/")[0]
+        self._names = Names(FILES)
+        self.types: Mapping[str, str] = {
+            name: self._fresh(name) for name in (*(e.name for e in network.enums), *(e.name for e in network.structs))
+        }
+        self.classes: Mapping[str, str] = {entry.name: self._fresh(entry.name) for entry in network.classes}
+        self.environments: Mapping[str, str] = {
+            entry.name: self._fresh(f"{entry.name}_environment") for entry in network.environments
+        }
+        self.exceptions: Mapping[str, str] = {
+            name: self._names.fresh(f"EXCEPTION_{snake_case(name).upper()}")
+            for name in network.exceptions
+            if name not in ("Timeout", "Fault")
+        }
+        self.literals: Mapping[str, tuple[str, ...]] = {
+            enum.name: tuple(
+                self._names.fresh(f"{snake_case(enum.name)}_{snake_case(name)}".upper()) for name in enum.literals
+            )
+            for enum in network.enums
+        }
+        self.constants: Mapping[str, str] = {entry.name: self._names.fresh(entry.name) for entry in network.constants}
+        self.globals = frozenset(
+            (*self.constants.values(), *(name for names in self.literals.values() for name in names))
+        )
+
+    def _fresh(self, name: str) -> str:
+        return self._names.fresh(snake_case(name))
+
+    def place(self, file: str, line: int) -> str:
+        """``laws.csp:12``, the file relative to the folder of the program."""
+        inside = file.removeprefix(f"{self._folder}/") if self._folder else file
+        return f"{inside}:{line}"
