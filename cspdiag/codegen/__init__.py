@@ -20,8 +20,8 @@ TARGETS: dict[str, Callable[[Network, Mapping[str, str]], dict[str, str]]] = {"p
 
 
 def target_errors() -> type[ValueError]:
-    """The exception, with one line for people, that a target raises for a correct program that it cannot express."""
-    from cspdiag.codegen.python_external import TargetError
+    """The exception, with places and for people, that a target raises for a correct program that it cannot express."""
+    from cspdiag.codegen.target_error import TargetError
 
     return TargetError
 

@@ -13,6 +13,7 @@ from cspdiag.codegen.python_expressions import Printer
 from cspdiag.codegen.python_imports import Imports
 from cspdiag.codegen.python_names import Names, identifier
 from cspdiag.codegen.python_statements import Statement, Unpack, assign
+from cspdiag.codegen.target_error import TargetError
 from cspdiag.network.ir import ExternalBody, ExternalCall, Network
 from cspdiag.network.walk import parts
 
@@ -26,10 +27,6 @@ class Body:
     copied: bool
     has_reset: bool
     takes_time: bool
-
-
-class TargetError(ValueError):
-    """A program that is correct but cannot be made into Python; the message is one line for people."""
 
 
 class ExternalModules:

@@ -1,0 +1,5 @@
+"""What a target raises for a program that it cannot express."""
+
+
+class TargetError(ValueError):
+    """A program that is correct but cannot be made into the target's language; the message is for people, with places."""

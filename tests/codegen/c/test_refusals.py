@@ -1,0 +1,78 @@
+"""Programs with parts in Python are refused by the C target, all parts at once."""
+
+from __future__ import annotations
+
+import pytest
+
+from cspdiag import pipeline
+from cspdiag.codegen.c.refusals import refuse_python_bodies
+from cspdiag.codegen.target_error import TargetError
+from cspdiag.diagnostics import SourceFile
+from cspdiag.network.ir import Network
+
+PROGRAM = """
+submodel Filter python "laws/filter.py:Filter" {
+  in  x : double
+  out y : double
+}
+
+submodel Smooth {
+  in  x : double
+  out y : double
+  filter : Filter
+  filter.x = x
+  y = filter.y
+}
+
+process Logger python "logger.py:Logger" {
+  in y : double
+}
+
+process Top {
+  in x : double @ 1 ms
+  communication {
+    smooth : Smooth
+    logger : Logger
+    x -> smooth.x
+    smooth.y -> y : double -> logger.y
+  }
+  composition { (mu smooth) || logger }
+}
+
+driver Stick python "stick.py:Stick" {
+  out x : double
+}
+
+environment Real for Top {
+  stick : Stick
+  stick.x -> x
+}
+"""
+
+
+def network(text: str) -> Network:
+    built = pipeline.build(SourceFile(name="rig.csp", text=text), lambda path: SourceFile(name=path, text=""))
+    assert built.network is not None
+    return built.network
+
+
+def test_every_part_in_python_is_named_with_its_place_and_a_help() -> None:
+    with pytest.raises(TargetError) as refusal:
+        refuse_python_bodies(network(PROGRAM))
+    assert str(refusal.value).splitlines() == [
+        "rig.csp:15: the body of the process `Logger` is a Python class (logger.py:Logger), which C cannot call",
+        '  help: write it in the language, or in C: `process Logger c "logger.c"`',
+        "rig.csp:2: the body of the submodel `Filter` is a Python class (laws/filter.py:Filter), which C cannot call",
+        '  help: write it in the language, or in C: `submodel Filter c "filter.c"`',
+        "rig.csp:30: the driver `Stick` is a Python class (stick.py:Stick), which C cannot call",
+        "  help: choose an environment of submodels with --environment, or write the driver in C and give it to the network as a"
+        " function",
+    ]
+
+
+def test_bodies_in_c_are_accepted() -> None:
+    text = PROGRAM.replace('python "logger.py:Logger"', 'c "logger.c"').replace(
+        'python "laws/filter.py:Filter"', 'c "filter.c"'
+    )
+    text = text[: text.index("driver")]
+    refuse_python_bodies(network(text))
