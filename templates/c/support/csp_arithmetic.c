@@ -1,0 +1,205 @@
+/* See csp_arithmetic.h. */
+#include "csp_arithmetic.h"
+
+#include "csp_fault_text.h"
+
+csp_fault_note csp_fault;
+
+/* The first fault counts. */
+static void note(void (*describe)(const csp_operands *, char *, size_t), csp_operands operands)
+{
+    if (csp_fault.describe == NULL) {
+        csp_fault = (csp_fault_note){describe, operands, NULL, NULL};
+    }
+}
+
+static csp_operands pair(int64_t left, int64_t right)
+{
+    return (csp_operands){{left, right, 0}, 0.0, NULL};
+}
+
+bool csp_fault_at(const char *place)
+{
+    if (csp_fault.place == NULL) {
+        csp_fault.place = place;
+    }
+    return false;
+}
+
+int64_t csp_add_fails(int64_t left, int64_t right)
+{
+    note(csp_describe_sum, pair(left, right));
+    return 0;
+}
+
+int64_t csp_subtract_fails(int64_t left, int64_t right)
+{
+    note(csp_describe_difference, pair(left, right));
+    return 0;
+}
+
+int64_t csp_multiply_fails(int64_t left, int64_t right)
+{
+    note(csp_describe_product, pair(left, right));
+    return 0;
+}
+
+int64_t csp_division_fails(int64_t left, int64_t right)
+{
+    if (right == 0) {
+        note(csp_describe_division, pair(left, right));
+    } else {
+        note(csp_describe_difference, pair(0, left)); /* the lowest number divided by -1 */
+    }
+    return 0;
+}
+
+int64_t csp_multiply(int64_t left, int64_t right)
+{
+    const bool small = (left >= INT32_MIN) && (left <= INT32_MAX) && (right >= INT32_MIN) && (right <= INT32_MAX);
+    if (small || (left == 0) || (right == 0)) {
+        return left * right;
+    }
+    bool fits;
+    if (left > 0) {
+        fits = (right > 0) ? (left <= INT64_MAX / right) : (right >= INT64_MIN / left);
+    } else {
+        fits = (right > 0) ? (left >= INT64_MIN / right) : (right >= INT64_MAX / left);
+    }
+    return fits ? left * right : csp_multiply_fails(left, right);
+}
+
+int64_t csp_power(int64_t base, int64_t exponent)
+{
+    if (exponent < 0) {
+        note(csp_describe_negative_exponent, pair(base, exponent));
+        return 0;
+    }
+    if ((base >= -1) && (base <= 1)) {
+        return (exponent == 0) ? 1 : (((exponent % 2) == 0) ? base * base : base);
+    }
+    if (exponent > 63) {
+        note(csp_describe_power, pair(base, exponent));
+        return 0;
+    }
+    /* The magnitude of the result is at most 2^63, and the lowest number has that magnitude. */
+    const uint64_t magnitude = (base < 0) ? (uint64_t)0 - (uint64_t)base : (uint64_t)base;
+    const bool negative = (base < 0) && ((exponent % 2) == 1);
+    const uint64_t greatest = negative ? (uint64_t)INT64_MAX + 1U : (uint64_t)INT64_MAX;
+    uint64_t result = 1;
+    for (int64_t count = 0; count < exponent; count++) {
+        if (result > greatest / magnitude) {
+            note(csp_describe_power_value, pair(base, exponent));
+            return 0;
+        }
+        result *= magnitude;
+    }
+    if (negative) {
+        return (result > (uint64_t)INT64_MAX) ? INT64_MIN : -(int64_t)result;
+    }
+    return (int64_t)result;
+}
+
+int64_t csp_outside(const char *type, int64_t value, int64_t low, int64_t high)
+{
+    note(csp_describe_outside, (csp_operands){{value, low, high}, 0.0, type});
+    return 0;
+}
+
+int64_t csp_whole_of_real(const char *type, double value, int64_t low, int64_t high)
+{
+    if ((value > (double)low - 1.0) && (value < (double)high + 1.0)) {
+        return (int64_t)value;
+    }
+    note(csp_describe_real_outside, (csp_operands){{0, low, high}, value, type});
+    return 0;
+}
+
+int64_t csp_int64_of_real(double value)
+{
+    if ((value >= -9223372036854775808.0) && (value < 9223372036854775808.0)) {
+        return (int64_t)value;
+    }
+    note(csp_describe_real_outside, (csp_operands){{0, INT64_MIN, INT64_MAX}, value, "int"});
+    return 0;
+}
+
+int64_t csp_index_fails(int64_t index, int64_t size)
+{
+    note(csp_describe_index, pair(index, size));
+    return 0;
+}
+
+double csp_real_division_fails(void)
+{
+    note(csp_describe_real_division, pair(0, 0));
+    return 0.0;
+}
+
+void csp_finite(double value, const char *port)
+{
+    if (!isfinite(value)) {
+        note(csp_describe_not_finite, (csp_operands){{0, 0, 0}, value, port});
+    }
+}
+
+double csp_exp(double x)
+{
+    return exp(x);
+}
+
+double csp_log(double x)
+{
+    return log(x);
+}
+
+double csp_sin(double x)
+{
+    return sin(x);
+}
+
+double csp_cos(double x)
+{
+    return cos(x);
+}
+
+double csp_tan(double x)
+{
+    return tan(x);
+}
+
+double csp_atan2(double y, double x)
+{
+    return atan2(y, x);
+}
+
+double csp_pow(double base, double exponent)
+{
+    return pow(base, exponent);
+}
+
+double csp_seconds(int64_t nanoseconds)
+{
+    const int64_t exact = INT64_C(1) << 53; /* up to here a double has every whole number */
+    if ((nanoseconds >= -exact) && (nanoseconds <= exact)) {
+        return (double)nanoseconds / 1e9;
+    }
+    /* Long division in binary: 53 digits, and then whether to round up. */
+    const bool negative = nanoseconds < 0;
+    const uint64_t magnitude = negative ? (uint64_t)0 - (uint64_t)nanoseconds : (uint64_t)nanoseconds;
+    uint64_t digits = magnitude / UINT64_C(1000000000);
+    uint64_t rest = magnitude % UINT64_C(1000000000);
+    double unit = 1.0;
+    while (digits < (UINT64_C(1) << 52)) {
+        rest *= 2U;
+        digits = (digits * 2U) + (rest / UINT64_C(1000000000));
+        rest %= UINT64_C(1000000000);
+        unit /= 2.0;
+    }
+    rest *= 2U;
+    if ((rest > UINT64_C(1000000000)) || ((rest == UINT64_C(1000000000)) && ((digits % 2U) == 1U))) {
+        digits++;
+    }
+    const double seconds = (double)digits * unit;
+    return negative ? -seconds : seconds;
+}

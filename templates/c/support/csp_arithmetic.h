@@ -1,0 +1,243 @@
+/* Arithmetic as the language defines it: whole numbers that never wrap silently, reals by IEEE 754.
+ *
+ * What no correct program does - overflow, a value outside its type, an index outside its array, division by zero, a NaN for an
+ * actuator - is a *fault*. The function that finds it notes it in `csp_fault` and returns 0; evaluation goes on without undefined
+ * behaviour, and the first fault is the one that counts. Generated code looks after each statement that can fault.
+ *
+ * exp, log, sin, cos, tan, atan2 and pow are those of libm, called through functions of this file, so that no compiler replaces them by
+ * values or formulas of its own that differ in the last bit.
+ */
+#ifndef CSP_ARITHMETIC_H
+#define CSP_ARITHMETIC_H
+
+#include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "csp_core.h"
+
+/* Durations: 2 * CSP_MS. */
+#define CSP_S INT64_C(1000000000)
+#define CSP_MS INT64_C(1000000)
+#define CSP_US INT64_C(1000)
+
+#define CSP_PI 3.141592653589793
+
+/* ---- Faults ---- */
+
+typedef struct csp_fault_note {
+    void (*describe)(const csp_operands *operands, char *text, size_t size); /* NULL: there was no fault */
+    csp_operands operands;
+    const char *place; /* "laws.csp:12", or NULL while it is not known */
+    const char *law;   /* the control law in which it happened, or NULL */
+} csp_fault_note;
+
+extern csp_fault_note csp_fault;
+
+static inline bool csp_faulted(void)
+{
+    return csp_fault.describe != NULL;
+}
+
+/* Says where the fault happened; false, so that a function can end with it. */
+bool csp_fault_at(const char *place);
+
+/* Ends a function that returns whether all went well. */
+#define CSP_CHECK_LAW(where)            \
+    do {                                \
+        if (csp_faulted()) {            \
+            return csp_fault_at(where); \
+        }                               \
+    } while (0)
+
+/* ---- Whole numbers of 64 bits ---- */
+
+/* The results of operations that do not fit. */
+int64_t csp_add_fails(int64_t left, int64_t right);
+int64_t csp_subtract_fails(int64_t left, int64_t right);
+int64_t csp_multiply_fails(int64_t left, int64_t right);
+int64_t csp_division_fails(int64_t left, int64_t right);
+
+static inline int64_t csp_add(int64_t left, int64_t right)
+{
+    const bool fits = (right >= 0) ? (left <= INT64_MAX - right) : (left >= INT64_MIN - right);
+    return fits ? left + right : csp_add_fails(left, right);
+}
+
+static inline int64_t csp_subtract(int64_t left, int64_t right)
+{
+    const bool fits = (right >= 0) ? (left >= INT64_MIN + right) : (left <= INT64_MAX + right);
+    return fits ? left - right : csp_subtract_fails(left, right);
+}
+
+int64_t csp_multiply(int64_t left, int64_t right);
+
+static inline int64_t csp_negate(int64_t operand)
+{
+    return (operand != INT64_MIN) ? -operand : csp_subtract_fails(0, operand);
+}
+
+static inline int64_t csp_absolute(int64_t operand)
+{
+    return (operand < 0) ? csp_negate(operand) : operand;
+}
+
+/* Truncates toward zero. */
+static inline int64_t csp_quotient(int64_t dividend, int64_t divisor)
+{
+    const bool fits = (divisor != 0) && ((divisor != -1) || (dividend != INT64_MIN));
+    return fits ? dividend / divisor : csp_division_fails(dividend, divisor);
+}
+
+/* Has the sign of the dividend. */
+static inline int64_t csp_remainder(int64_t dividend, int64_t divisor)
+{
+    if ((divisor == 0) || (divisor == -1)) {
+        return (divisor == 0) ? csp_division_fails(dividend, divisor) : 0;
+    }
+    return dividend % divisor;
+}
+
+int64_t csp_power(int64_t base, int64_t exponent);
+
+static inline int64_t csp_min_int(int64_t left, int64_t right)
+{
+    return (right < left) ? right : left;
+}
+
+static inline int64_t csp_max_int(int64_t left, int64_t right)
+{
+    return (right > left) ? right : left;
+}
+
+static inline int64_t csp_limit_int(int64_t x, int64_t low, int64_t high)
+{
+    return (x < low) ? low : ((x > high) ? high : x);
+}
+
+static inline int64_t csp_sign_int(int64_t x)
+{
+    return (x > 0) - (x < 0);
+}
+
+/* ---- Narrower whole numbers ---- */
+
+/* Notes that a value is outside a type. */
+int64_t csp_outside(const char *type, int64_t value, int64_t low, int64_t high);
+
+#define CSP_NARROW(type, bits_type, low, high)                                                    \
+    static inline bits_type csp_##type(int64_t value)                                             \
+    {                                                                                             \
+        return (bits_type)(((value >= (low)) && (value <= (high))) ? value                        \
+                                                                   : csp_outside(#type, value, low, high)); \
+    }
+
+CSP_NARROW(int8, int8_t, INT8_MIN, INT8_MAX)
+CSP_NARROW(int16, int16_t, INT16_MIN, INT16_MAX)
+CSP_NARROW(int32, int32_t, INT32_MIN, INT32_MAX)
+CSP_NARROW(uint8, uint8_t, 0, UINT8_MAX)
+CSP_NARROW(uint16, uint16_t, 0, UINT16_MAX)
+CSP_NARROW(uint32, uint32_t, 0, UINT32_MAX)
+
+/* Reals are truncated toward zero. */
+int64_t csp_int64_of_real(double value);
+int64_t csp_whole_of_real(const char *type, double value, int64_t low, int64_t high);
+
+static inline int8_t csp_int8_of_real(double value)
+{
+    return (int8_t)csp_whole_of_real("int8", value, INT8_MIN, INT8_MAX);
+}
+
+static inline int16_t csp_int16_of_real(double value)
+{
+    return (int16_t)csp_whole_of_real("int16", value, INT16_MIN, INT16_MAX);
+}
+
+static inline int32_t csp_int32_of_real(double value)
+{
+    return (int32_t)csp_whole_of_real("int32", value, INT32_MIN, INT32_MAX);
+}
+
+static inline uint8_t csp_uint8_of_real(double value)
+{
+    return (uint8_t)csp_whole_of_real("uint8", value, 0, UINT8_MAX);
+}
+
+static inline uint16_t csp_uint16_of_real(double value)
+{
+    return (uint16_t)csp_whole_of_real("uint16", value, 0, UINT16_MAX);
+}
+
+static inline uint32_t csp_uint32_of_real(double value)
+{
+    return (uint32_t)csp_whole_of_real("uint32", value, 0, UINT32_MAX);
+}
+
+/* ---- Elements ---- */
+
+int64_t csp_index_fails(int64_t index, int64_t size);
+
+/* An index of an array of that size. */
+static inline size_t csp_index(int64_t index, int64_t size)
+{
+    return (size_t)(((index >= 0) && (index < size)) ? index : csp_index_fails(index, size));
+}
+
+/* ---- Reals ---- */
+
+double csp_real_division_fails(void);
+
+static inline double csp_divide(double dividend, double divisor)
+{
+    return (divisor != 0.0) ? dividend / divisor : csp_real_division_fails();
+}
+
+static inline double csp_min(double left, double right)
+{
+    return (right < left) ? right : left;
+}
+
+static inline double csp_max(double left, double right)
+{
+    return (right > left) ? right : left;
+}
+
+/* A NaN passes. */
+static inline double csp_limit(double x, double low, double high)
+{
+    return (x < low) ? low : ((x > high) ? high : x);
+}
+
+/* -1, 0 or 1; a NaN passes. */
+static inline double csp_sign(double x)
+{
+    return (x > 0.0) ? 1.0 : ((x < 0.0) ? -1.0 : x);
+}
+
+/* The nearest multiple of `step`, halves away from zero; a NaN for step 0. */
+static inline double csp_quantize(double x, double step)
+{
+    return round(x / step) * step;
+}
+
+static inline double csp_deadzone(double x, double width)
+{
+    return (x > width) ? x - width : ((x < -width) ? x + width : (isnan(x) ? x : 0.0));
+}
+
+double csp_exp(double x);
+double csp_log(double x);
+double csp_sin(double x);
+double csp_cos(double x);
+double csp_tan(double x);
+double csp_atan2(double y, double x);
+double csp_pow(double base, double exponent);
+
+/* A duration in seconds, rounded once. */
+double csp_seconds(int64_t nanoseconds);
+
+/* Notes a fault unless the value that is written to a port is finite. */
+void csp_finite(double value, const char *port);
+
+#endif
