@@ -20,6 +20,7 @@ class Imports:
         self._dots = dots
         self._relative: dict[str, set[str]] = defaultdict(set)
         self._standard: dict[str, set[str]] = defaultdict(set)
+        self._modules: set[str] = set()
         self._installed: dict[str, set[str]] = defaultdict(set)
 
     def runtime(self, name: str) -> str:
@@ -31,10 +32,10 @@ class Imports:
         return name
 
     def standard(self, module: str, name: str | None = None) -> str:
-        """A name of the standard library, or a module of it."""
-        if name is None:
-            self._standard[module].update()
-            return module
+        """A name of the standard library, qualified where the module has it for something of its own, or a module of it."""
+        if name is None or name in self._taken:
+            self._modules.add(module)
+            return module if name is None else f"{module}.{name}"
         self._standard[module].add(name)
         return name
 
@@ -75,7 +76,7 @@ class Imports:
 
     def lines(self) -> list[str]:
         """The import statements, sorted as isort does, with a blank line between the groups."""
-        standard = [f"import {module}" for module, names in sorted(self._standard.items()) if not names]
+        standard = [f"import {module}" for module in sorted(self._modules)]
         standard += import_lines(self._standard, "")
         lines: list[str] = []
         for group in (standard, import_lines(self._installed, ""), import_lines(self._relative, self._dots)):

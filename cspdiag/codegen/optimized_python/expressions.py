@@ -1,0 +1,357 @@
+"""Expressions as fast Python: what the runtime has functions for stands in place, constants are values.
+
+The results are those of the functions, bit for bit, faults included: every rewriting here says why. What is not rewritten, or cannot be
+because an operand would be evaluated twice or out of turn, is a call of the runtime as at ``-O0``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from cspdiag.codegen.optimized_python.temporaries import Temporaries
+from cspdiag.codegen.python_code import (
+    COMPARISON,
+    OR,
+    PRIMARY,
+    PRODUCT,
+    SIGN,
+    SUM,
+    Atom,
+    Chain,
+    Code,
+    Conditional,
+    Named,
+    Parenthesized,
+    Postfix,
+    Prefix,
+    at_least,
+    call,
+    infix,
+)
+from cspdiag.codegen.python_expressions import Printer, integer_function
+from cspdiag.codegen.python_names import Names
+from cspdiag.codegen.python_types import literal, number, real
+from cspdiag.codegen.ranges import exceeds, needs_check, values_of
+from cspdiag.model.types import ArrayType, BoolType, EnumType, IntType, RealType, TimeType, Type
+from cspdiag.network.constant_value import constant_value
+from cspdiag.network.expressions import (
+    ArrayElements,
+    BinaryOperation,
+    ConditionalValue,
+    Conversion,
+    ElementValue,
+    Expression,
+    FieldValue,
+    FunctionCall,
+    LiteralValue,
+    ParameterValue,
+    SignalValue,
+    StructValue,
+    UnaryOperation,
+    Value,
+)
+
+NANOSECONDS = Atom("1_000_000_000")
+"""In a second."""
+
+_ZERO, _ONE, _MINUS_ONE = Atom("0.0"), Atom("1.0"), Atom("-1.0", SIGN)
+_UNFOLDED = frozenset({"floor", "ceil"})
+"""Of constants the compiler makes these without the sign of a zero."""
+
+
+@dataclass(frozen=True)
+class FastPrinter(Printer):
+    """As ``Printer``; expressions use local variables of their own, named by ``temporaries``.
+
+    ``known`` has the values of signals that are constants.
+    """
+
+    temporaries: Temporaries = field(default_factory=lambda: Temporaries(Names()))
+    known: Mapping[str, Value] = field(default_factory=dict)
+
+    def print(self, expression: Expression) -> Code:
+        """The Python expression."""
+        with self.temporaries.whole_expression():
+            value = self.value(expression)
+            if value is not None and isinstance(expression.type, RealType | IntType | TimeType | BoolType):
+                return self._literal(value, expression.type, expression)
+            match expression:
+                case ElementValue(operand=operand, index=index) if not isinstance(index, LiteralValue):
+                    return self._element(operand, index)
+                case _:
+                    return super().print(expression)
+
+    def value(self, expression: Expression) -> Value | None:
+        """The value of an expression that is constant; None where it is not, or has a fault."""
+        if isinstance(expression, LiteralValue):
+            return expression.value
+        if not self._constant(expression):
+            return None
+        value = constant_value(expression, lambda item: self.known.get(item.name))
+        in_range = not isinstance(expression.type, IntType) or _is_in(value, expression.type)
+        return value if in_range else None
+
+    def _constant(self, expression: Expression) -> bool:
+        match expression:
+            case LiteralValue():
+                return True
+            case SignalValue(name=name):
+                return name in self.known
+        if isinstance(expression.type, RealType) and expression.type.bits == 32:
+            return False  # the compiler rounds more often than the runtime
+        match expression:
+            case Conversion(type=TimeType()):
+                return False
+            case UnaryOperation(operand=operand) | Conversion(operand=operand) | FieldValue(operand=operand):
+                return self._constant(operand)
+            case BinaryOperation(left=left, right=right) | ElementValue(operand=left, index=right):
+                return self._constant(left) and self._constant(right)
+            case ConditionalValue(condition=condition, then=then, otherwise=otherwise):
+                return self._constant(condition) and self._constant(then) and self._constant(otherwise)
+            case FunctionCall(function=function, arguments=arguments):
+                return function not in _UNFOLDED and all(self._constant(argument) for argument in arguments)
+            case StructValue(values=values) | ArrayElements(values=values):
+                return all(self._constant(value) for value in values)
+        return False
+
+    def _literal(self, value: Value, type_: Type, expression: Expression) -> Code:
+        match type_:
+            case TimeType():
+                return number(f"{value:_}")
+            case RealType():
+                assert isinstance(value, int | float)
+                if value != value or value in (float("inf"), float("-inf")):
+                    name = self._math("nan" if value != value else "inf")
+                    return Prefix("-", Atom(name)) if value < 0 else Atom(name)
+                return real(float(value), expression.span if isinstance(expression, LiteralValue) else None)
+        return literal(value, type_, self.imports)
+
+    def _math(self, name: str) -> str:
+        return self.imports.standard("math", name)
+
+    # Operands that are wanted more than once
+
+    def _reused(self, code: Code, type_: Type) -> tuple[Code, Code]:
+        """An operand where it is evaluated, and where it is wanted again."""
+        if _is_simple(code):
+            return code, code
+        name = self.temporaries.fresh(type_)
+        return Parenthesized(Named(name, code)), Atom(name)
+
+    # Whole numbers
+
+    def _checked(self, expression: Expression, code: Code) -> Code:
+        if not isinstance(expression.type, IntType | TimeType) or not needs_check(expression):
+            return super()._checked(expression, code)
+        return self._in_range(code, expression.type, exceeds(expression))
+
+    def _in_range(self, code: Code, type_: IntType | TimeType, exceeded: tuple[bool, bool]) -> Code:
+        """The runtime's function is called only for a number outside, to say so."""
+        word = type_ if isinstance(type_, IntType) else IntType()
+        low, high = number(str(word.minimum)), number(str(word.maximum))
+        first, again = self._reused(code, type_)
+        below, above = exceeded
+        if below and above:
+            inside: Code = Chain(COMPARISON, low, (("<=", first), ("<=", high)))
+        elif below:
+            inside = infix(">=", COMPARISON, first, low)
+        else:
+            inside = infix("<=", COMPARISON, first, high)
+        return Conditional(again, inside, call(self.imports.runtime(integer_function(word)), again))
+
+    def _operation(self, expression: BinaryOperation) -> Code:
+        right = self.value(expression.right)
+        match expression.operator:
+            case "/" | "%" if (
+                isinstance(expression.left.type, IntType | TimeType) and isinstance(right, int) and right > 0
+            ):
+                return self._divided(expression)
+            case "==" | "!=" if isinstance(expression.left.type, EnumType):
+                sides = [self._ordinal(side) for side in (expression.left, expression.right)]
+                return infix(expression.operator, COMPARISON, *sides)
+            case "<" | "<=" | ">" | ">=":
+                compared = self._compared_magnitude(expression)
+                if compared is not None:
+                    return compared
+        return super()._operation(expression)
+
+    def _ordinal(self, expression: Expression) -> Code:
+        """A literal of an enum is compared as the number that it is."""
+        if isinstance(expression, LiteralValue):
+            return Atom(str(expression.value))
+        return self.print(expression)
+
+    def _divided(self, expression: BinaryOperation) -> Code:
+        """Python rounds down, the language toward zero: for a positive divisor they differ below 0 only."""
+        operator = "//" if expression.operator == "/" else "%"
+        divisor = self.print(expression.right)
+        dividend = self.print(expression.left)
+        if values_of(expression.left)[0] >= 0:
+            return infix(operator, PRODUCT, dividend, divisor)
+        first, again = self._reused(dividend, expression.type)
+        mirrored = Parenthesized(infix(operator, PRODUCT, Prefix("-", at_least(again, SIGN)), divisor))
+        return Conditional(
+            infix(operator, PRODUCT, again, divisor), infix(">=", COMPARISON, first, Atom("0")), Prefix("-", mirrored)
+        )
+
+    def _conversion(self, type_: Type, operand: Expression) -> Code:
+        match type_, operand.type:
+            case (IntType() | TimeType(), IntType() | TimeType()):
+                word = type_ if isinstance(type_, IntType) else IntType()
+                low, high = values_of(operand)
+                exceeded = low < word.minimum, high > word.maximum
+                code = self.print(operand)
+                return self._in_range(code, word, exceeded) if any(exceeded) else code
+        return super()._conversion(type_, operand)
+
+    def _element(self, operand: Expression, index: Expression) -> Code:
+        array = self.print(operand)
+        assert isinstance(operand.type, ArrayType)
+        if not _is_simple(array):
+            return call(self.imports.runtime("element"), array, self.print(index))
+        first, again = self._reused(self.print(index), index.type)
+        inside = Chain(COMPARISON, Atom("0"), (("<=", first), ("<", Atom(str(operand.type.size)))))
+        fault = call(self.imports.runtime("element"), array, again)
+        return Conditional(Postfix(at_least(array, PRIMARY), f"[{again.flat}]"), inside, fault)
+
+    # Reals
+
+    def _compared_magnitude(self, expression: BinaryOperation) -> Code | None:
+        """``abs(x) < c`` as ``-c < x < c``; for a NaN both are false, for a negative ``c`` as well."""
+        match expression:
+            case BinaryOperation(left=FunctionCall(function="abs", arguments=(operand,), type=RealType())):
+                bound = self.print(expression.right)
+                if not _is_simple(bound) or self.value(expression.left) is not None:
+                    return None
+                opposite = _negative(bound)
+                value = self.print(operand)
+                if expression.operator in ("<", "<="):
+                    both = (expression.operator, at_least(value, SUM)), (expression.operator, bound)
+                    return Chain(COMPARISON, opposite, both)
+                first, again = self._reused(value, expression.left.type)
+                beyond = infix(expression.operator, COMPARISON, first, bound)
+                mirrored = "<" if expression.operator == ">" else "<="
+                return infix("or", OR, beyond, infix(mirrored, COMPARISON, again, opposite))
+        return None
+
+    def _function(self, expression: FunctionCall) -> Code:
+        inlined = self._inlined(expression)
+        return super()._function(expression) if inlined is None else inlined
+
+    def _inlined(self, expression: FunctionCall) -> Code | None:
+        given = expression.arguments
+        is_real = isinstance(expression.type, RealType)
+        match expression.function:
+            case "seconds" if self.seconds is None or not isinstance(given[0], ParameterValue):
+                return infix("/", PRODUCT, self.print(given[0]), NANOSECONDS)
+            case "limit":
+                return self._limit(*given)
+            case "min" | "max" if len(given) == 2:
+                return super()._checked(expression, self._extreme(expression.function, *given))
+            case "sign":
+                return self._sign(given[0], is_real)
+            case "deadzone":
+                return self._deadzone(*given)
+            case "sin" | "cos" | "tan":
+                return self._trigonometric(expression.function, given[0])
+            case "atan2":
+                return call(self._math("atan2"), self.print(given[0]), self.print(given[1]))
+            case "sqrt":
+                first, again = self._reused(self.print(given[0]), given[0].type)
+                root = call(self._math("sqrt"), again)
+                return Conditional(root, infix(">=", COMPARISON, first, _ZERO), Atom(self._math("nan")))
+        return None
+
+    def _limit(self, value: Expression, low: Expression, high: Expression) -> Code | None:
+        """The bounds are evaluated when they are asked for: the upper one must have no fault that would be missed."""
+        highest = self.print(high)
+        if can_fault(high) and not _is_simple(highest):
+            return None
+        first, again = self._reused(self.print(value), value.type)
+        first_low, low_again = self._reused(self.print(low), low.type)
+        first_high, high_again = self._reused(highest, high.type)
+        rest = Conditional(high_again, infix(">", COMPARISON, again, first_high), again)
+        return Conditional(low_again, infix("<", COMPARISON, first, first_low), rest)
+
+    def _extreme(self, function: str, left: Expression, right: Expression) -> Code:
+        """``max`` keeps the first unless the second is greater: that decides about zeros and NaNs."""
+        first, first_again = self._reused(self.print(left), left.type)
+        second, second_again = self._reused(self.print(right), right.type)
+        operator = "<" if function == "max" else ">"
+        return Conditional(second_again, infix(operator, COMPARISON, first, second), first_again)
+
+    def _sign(self, operand: Expression, is_real: bool) -> Code:
+        first, again = self._reused(self.print(operand), operand.type)
+        zero, one, minus_one = (_ZERO, _ONE, _MINUS_ONE) if is_real else (Atom("0"), Atom("1"), Atom("-1", SIGN))
+        rest = Conditional(minus_one, infix("<", COMPARISON, again, zero), again if is_real else zero)
+        return Conditional(one, infix(">", COMPARISON, first, zero), rest)
+
+    def _deadzone(self, operand: Expression, width: Expression) -> Code | None:
+        code = self.print(width)
+        if not _is_simple(code):
+            return None
+        first, x = self._reused(self.print(operand), operand.type)
+        nothing = Conditional(x, infix("!=", COMPARISON, x, x), _ZERO)
+        below = Conditional(infix("+", SUM, x, code), infix("<", COMPARISON, x, _negative(code)), nothing)
+        return Conditional(infix("-", SUM, x, code), infix(">", COMPARISON, first, code), below)
+
+    def _trigonometric(self, function: str, operand: Expression) -> Code:
+        """Python's functions refuse an infinity; a NaN gives a NaN in both branches."""
+        infinity = Atom(self._math("inf"))
+        first, again = self._reused(self.print(operand), operand.type)
+        finite = Chain(COMPARISON, Prefix("-", infinity), (("<", first), ("<", infinity)))
+        return Conditional(call(self._math(function), again), finite, Atom(self._math("nan")))
+
+
+def can_fault(expression: Expression) -> bool:
+    """Whether evaluating may raise: division, whole-number arithmetic that may leave its range, an index, a conversion."""
+    match expression:
+        case BinaryOperation(operator="/" | "%" | "^"):
+            return True
+        case BinaryOperation() | UnaryOperation() | FunctionCall() if needs_check(expression):
+            return isinstance(expression.type, IntType | TimeType) or any(map(can_fault, _operands(expression)))
+        case Conversion(type=IntType() | TimeType()):
+            return True
+        case ElementValue(index=index) if not isinstance(index, LiteralValue):
+            return True
+    return any(map(can_fault, _operands(expression)))
+
+
+def _is_in(value: Value | None, type_: IntType) -> bool:
+    return isinstance(value, int) and type_.minimum <= value <= type_.maximum
+
+
+def _operands(expression: Expression) -> tuple[Expression, ...]:
+    match expression:
+        case UnaryOperation(operand=operand) | Conversion(operand=operand) | FieldValue(operand=operand):
+            return (operand,)
+        case BinaryOperation(left=left, right=right) | ElementValue(operand=left, index=right):
+            return left, right
+        case ConditionalValue(condition=condition, then=then, otherwise=otherwise):
+            return condition, then, otherwise
+        case FunctionCall(arguments=operands) | StructValue(values=operands) | ArrayElements(values=operands):
+            return operands
+    return ()
+
+
+def _is_simple(code: Any) -> bool:
+    """Whether an operand may be evaluated again: a name or a number, or the opposite of one."""
+    match code:
+        case Atom(text=text):
+            return "." not in text or text[0].isdigit() or text[0] == "-"
+        case Prefix(text="-", operand=operand):
+            return _is_simple(operand)
+    return False
+
+
+def _negative(code: Code) -> Code:
+    match code:
+        case Atom(text=text) if text.startswith("-"):
+            return Atom(text[1:])
+        case Atom(text=text) if text[0].isdigit():
+            return Atom(f"-{text}", SIGN)
+        case Prefix(text="-", operand=operand):
+            return operand
+    return Prefix("-", at_least(code, SIGN))
