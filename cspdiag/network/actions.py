@@ -257,9 +257,13 @@ class InputRead:
 
 @record(kw_only=True)
 class ReadInputs(OptimizedStep):
-    """The inputs of an inlined control law: all reads are begun at once in this order, then it waits for all."""
+    """The inputs of an inlined control law: all reads are begun at once in this order, then it waits for all.
+
+    It is a point of cancellation, as every communication is, also without any reads. ``law`` is the instance that reads.
+    """
 
     reads: tuple[InputRead, ...]
+    law: str = ""
 
 
 @record(kw_only=True)
@@ -272,9 +276,13 @@ class OutputWrite:
 
 @record(kw_only=True)
 class WriteOutputs(OptimizedStep):
-    """The outputs of an inlined control law: all values are offered at once in this order, then it waits for all."""
+    """The outputs of an inlined control law: all values are offered at once in this order, then it waits for all.
+
+    It is a point of cancellation, as every communication is, also without any writes. ``law`` is the instance that writes.
+    """
 
     writes: tuple[OutputWrite, ...]
+    law: str = ""
 
 
 @record(kw_only=True)
@@ -297,7 +305,7 @@ class RunLaw(OptimizedStep):
 
 @record(kw_only=True)
 class ResetStates(OptimizedStep):
-    """Puts states of the class back to their initial values."""
+    """Puts states of the class back to their initial values; the name of an ``ExternalCall`` means the ``reset`` of what it calls."""
 
     states: tuple[str, ...]
 

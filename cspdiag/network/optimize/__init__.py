@@ -9,7 +9,9 @@ from collections.abc import Callable, Sequence
 
 from cspdiag.diagnostics.record import node
 from cspdiag.network.ir import Network
+from cspdiag.network.optimize.inline_laws import inline_laws
 from cspdiag.network.optimize.specialize import specialize
+from cspdiag.network.optimize.variables import variables
 from cspdiag.syntax.nesting import room_to_recurse
 
 
@@ -27,6 +29,16 @@ PASSES: tuple[Pass, ...] = (
         name="specialize",
         description="A class for each way in which its ports are connected; alternatives get names.",
         apply=specialize,
+    ),
+    Pass(
+        name="variables",
+        description="Communication over `var` channels becomes assignment.",
+        apply=variables,
+    ),
+    Pass(
+        name="inline_laws",
+        description="Control laws are computed by the process that runs them, with their states beside its variables.",
+        apply=inline_laws,
     ),
 )
 """In their order; a pass may rely on those before it."""

@@ -6,7 +6,7 @@ parts come to be.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import TypeAlias
 
 from cspdiag.diagnostics.record import replaced
@@ -29,7 +29,6 @@ from cspdiag.network.ir import (
     DiscardEnd,
     ExternalPort,
     InstanceOf,
-    Instantiation,
     LocalChannel,
     Medium,
     MediumKind,
@@ -41,6 +40,7 @@ from cspdiag.network.ir import (
 from cspdiag.network.optimize.changes import changed, in_sequence, mapped, rebuilt, with_inner_actions
 from cspdiag.network.optimize.creation import creation_order
 from cspdiag.network.optimize.guarded import Guards, Place, guards_by_class, place_of
+from cspdiag.network.optimize.reachable import reachable
 
 Media: TypeAlias = "tuple[tuple[Medium, ...], ...]"
 """By port, the medium of the port or of each element."""
@@ -129,7 +129,7 @@ class _Specialization:
                 classes.append(entry)
             for clone in self.clones[entry.name]:
                 classes.append(replaced(clone, creation=creation_order(clone, submodels)))
-        return replaced(network, classes=tuple(classes), instances=instances_below(network, classes))
+        return reachable(replaced(network, classes=tuple(classes)))
 
     def _outside(self, top: ProcessClass) -> Media:
         """The media of the ports of the outermost process."""
@@ -211,19 +211,3 @@ def _attached(attachment: Attachment, behind: Mapping[Place, Medium]) -> Medium:
 
 _CONSTANT = Medium("constant")
 _DISCARD = Medium("discard")
-
-
-def instances_below(network: Network, classes: Sequence[ProcessClass | SubmodelClass]) -> tuple[Instantiation, ...]:
-    """The instances of the network that still are, with the classes that they have now."""
-    by_name = {entry.name: entry for entry in classes}
-    class_of = {network.top: network.top}
-    pending = [network.top]
-    while pending:
-        path = pending.pop()
-        entry = by_name[class_of[path]]
-        if isinstance(entry, ProcessClass):
-            for instance in entry.instances:
-                inner = f"{path}.{instance.name}"
-                class_of[inner] = instance.class_name
-                pending.append(inner)
-    return tuple(changed(i, class_name=class_of[i.path]) for i in network.instances if i.path in class_of)
