@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from typing import Any, Protocol
 
@@ -66,10 +66,24 @@ class Scheduler:
         self.running: Task | None = None
         self.begun = 0
         self.failure: Exception | None = None
+        self.look: Callable[[Scheduler], None] | None = None
+        """Handed the state after each communication."""
 
     def communicate(self, channel: str, value: Any) -> None:
         """A value passes."""
         self.trace.append(Communication(self.now, channel, value))
+        if self.look is not None:
+            self.look(self)
+
+    def waits(self) -> Iterator[str]:
+        """What each process waits for, for people."""
+        for request in self.waiting:
+            offers = request.offers_now()
+            who = " and ".join(dict.fromkeys(offer.end[0] for offer in offers)) or "a process"
+            what = [f"to {'write' if offer.writes else 'read'} {offer.medium.name}" for offer in offers]
+            what += [f"until {deadline / 1e6:.6f} ms" for deadline in request.deadlines()]
+            if what and not request.completed:
+                yield f"{who} waits {' or '.join(what)}"
 
     def hand_over(self, channel: str, value: Any) -> None:
         """A value passes to the environment."""

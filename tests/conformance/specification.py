@@ -8,9 +8,11 @@ Processes are generators that yield requests (``requests``); channels know when 
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 from typing import Any
 
-from cspdiag.network.ir import Environment, ExternalPort, Network, ProcessClass
+from cspdiag.network.ir import Environment, ExternalBody, ExternalPort, Network, ProcessClass
+from cspdiag.network.walk import parts
 from tests.conformance import media
 from tests.conformance.instances import Place, ProcessInstance, Program, exception_name
 from tests.conformance.media import Medium
@@ -53,11 +55,20 @@ class Plant:
         self.inputs[port] = value
 
 
-def execute(network: Network, environment: str | None = None, until: int | None = None) -> Execution:
-    """Run a network in an environment (the first, where none is named) to its end, or to ``until`` nanoseconds."""
+def execute(
+    network: Network,
+    environment: str | None = None,
+    until: int | None = None,
+    look: Callable[[Scheduler], None] | None = None,
+) -> Execution:
+    """Run a network in an environment (the first, where none is named) to its end, or to ``until`` nanoseconds.
+
+    ``look`` is handed the state after each communication.
+    """
     chosen = next((e for e in network.environments if environment in (None, e.name)), None)
     plant = None if chosen is None or chosen.system is None else Plant(chosen)
     world = Scheduler(network.top, plant, timeouts=chosen is None or chosen.on_miss == "timeout")
+    world.look = look
     ports: dict[Place, Medium] = {}
     for port in network.external_ports:
         medium = _external(world, port, plant)
@@ -81,6 +92,25 @@ def execute(network: Network, environment: str | None = None, until: int | None 
     if world.failure is not None:
         ending = ending._replace(error=exception_name(world.failure))
     return Execution(world.trace, ending)
+
+
+def waits(network: Network, environment: str | None, until: int | None, communication: int) -> tuple[str, ...]:
+    """What each process waits for once so many communications have been made."""
+    found: list[str] = []
+
+    def look(world: Scheduler) -> None:
+        if len(world.trace) == communication:
+            found.extend(world.waits())
+
+    execute(network, environment, until, look)
+    return tuple(found)
+
+
+def has_bodies_of_other_languages(network: Network, environment: str | None) -> bool:
+    """Whether anything in the network, or the environment, is written by hand."""
+    chosen = next((e for e in network.environments if environment in (None, e.name)), None)
+    written = [part for part in parts((network.classes, chosen)) if isinstance(part, ExternalBody)]
+    return bool(written)
 
 
 def _external(world: Scheduler, port: ExternalPort, plant: Plant | None) -> Medium:

@@ -3,31 +3,56 @@
 from __future__ import annotations
 
 import dataclasses
+import math
+import struct
 from collections.abc import Collection, Iterable, Sequence
 from typing import Any, NamedTuple
 
 
 class Communication(NamedTuple):
-    """A value that passed through an external port or a channel at ``time`` (nanoseconds)."""
+    """A value that passed through an external port or a channel at ``time`` (nanoseconds).
+
+    ``writer`` and ``reader`` are the paths of the processes where an implementation knows them; traces are equal whatever they are.
+    """
 
     time: int
     channel: str
     value: object
+    writer: str = ""
+    reader: str = ""
 
 
 class Ending(NamedTuple):
-    """How a run ended (``terminated``, ``deadlock``, ``time limit``, ``failed``), when, and the exception's name."""
+    """How a run ended (``terminated``, ``deadlock``, ``time limit``, ``failed``), when, and the exception's name.
+
+    ``message`` is what the exception says, with its place; None where an implementation says nothing.
+    """
 
     ended: str
     time: int
     error: str | None = None
+    message: str | None = None
+
+    def agrees_with(self, other: Ending) -> bool:
+        """Whether it is the same end, as far as both sides know."""
+        told = None not in (self.message, other.message)
+        return self[:3] == other[:3] and (not told or self.message == other.message)
+
+    def __str__(self) -> str:
+        error = "" if self.error is None else f" with {self.error}"
+        message = "" if self.message is None else f": {self.message}"
+        return f"{self.ended} at {self.time / 1e6:.6f} ms{error}{message}"
 
 
 class Execution(NamedTuple):
-    """What an implementation did with a program."""
+    """What an implementation did with a program.
+
+    ``released`` are the safe values that outputs were handed at the end, in order; None where an implementation hands over none.
+    """
 
     trace: Sequence[Communication]
     ending: Ending
+    released: Sequence[tuple[str, object]] | None = None
 
 
 @dataclasses.dataclass
@@ -39,18 +64,29 @@ class Difference:
     left: Sequence[Communication]
     right: Sequence[Communication]
 
+    @property
+    def time(self) -> int:
+        """The instant of the earlier of the two."""
+        return min(side[self.position].time for side in (self.left, self.right) if self.position < len(side))
+
     def __str__(self) -> str:
         first = max(0, self.position - 3)
         lines = [f"{self.channel}: communication {self.position} differs"]
         for name, side in (("left", self.left), ("right", self.right)):
             lines.append(f"  {name}:")
             for number in range(first, min(len(side), self.position + 3)):
-                time, channel, value = side[number]
                 mark = ">" if number == self.position else " "
-                lines.append(f"  {mark} {number}: {time / 1e6:.6f} ms {channel} {value!r}")
+                lines.append(f"  {mark} {number}: {shown(side[number])}")
             if len(side) <= self.position:
                 lines.append("  > end")
         return "\n".join(lines)
+
+
+def shown(communication: Communication) -> str:
+    """On one line: when, where, what, from whom to whom."""
+    time, channel, value, writer, reader = communication
+    parties = f"  ({writer or 'environment'} to {reader or 'environment'})" if writer or reader else ""
+    return f"{time / 1e6:.6f} ms {channel} {value!r}{parties}"
 
 
 def plain(value: Any) -> object:
@@ -64,41 +100,58 @@ def plain(value: Any) -> object:
     return tuple(plain(part) for part in value)
 
 
+def units_apart(left: float, right: float) -> int:
+    """How many doubles lie from one to the other: the distance in units in the last place; zeros of both signs are the same."""
+    if math.isnan(left) or math.isnan(right):
+        return 0 if math.isnan(left) and math.isnan(right) else 2**64
+    return abs(_rank(left) - _rank(right))
+
+
+def _rank(x: float) -> int:
+    """Doubles in their order, as whole numbers."""
+    bits: int = struct.unpack("<q", struct.pack("<d", x))[0]
+    return bits if bits >= 0 else -(bits & 0x7FFF_FFFF_FFFF_FFFF)
+
+
+def equal(left: Any, right: Any, units: int) -> bool:
+    """Whether two values are the same, doubles within so many units in the last place."""
+    if plain(left) == plain(right):
+        return True
+    if isinstance(left, float) and isinstance(right, float):
+        return units > 0 and units_apart(left, right) <= units
+    if isinstance(left, int | float) or isinstance(right, int | float):
+        return False
+    return len(left) == len(right) and all(equal(a, b, units) for a, b in zip(left, right, strict=True))
+
+
 def compare(
-    left: Iterable[Communication], right: Iterable[Communication], external: Collection[str] = ()
+    left: Iterable[Communication], right: Iterable[Communication], external: Collection[str] = (), units: int = 0
 ) -> Difference | None:
     """The earliest difference of two traces; None when they are equal.
 
-    Each channel has to have the same times and values, and the ``external`` ports have to have them in the same order.
+    Each channel has to have the same times and values (doubles within ``units`` in the last place), and the ``external`` ports have
+    to have them in the same order.
     """
     first, second = list(left), list(right)
     differences = []
     names = dict.fromkeys(communication.channel for communication in (*first, *second))
     for name in names:
-        differences.append(
-            _first_difference(name, *([c for c in side if c.channel == name] for side in (first, second)))
-        )
-    differences.append(
-        _first_difference("external ports", *([c for c in side if c.channel in external] for side in (first, second)))
-    )
+        sides = [[c for c in side if c.channel == name] for side in (first, second)]
+        differences.append(_first_difference(name, sides[0], sides[1], units))
+    sides = [[c for c in side if c.channel in external] for side in (first, second)]
+    differences.append(_first_difference("external ports", sides[0], sides[1], units))
     found = [difference for difference in differences if difference is not None]
-    return min(found, key=_time, default=None)
+    return min(found, key=lambda difference: difference.time, default=None)
 
 
-def _first_difference(name: str, left: Sequence[Communication], right: Sequence[Communication]) -> Difference | None:
+def _first_difference(
+    name: str, left: Sequence[Communication], right: Sequence[Communication], units: int
+) -> Difference | None:
     for position in range(max(len(left), len(right))):
-        if position >= len(left) or position >= len(right) or _key(left[position]) != _key(right[position]):
+        if position >= len(left) or position >= len(right) or not _same(left[position], right[position], units):
             return Difference(name, position, left, right)
     return None
 
 
-def _key(communication: Communication) -> tuple[int, str, object]:
-    return communication.time, communication.channel, plain(communication.value)
-
-
-def _time(difference: Difference) -> int:
-    return min(
-        side[difference.position].time
-        for side in (difference.left, difference.right)
-        if difference.position < len(side)
-    )
+def _same(left: Communication, right: Communication, units: int) -> bool:
+    return left[:2] == right[:2] and equal(left.value, right.value, units)

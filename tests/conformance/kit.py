@@ -1,0 +1,124 @@
+"""Certifies a target: the same traces and ends as the reference, over a folder of programs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import Literal
+
+from cspdiag.network import expressions as ex
+from cspdiag.network.ir import Network
+from cspdiag.network.walk import parts
+from tests.conformance.sources import JUST_AFTER, environments, network_of, programs_in, read
+from tests.conformance.targets import REFERENCE, RefusedError, Target
+from tests.conformance.traces import Communication, Execution, compare, shown
+
+LIBRARY_FUNCTIONS = frozenset({"sin", "cos", "tan", "atan2", "exp", "log", "^"})
+"""The functions that the C standard leaves to the library's accuracy. A target that brings another library than this machine's may be one unit in
+the last place off in programs that use them; everything else (``+ - * /``, ``sqrt``, ``fmod``, rounding) is exact everywhere."""
+
+Result = Literal["equal", "differs", "refused"]
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What came out for one program in one environment; ``details`` are lines for people."""
+
+    program: str
+    environment: str | None
+    result: Result
+    communications: int = 0
+    details: str = ""
+
+
+def certify(target: Target, folder: Path, limit: int = 1_200_000_000) -> Iterator[Verdict]:
+    """The verdicts on every program below a folder, in each of its environments, up to ``limit`` nanoseconds."""
+    for name in programs_in(folder):
+        network = parsed(name)
+        for environment in environments(network):
+            yield judge(target, network, environment, limit + JUST_AFTER, name)
+
+
+@lru_cache(maxsize=64)
+def _done_by_reference(name: str, environment: str | None, until: int) -> Execution:
+    return REFERENCE.run(parsed(name), environment, until)
+
+
+@lru_cache(maxsize=64)
+def parsed(name: str) -> Network:
+    """The network of a file; targets are many, and it is always the same."""
+    return network_of(read(name))
+
+
+def judge(target: Target, network: Network, environment: str | None, until: int, name: str = "") -> Verdict:
+    """Runs a program, of the file ``name`` if it has one, on a target and on the reference, and compares."""
+    try:
+        done = target.run(network, environment, until)
+    except RefusedError as refusal:
+        return Verdict(name, environment, "refused", details=str(refusal))
+    wanted = _done_by_reference(name, environment, until) if name else REFERENCE.run(network, environment, until)
+    details = "\n".join(_differences(target, network, environment, until, wanted, done))
+    return Verdict(name, environment, "differs" if details else "equal", len(wanted.trace), details)
+
+
+def _differences(
+    target: Target, network: Network, environment: str | None, until: int, wanted: Execution, done: Execution
+) -> Iterator[str]:
+    external = {f"{network.top}.{port.name}" for port in network.external_ports}
+    difference = compare(wanted.trace, done.trace, external, tolerance(target, network))
+    if difference is not None:
+        yield f"left: {REFERENCE.name}, right: {target.name}\n{difference}"
+        for side, execution, part in ((REFERENCE, wanted, difference.left), (target, done, difference.right)):
+            moment = _moment(execution, part, difference.position)
+            yield f"  {side.name} before that:"
+            yield from (f"    {line}" for line in _state(side, network, environment, until, execution.trace, moment))
+    if not wanted.ending.agrees_with(done.ending):
+        yield f"the end differs\n  {REFERENCE.name}: {wanted.ending}\n  {target.name}: {done.ending}"
+    if done.released is not None and done.released != wanted.released:
+        yield f"safe values differ\n  {REFERENCE.name}: {wanted.released}\n  {target.name}: {done.released}"
+
+
+def tolerance(target: Target, network: Network) -> int:
+    """By how many units in the last place doubles may differ."""
+    return int(target.other_library and bool(LIBRARY_FUNCTIONS & functions_used(network)))
+
+
+def functions_used(network: Network) -> set[str]:
+    """The names of the functions and arithmetic operators that a program computes doubles with."""
+    found: set[str] = set()
+    for part in parts((network.classes, network.environments)):
+        if isinstance(part, ex.FunctionCall):
+            found.add(part.function)
+        elif isinstance(part, ex.BinaryOperation):
+            found.add(part.operator)
+    return found
+
+
+def _moment(execution: Execution, side: Sequence[Communication], position: int) -> int:
+    """How many communications had been made when the one at ``position`` of a side of the difference was."""
+    if position >= len(side):
+        return len(execution.trace)
+    return next(index for index, communication in enumerate(execution.trace) if communication is side[position])
+
+
+def _state(
+    side: Target,
+    network: Network,
+    environment: str | None,
+    until: int,
+    trace: Sequence[Communication],
+    moment: int,
+) -> Iterator[str]:
+    """What each process waits for, and where that is not to be had what it did last."""
+    waits = side.waits(network, environment, until, moment) if moment > 0 else ()
+    if waits:
+        yield from waits
+        return
+    last: dict[str, Communication] = {}
+    for communication in trace[:moment]:
+        last[communication.writer or communication.channel] = communication
+        last[communication.reader or communication.channel] = communication
+    for party, communication in last.items():
+        yield f"{party}: last {shown(communication)}"

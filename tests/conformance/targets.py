@@ -1,0 +1,201 @@
+"""What can be certified: the implementations of the language, each behind the same small object.
+
+A target of one's own is one more class like these, and an entry in ``TARGETS``.
+"""
+
+from __future__ import annotations
+
+import inspect
+import shutil
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Protocol
+
+from cspdiag import pipeline
+from cspdiag.codegen import target_errors
+from cspdiag.network.ir import Network
+from cspdiag.runtime.exceptions import described
+from cspdiag.simulate.execute import simulate
+from cspdiag.simulate.recorder import Recorder
+from cspdiag.simulate.result import Run
+from tests.conformance import specification
+from tests.conformance.sources import read
+from tests.conformance.states import ObservedRun
+from tests.conformance.traces import Communication, Ending, Execution
+
+
+class RefusedError(Exception):
+    """A correct program that the target cannot take, with what it says."""
+
+
+class Target(Protocol):
+    """An implementation of the language."""
+
+    @property
+    def name(self) -> str:
+        """As the command line calls it."""
+        ...
+
+    @property
+    def other_library(self) -> bool:
+        """Whether its mathematical functions are not those of this machine's C library, so that results may differ by one unit in the last place."""
+        ...
+
+    def unavailable(self) -> str | None:
+        """Why it cannot run here, None where it can."""
+        ...
+
+    def run(self, network: Network, environment: str | None, until: int) -> Execution:
+        """What it does with a program, in an environment, up to ``until`` nanoseconds; RefusedError where it takes no such program."""
+        ...
+
+    def waits(
+        self, network: Network, environment: str | None, until: int, communication: int
+    ) -> tuple[str, ...] | None:
+        """What each process waits for once so many communications have been made; None where it cannot tell."""
+        ...
+
+
+@dataclass(frozen=True)
+class Specification:
+    """The interpreter of this folder."""
+
+    name: str = "specification"
+    other_library: bool = False
+
+    def unavailable(self) -> str | None:
+        """It is always there."""
+        return None
+
+    def run(self, network: Network, environment: str | None, until: int) -> Execution:
+        """See ``Target.run``."""
+        if specification.has_bodies_of_other_languages(network, environment):
+            raise RefusedError("bodies in other languages have no specification")
+        return specification.execute(network, environment, until)
+
+    def waits(
+        self, network: Network, environment: str | None, until: int, communication: int
+    ) -> tuple[str, ...] | None:
+        """See ``Target.waits``."""
+        return specification.waits(network, environment, until, communication)
+
+
+@dataclass(frozen=True)
+class GeneratedPython:
+    """The Python that ``cspdiag compile`` makes, imported and run."""
+
+    level: int
+    other_library: bool = False
+
+    @property
+    def name(self) -> str:
+        """See ``Target.name``."""
+        return f"python-O{self.level}"
+
+    def unavailable(self) -> str | None:
+        """See ``Target.unavailable``."""
+        return None if self.level == 0 or _has_levels() else "there is no optimizing Python target yet"
+
+    def run(self, network: Network, environment: str | None, until: int) -> Execution:
+        """See ``Target.run``."""
+        return execution(self._simulate(network, environment, until, Recorder()))
+
+    def waits(
+        self, network: Network, environment: str | None, until: int, communication: int
+    ) -> tuple[str, ...] | None:
+        """See ``Target.waits``."""
+        if self.level > 0:
+            return None
+        observer = ObservedRun(communication)
+        self._simulate(network, environment, until, observer)
+        return observer.waits
+
+    def _simulate(self, network: Network, environment: str | None, until: int, recorder: Recorder) -> Run:
+        files = generated(network, "python", self.level)
+        return simulate(network, files, environment=environment, until=until, recorder=recorder)
+
+
+@dataclass(frozen=True)
+class NativeSimulation:
+    """The C that ``cspdiag compile --target c`` makes, with its environment compiled in."""
+
+    level: int
+    other_library: bool = False
+
+    @property
+    def name(self) -> str:
+        """See ``Target.name``."""
+        return f"c-O{self.level}"
+
+    def unavailable(self) -> str | None:
+        """See ``Target.unavailable``."""
+        if not any(shutil.which(compiler) for compiler in ("cc", "gcc", "clang")):
+            return "there is no C compiler (gcc or clang)"
+        return None if _has_native() else "there is no C target yet"
+
+    def run(self, network: Network, environment: str | None, until: int) -> Execution:
+        """See ``Target.run``."""
+        from cspdiag.simulate import native
+
+        try:
+            run = native.simulate(network, read, level=self.level, environment=environment, until=until)
+        except target_errors() as problem:
+            raise RefusedError(str(problem)) from problem
+        return execution(run)
+
+    def waits(
+        self, network: Network, environment: str | None, until: int, communication: int
+    ) -> tuple[str, ...] | None:
+        """See ``Target.waits``."""
+        return None
+
+
+def generated(network: Network, target: str, level: int) -> Mapping[str, str]:
+    """The files of a target; RefusedError for a program that it cannot take."""
+    options = {"target": target, "level": level, "traced": True} if _has_levels() else {}
+    try:
+        return pipeline.generate(network, read, **options)  # type: ignore[arg-type]
+    except target_errors() as problem:
+        raise RefusedError(str(problem)) from problem
+
+
+def _has_levels() -> bool:
+    return "level" in inspect.signature(pipeline.generate).parameters
+
+
+def _has_native() -> bool:
+    try:
+        from cspdiag.simulate import native  # noqa: F401
+    except ImportError:
+        return False
+    return True
+
+
+def execution(run: Run) -> Execution:
+    """What a run has recorded."""
+    outcome = run.outcome
+    error = outcome.error
+    ending = Ending(
+        outcome.ended,
+        outcome.time,
+        None if error is None else type(error).__name__,
+        None if error is None else described(error),
+    )
+    trace = [Communication._make(communication) for communication in run.communications]
+    return Execution(trace, ending, [(port, value) for _, port, value in run.releases])
+
+
+REFERENCE = GeneratedPython(0)
+"""What everything else is compared with."""
+
+TARGETS: Mapping[str, Target] = {
+    target.name: target for target in (Specification(), GeneratedPython(1), NativeSimulation(0), NativeSimulation(1))
+}
+
+
+def target_named(name: str) -> Target:
+    """A target by its name or the beginning of it (``c``: the most optimizing one); KeyError if there is none."""
+    candidates = [target for full, target in TARGETS.items() if full == name or full.startswith(f"{name}-")]
+    if not candidates:
+        raise KeyError(name)
+    return candidates[-1]

@@ -1,0 +1,56 @@
+"""Every target does what the reference does, over all models, all disputed cases, and random programs."""
+
+from __future__ import annotations
+
+import os
+
+import pytest
+from hypothesis import HealthCheck, given, note, settings
+
+from tests.conformance.hunt import difference_of
+from tests.conformance.kit import judge, parsed
+from tests.conformance.sources import JUST_AFTER, MODELS, PROGRAMS, environments
+from tests.conformance.targets import TARGETS, Target
+from tests.properties.encounters import encounters
+from tests.properties.programs import programs
+
+EXAMPLES = int(os.environ.get("CONFORMANCE_EXAMPLES", "40"))
+"""How many random programs each target is compared on."""
+
+
+@pytest.fixture(params=TARGETS.values(), ids=TARGETS)
+def target(request: pytest.FixtureRequest) -> Target:
+    target: Target = request.param
+    reason = target.unavailable()
+    if reason is not None:
+        pytest.skip(f"{target.name}: {reason}")
+    return target
+
+
+def assert_certified(target: Target, name: str, limit: int) -> None:
+    """A program of a file is equal on the target, or not for it."""
+    network = parsed(name)
+    for environment in environments(network):
+        verdict = judge(target, network, environment, limit + JUST_AFTER, name)
+        if verdict.result == "refused":
+            pytest.skip(f"{target.name}: {verdict.details}")
+        assert verdict.result == "equal", verdict.details
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_model(target: Target, name: str) -> None:
+    assert_certified(target, name, 1_200_000_000)
+
+
+@pytest.mark.parametrize("name", PROGRAMS)
+def test_program(target: Target, name: str) -> None:
+    """Programs that implementations have disagreed about."""
+    assert_certified(target, name, 100_000_000)
+
+
+@settings(max_examples=EXAMPLES, deadline=None, suppress_health_check=list(HealthCheck))
+@given(text=programs() | encounters())
+def test_random_program(target: Target, text: str) -> None:
+    note(text)
+    details = difference_of(target, text)
+    assert not details, details
