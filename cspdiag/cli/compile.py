@@ -43,7 +43,7 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 def run(arguments: Namespace) -> int:
     """Generate the package, or print what was asked for."""
-    if arguments.level == 1:
+    if arguments.level == 1 and arguments.emit != "network":
         raise UsageError("-O1 is not in this version; -O0 generates the readable package")
     match arguments.emit:
         case "ast":
@@ -86,6 +86,10 @@ def _emit_network(arguments: Namespace) -> int:
         return UNSUCCESSFUL
     from cspdiag.network.dump import dump
 
+    if arguments.level == 1:
+        from cspdiag.network.optimize import optimize
+
+        network = optimize(network)
     sys.stdout.write(dump(network))
     return FINE
 
