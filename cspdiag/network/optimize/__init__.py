@@ -9,6 +9,8 @@ from collections.abc import Callable, Sequence
 
 from cspdiag.diagnostics.record import node
 from cspdiag.network.ir import Network
+from cspdiag.network.optimize.constants import fold_constants
+from cspdiag.network.optimize.dead import remove_dead_parts
 from cspdiag.network.optimize.inline_laws import inline_laws
 from cspdiag.network.optimize.specialize import specialize
 from cspdiag.network.optimize.variables import variables
@@ -39,6 +41,16 @@ PASSES: tuple[Pass, ...] = (
         name="inline_laws",
         description="Control laws are computed by the process that runs them, with their states beside its variables.",
         apply=inline_laws,
+    ),
+    Pass(
+        name="constants",
+        description="Parameters that all instances of a class agree on, and what follows from them, are put in their places.",
+        apply=fold_constants,
+    ),
+    Pass(
+        name="dead",
+        description="What has no effect is removed: steps, handlers, equations, states, variables, ports, channels, classes.",
+        apply=remove_dead_parts,
     ),
 )
 """In their order; a pass may rely on those before it."""

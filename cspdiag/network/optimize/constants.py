@@ -6,7 +6,7 @@ Only process classes are looked into; the names of the parameters of bodies in o
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, TypeAlias, TypeGuard
 
 from cspdiag.diagnostics.record import replaced
 from cspdiag.network.actions import (
@@ -17,18 +17,21 @@ from cspdiag.network.actions import (
     Choice,
     IfElse,
     InputEvent,
+    InputRead,
     InterruptOn,
     OutputEvent,
     OutputWrite,
     PortEnd,
     ReadValue,
     Repeat,
+    RunLaw,
     SequentialSteps,
     SkipStep,
     WhileLoop,
     WriteValue,
 )
 from cspdiag.network.expressions import (
+    Expression,
     LiteralValue,
     ParameterValue,
     SignalValue,
@@ -36,21 +39,22 @@ from cspdiag.network.expressions import (
     Value,
     VariableValue,
 )
-from cspdiag.network.ir import InstanceOf, Instantiation, Network, ProcessClass, SubmodelClass
+from cspdiag.network.ir import InstanceOf, Instantiation, Network, ProcessClass, SubmodelClass, SubmodelEquation
 from cspdiag.network.optimize.changes import changed, in_sequence
 from cspdiag.network.optimize.everywhere import rewritten
 from cspdiag.network.optimize.folding import folded, is_literal
 from cspdiag.network.walk import parts
 
-Known = dict[str, LiteralValue]
-Outputs = Mapping[str, set[str]]
+Literals: TypeAlias = "dict[str, LiteralValue]"
+Known: TypeAlias = "LiteralValue | ParameterValue | SignalValue"
+Outputs: TypeAlias = "Mapping[str, set[str]]"
 """The outputs of each class."""
 
 
 def fold_constants(network: Network) -> Network:
     """The network with constants in place of what is constant, parameters that have become needless removed, and decided conditions gone."""
     classes = {entry.name: entry for entry in network.classes}
-    given: dict[str, Known | None] = {network.top: _arguments_of_top(network)}
+    given: dict[str, Literals | None] = {network.top: _arguments_of_top(network)}
     outputs = {name: {port.name for port in entry.ports if port.direction == "out"} for name, entry in classes.items()}
     results: dict[str, ProcessClass | SubmodelClass] = {}
     for entry in reversed(network.classes):
@@ -74,7 +78,7 @@ def fold_constants(network: Network) -> Network:
     )
 
 
-def _arguments_of_top(network: Network) -> Known:
+def _arguments_of_top(network: Network) -> Literals:
     parameters = {parameter.name: parameter for parameter in network.class_named(network.top).parameters}
     return {
         name: LiteralValue(type=parameters[name].type, span=parameters[name].span, value=value)
@@ -82,7 +86,7 @@ def _arguments_of_top(network: Network) -> Known:
     }
 
 
-def _meet(given: dict[str, Known | None], instance: InstanceOf) -> None:
+def _meet(given: dict[str, Literals | None], instance: InstanceOf) -> None:
     """One more instance of a class: only what it agrees on with the others stays known."""
     found = {name: value for name, value in instance.arguments if isinstance(value, LiteralValue)}
     known = given.get(instance.class_name)
@@ -99,14 +103,15 @@ def _same(one: Value, other: Value) -> bool:
     return repr(one) == repr(other)
 
 
-def _class(entry: ProcessClass, parameters: Known, outputs: Outputs) -> ProcessClass:
+def _class(entry: ProcessClass, parameters: Literals, outputs: Outputs) -> ProcessClass:
     """The class with what is known put in place, as often as that makes more known."""
     broadcasts = _broadcast_places(entry)
     while True:
         known = dict(parameters)
-        constants = _literal_constants(entry)
+        signals = _known_signals(entry)
+        constants = {item.name for item in entry.constants if item.name in signals}
         variables = _constant_variables(entry, outputs)
-        fold = _folding(known, constants, variables)
+        fold = _folding(known, signals, variables)
         result = replaced(
             entry,
             constants=tuple(rewritten(item, fold) for item in entry.constants if item.name not in constants),
@@ -121,11 +126,32 @@ def _class(entry: ProcessClass, parameters: Known, outputs: Outputs) -> ProcessC
         entry = result
 
 
-def _literal_constants(entry: ProcessClass) -> Known:
-    return {item.name: item.value for item in entry.constants if isinstance(item.value, LiteralValue)}
+def _known_signals(entry: ProcessClass) -> dict[str, Known]:
+    """Constants of the class with a literal value, and signals of laws that are always one literal, or always another signal.
+
+    A signal that is the present value of a state is not one of them: the state changes before the outputs are written.
+    """
+    found: dict[str, Expression | None] = {constant.name: constant.value for constant in entry.constants}
+    states = {state.name for state in entry.states}
+    for part in parts(entry.body):
+        if isinstance(part, RunLaw):
+            for equation in (*part.equations, *part.derivative_equations):
+                if isinstance(equation, SubmodelEquation):
+                    same = repr(found.setdefault(equation.name, equation.value)) == repr(equation.value)
+                    found[equation.name] = equation.value if same else None
+        elif isinstance(part, InputRead):
+            found[part.name] = None
+
+    return {name: value for name, value in found.items() if _is_known(value, states)}
 
 
-def _constant_variables(entry: ProcessClass, outputs: Outputs) -> Known:
+def _is_known(value: Expression | None, states: set[str]) -> TypeGuard[Known]:
+    return isinstance(value, LiteralValue | ParameterValue) or (
+        isinstance(value, SignalValue) and value.name not in states
+    )
+
+
+def _constant_variables(entry: ProcessClass, outputs: Outputs) -> Literals:
     """Variables that keep their initial value."""
     known = {
         channel.name: channel.initial
@@ -159,10 +185,12 @@ def _written(entry: ProcessClass, outputs: Outputs) -> set[str]:
     return found
 
 
-def _folding(parameters: Known, constants: Known, variables: Known) -> Callable[[Any], Any]:
-    names: dict[type, tuple[str, Mapping[str, LiteralValue]]] = {
+def _folding(
+    parameters: Mapping[str, Known], signals: Mapping[str, Known], variables: Mapping[str, Known]
+) -> Callable[[Any], Any]:
+    names: dict[type, tuple[str, Mapping[str, Known]]] = {
         ParameterValue: ("name", parameters),
-        SignalValue: ("name", constants),
+        SignalValue: ("name", signals),
         VariableValue: ("channel", variables),
     }
 
