@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import ClassVar
 
 from cspdiag.codegen.equations import (
     Equation,
@@ -38,7 +39,7 @@ from cspdiag.network.ir import (
     SubmodelEquation,
 )
 
-_MEMBERS = INTEGRATION | {"self", "now", "steps", "start", "advance", "drivers", "on_miss", "_evaluate"}
+MEMBERS = INTEGRATION | {"self", "now", "steps", "start", "advance", "drivers", "on_miss", "_evaluate"}
 
 
 @dataclass(frozen=True)
@@ -58,7 +59,7 @@ def environment_module(
     environment: Environment, network: Network, names: PackageNames, modules: ExternalModules
 ) -> EnvironmentModule:
     """The module of an environment."""
-    return _EnvironmentWriter(environment, network, names, modules).module()
+    return EnvironmentWriter(environment, network, names, modules).module()
 
 
 def port_key(port: ExternalPort) -> str:
@@ -68,7 +69,12 @@ def port_key(port: ExternalPort) -> str:
     return f"{port.name}[{port.index}]"
 
 
-class _EnvironmentWriter:
+class EnvironmentWriter:
+    """Writes the module of one environment; the optimized target overrides how it computes."""
+
+    members: ClassVar[frozenset[str]] = MEMBERS
+    """Names that the class and its methods use themselves."""
+
     def __init__(
         self, environment: Environment, network: Network, names: PackageNames, modules: ExternalModules
     ) -> None:
@@ -77,17 +83,18 @@ class _EnvironmentWriter:
         self.package = names
         self.modules = modules
         self.system = environment.system
-        self.names = Names(_MEMBERS)
+        self.names = Names(self.members)
         self.types = signal_types(self.system) if self.system is not None else {}
         for name in self.types:
             self.names[name]
         for device in environment.drivers:
             self.names[device.name]
-        taken = {*(self.names[name] for name in self.types), *_MEMBERS}
+        taken = {*(self.names[name] for name in self.types), *self.members}
         self.imports = Imports(names, taken=taken, dots="..")
         self.constants = constants_needed(self.system) if self.system is not None else []
 
     def module(self) -> EnvironmentModule:
+        """The module as the template lays it out."""
         environment = self.environment
         name = self.package.environments[environment.name]
         place = self.package.place(environment.span.file, environment.span.line)
@@ -96,7 +103,7 @@ class _EnvironmentWriter:
         if self.system is not None and self._result_equations():
             functions.append(self._evaluate(self.system))
         if self.system is not None and self.system.derivatives:
-            functions.append(self._derivatives(self.system))
+            functions += self._derivatives(self.system)
         attributes = [
             assign("step", duration(environment.step, self.imports)),
             assign("on_miss", Atom(quoted(environment.on_miss))),
@@ -111,6 +118,9 @@ class _EnvironmentWriter:
             lines(attributes, "    "),
             functions,
         )
+
+    def _assigned(self, target: str, printer: Printer, equation: SubmodelEquation) -> Iterable[Statement]:
+        yield assign(target, printer.print(equation.value), self._place(equation))
 
     def _place(self, item: Declared) -> str:
         return self.package.place(item.span.file, item.span.line)
@@ -169,7 +179,7 @@ class _EnvironmentWriter:
         return ["    def __init__(self) -> None:", *lines(statements, "        ")]
 
     def _start(self) -> list[str]:
-        statements: list[Statement] = [Line("self.now = ", Atom("0"))]
+        statements: list[Statement] = [Line("self.now = ", Atom("0")), *self._start_statements()]
         if self.system is not None:
             printer = self._printer((), Atom("0.0"))
             statements += [
@@ -183,6 +193,10 @@ class _EnvironmentWriter:
         if self._result_equations():
             statements.append(Line("self._evaluate()"))
         return _method("start", "self", "Go to time 0 and evaluate the outputs.", statements)
+
+    def _start_statements(self) -> Iterable[Statement]:
+        """What else there is to do at time 0."""
+        return ()
 
     def _result_equations(self) -> list[Equation]:
         return needed(self.system.equations, outputs(self.system)) if self.system is not None else []
@@ -222,7 +236,7 @@ class _EnvironmentWriter:
             yield assign(self.names[name], Atom(f"self.{self.names[name]}"))
         for equation in equations:
             if isinstance(equation, SubmodelEquation):
-                yield assign(self.names[equation.name], printer.print(equation.value), self._place(equation))
+                yield from self._assigned(self.names[equation.name], printer, equation)
         if system.next_values:
             places = {state.name: self._place(state) for state in system.states}
             updates = tuple(
@@ -268,12 +282,11 @@ class _EnvironmentWriter:
         for equation in equations:
             if isinstance(equation, ExternalCall):
                 statements.append(external_call(equation, self.names, printer, self.modules, time=Atom("time")))
-            elif equation.name in results and not read[equation.name]:
-                target = f"self.{self.names[equation.name]}.value"
-                statements.append(assign(target, printer.print(equation.value), self._place(equation)))
             else:
-                value = printer.print(equation.value)
-                statements.append(assign(self.names[equation.name], value, self._place(equation)))
+                name = self.names[equation.name]
+                handed_over = equation.name in results and not read[equation.name]
+                target = f"self.{name}.value" if handed_over else name
+                statements += self._assigned(target, printer, equation)
         done = {
             equation.name
             for equation in equations
@@ -284,13 +297,14 @@ class _EnvironmentWriter:
         ]
         return ["    def _evaluate(self) -> None:", *lines(statements, "        ")]
 
-    def _derivatives(self, system: SubmodelClass) -> list[str]:
+    def _derivatives(self, system: SubmodelClass) -> list[list[str]]:
+        """Further methods that the integration calls."""
         integration = Integration(system, self.names, self._place)
         moving = [state.name for state in system.states if state.continuous]
         moving += [equation.name for equation in system.derivative_equations]
         printer = self._printer([*integration.held, *moving])
         annotations = {name: annotation(type_, self.imports) for name, type_ in self.types.items()}
-        return integration.derivatives(printer, annotations)
+        return [integration.derivatives(printer, annotations)]
 
 
 def _method(name: str, parameters: str, doc: str, statements: Sequence[Statement]) -> list[str]:

@@ -1,0 +1,36 @@
+"""Assignments of expressions that take more than one statement."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from cspdiag.codegen.optimized_python.expressions import FastPrinter
+from cspdiag.codegen.python_code import COMPARISON, PRODUCT, SUM, Atom, Code, Conditional, Parenthesized, call, infix
+from cspdiag.codegen.python_statements import Statement, Unpack, assign
+from cspdiag.network.expressions import BinaryOperation, Expression, FunctionCall
+
+
+def assigned(target: str, printer: FastPrinter, expression: Expression, place: str | None) -> Iterable[Statement]:
+    """``target = expression``, with what has to be computed before it; ``place`` is noted as a comment."""
+    match expression:
+        case FunctionCall(function="round", arguments=(operand,)):
+            yield from _rounded(target, printer, operand, None, place)
+        case FunctionCall(function="quantize", arguments=(operand, step)) if printer.value(step):
+            ratio = BinaryOperation(type=expression.type, operator="/", left=operand, right=step)
+            yield from _rounded(target, printer, ratio, printer.print(step), place)
+        case _:
+            yield assign(target, printer.print(expression), place)
+
+
+def _rounded(
+    target: str, printer: FastPrinter, operand: Expression, step: Code | None, place: str | None
+) -> Iterable[Statement]:
+    """To the nearest whole number, halves away from zero: ``modf`` is exact and keeps the sign of a zero."""
+    with printer.temporaries.whole_expression():
+        code = printer.print(operand)
+        fraction, whole = (Atom(printer.temporaries.fresh(operand.type)) for _ in range(2))
+    one = Atom("1.0")
+    down = Conditional(infix("-", SUM, whole, one), infix("<=", COMPARISON, fraction, Atom("-0.5")), whole)
+    nearest = Conditional(infix("+", SUM, whole, one), infix(">=", COMPARISON, fraction, Atom("0.5")), down)
+    yield Unpack((fraction.text, whole.text), call(printer.imports.standard("math", "modf"), code), place)
+    yield assign(target, nearest if step is None else infix("*", PRODUCT, Parenthesized(nearest), step))
