@@ -9,8 +9,10 @@ from collections.abc import Callable, Sequence
 
 from cspdiag.diagnostics.record import node
 from cspdiag.network.ir import Network
+from cspdiag.network.optimize.bookkeeping import drop_bookkeeping
 from cspdiag.network.optimize.constants import fold_constants
 from cspdiag.network.optimize.dead import remove_dead_parts
+from cspdiag.network.optimize.flatten import flatten
 from cspdiag.network.optimize.inline_laws import inline_laws
 from cspdiag.network.optimize.specialize import specialize
 from cspdiag.network.optimize.variables import variables
@@ -43,6 +45,11 @@ PASSES: tuple[Pass, ...] = (
         apply=inline_laws,
     ),
     Pass(
+        name="flatten",
+        description="Processes that run in sequence are one process with the process around them.",
+        apply=flatten,
+    ),
+    Pass(
         name="constants",
         description="Parameters that all instances of a class agree on, and what follows from them, are put in their places.",
         apply=fold_constants,
@@ -51,6 +58,11 @@ PASSES: tuple[Pass, ...] = (
         name="dead",
         description="What has no effect is removed: steps, handlers, equations, states, variables, ports, channels, classes.",
         apply=remove_dead_parts,
+    ),
+    Pass(
+        name="bookkeeping",
+        description="Alternatives that need no memory take the first guard, parallels that need no priorities keep none.",
+        apply=drop_bookkeeping,
     ),
 )
 """In their order; a pass may rely on those before it."""

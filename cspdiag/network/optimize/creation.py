@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 from cspdiag.network.actions import ChannelEnd, Choice, End, InputEvent, PortEnd, ReadValue, ReadyEvent
-from cspdiag.network.ir import CreatedChoice, CreatedInstance, ProcessClass, SubmodelClass
+from cspdiag.network.ir import CreatedChoice, CreatedInstance, MediumKind, ProcessClass, SubmodelClass
 from cspdiag.network.walk import parts
+
+OF_A_READER: frozenset[MediumKind] = frozenset({"sampled", "event", "broadcast"})
+"""The media whose ends keep something for their reader."""
 
 
 def creation_order(
@@ -12,8 +15,8 @@ def creation_order(
 ) -> tuple[End | CreatedInstance | CreatedChoice, ...]:
     """Reading ends of ports, then of channels, then instances in text order, then alternatives in text order.
 
-    Ends of variables and constants are none. Each end stands where it is met first: in the composition, then at the inputs of the instances of ``submodels``. The elements of an array of
-    ports stand together.
+    Only ends that keep something for their reader count. Each stands where it is met first: in the composition, then at the inputs of the
+    instances of ``submodels``; the elements of an array of ports stand together.
     """
     ends = _reading_ends(entry, submodels)
     choices = [part.name for part in parts(entry.body) if isinstance(part, Choice)]
@@ -35,7 +38,7 @@ def _reading_ends(entry: ProcessClass, submodels: dict[str, SubmodelClass]) -> l
             case ChannelEnd(channel=channel) if channel in broadcast:
                 found[end] = None
             case PortEnd(port=port, index=index) if port in media:
-                if media[port][index or 0].kind not in ("var", "constant"):
+                if media[port][index or 0].kind in OF_A_READER:
                     found[end] = None
 
     for part in parts(entry.body):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import TypeVar
 
 from cspdiag.diagnostics import Span
@@ -12,8 +12,6 @@ from cspdiag.network.ir import ClassParameter, ExternalCall, InstanceOf, Submode
 from cspdiag.network.optimize.changes import with_parts
 
 T = TypeVar("T")
-
-Replacement = Callable[[T], T]
 
 
 def parameter_constants(
@@ -46,18 +44,22 @@ def renamed(item: T, prefix: str, values: Mapping[str, Expression], signals: Map
     ``signals`` stand for signals of these names. Names of equations and channels that are not in expressions stay as they are.
     """
 
-    def change(part: object) -> object | None:
-        match part:
-            case ParameterValue(name=name):
-                return values[name]
-            case SignalValue(name=name):
-                return signals[name] if name in signals else replaced(part, name=f"{prefix}.{name}")
-            case VariableValue(channel=channel):
-                return replaced(part, channel=f"{prefix}.{channel}")
-            case _:
-                return None
+    return with_parts(item, lambda part: renamed_part(part, prefix, values, signals))
 
-    return with_parts(item, change)
+
+def renamed_part(
+    part: object, prefix: str, values: Mapping[str, Expression], signals: Mapping[str, Expression] = {}
+) -> Expression | None:
+    """As ``renamed``, for a value that has a name; None for anything else."""
+    match part:
+        case ParameterValue(name=name):
+            return values[name]
+        case SignalValue(name=name):
+            return signals[name] if name in signals else replaced(part, name=f"{prefix}.{name}")
+        case VariableValue(channel=channel):
+            return replaced(part, channel=f"{prefix}.{channel}")
+        case _:
+            return None
 
 
 def renamed_equation(

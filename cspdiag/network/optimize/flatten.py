@@ -1,0 +1,109 @@
+"""Processes that run in sequence become one: their channels, states and instances move up, their bodies stand where they were run."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping
+
+from cspdiag.diagnostics.record import replaced
+from cspdiag.network.actions import Action, End, Group, ParallelSteps, RunInstance, Step
+from cspdiag.network.ir import CreatedChoice, CreatedInstance, Network, ProcessClass, SubmodelClass
+from cspdiag.network.optimize.changes import with_inner_actions
+from cspdiag.network.optimize.moved import EndNumbers, MovedUp
+from cspdiag.network.optimize.reachable import reachable
+from cspdiag.network.optimize.variables import with_assignments
+from cspdiag.network.walk import instances_run, parts
+
+LARGEST = 3000
+"""Actions that a class may have with what is taken into it; without a limit, classes that two others run twice each would grow without bounds."""
+
+
+def flatten(network: Network) -> Network:
+    """The network with each instance of a process that is run at one place, in sequence, taken into the process around it.
+
+    What is run beside others stays a process, and so does what is run at several places, written by hand, or too large.
+    """
+    flattening = _Flattening()
+    for entry in network.classes:
+        flattening.add(entry)
+    return reachable(replaced(network, classes=tuple(flattening.classes.values())))
+
+
+class _Flattening:
+    """The classes so far, each after those of its instances."""
+
+    def __init__(self) -> None:
+        self.classes: dict[str, ProcessClass | SubmodelClass] = {}
+        self._sizes: dict[str, int] = {}
+
+    def add(self, entry: ProcessClass | SubmodelClass) -> None:
+        """Flatten one more class."""
+        if isinstance(entry, ProcessClass) and entry.body is not None:
+            self._sizes[entry.name] = sum(isinstance(part, Step) for part in parts(entry.body))
+            entry = self._flattened(entry, entry.body)
+        self.classes[entry.name] = entry
+
+    def _flattened(self, entry: ProcessClass, body: Action) -> ProcessClass:
+        moved = self._moved(entry, body)
+        if not moved:
+            return entry
+
+        def opened(action: Action) -> Action:
+            if isinstance(action, RunInstance) and action.instance in moved:
+                return moved[action.instance].scope(action)
+            return with_inner_actions(action, opened)
+
+        inner = moved.values()
+        own = tuple(instance for instance in entry.instances if instance.name not in moved)
+        flat = replaced(
+            entry,
+            channels=(*entry.channels, *(channel for part in inner for channel in part.channels)),
+            instances=(*own, *(instance for part in inner for instance in part.instances)),
+            constants=(*entry.constants, *(constant for part in inner for constant in part.constants)),
+            states=(*entry.states, *(state for part in inner for state in part.states)),
+            creation=tuple(_creation(entry, moved)),
+            body=opened(body),
+        )
+        return with_assignments(flat)
+
+    def _moved(self, entry: ProcessClass, body: Action) -> dict[str, MovedUp]:
+        """The instances to take in."""
+        wanted = _run_in_sequence(body)
+        numbers = EndNumbers(entry)
+        moved: dict[str, MovedUp] = {}
+        for instance in entry.instances:
+            inner = self.classes[instance.class_name]
+            if instance.name in wanted and isinstance(inner, ProcessClass) and inner.body is not None:
+                size = self._sizes[entry.name] + self._sizes[inner.name]
+                if size <= LARGEST:
+                    self._sizes[entry.name] = size
+                    moved[instance.name] = MovedUp(instance, inner, entry, numbers, self.classes)
+        return moved
+
+
+def _run_in_sequence(body: Action) -> set[str]:
+    """The instances that are run at one place, which is no branch of a parallel by itself."""
+    places = Counter(instances_run(body))
+    branches = {
+        branch.instance
+        for part in parts(body)
+        if isinstance(part, ParallelSteps)
+        for branch in map(_without_labels, part.steps)
+        if isinstance(branch, RunInstance)
+    }
+    return {name for name, count in places.items() if count == 1} - branches
+
+
+def _without_labels(action: Action) -> Action:
+    while isinstance(action, Group):
+        action = action.body
+    return action
+
+
+def _creation(entry: ProcessClass, moved: Mapping[str, MovedUp]) -> Iterator[End | CreatedInstance | CreatedChoice]:
+    """The parts of an instance that moved up are made where the instance was."""
+    for part in entry.creation:
+        if isinstance(part, CreatedInstance) and part.instance in moved:
+            yield from moved[part.instance].creation
+        else:
+            yield part
