@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
+from itertools import count
 from math import pi
 from operator import eq, ge, gt, le, lt, ne
 from typing import assert_never
@@ -80,6 +81,7 @@ class Printer:
     constants_by_value: bool = False
     """For static initializers, which C wants to be made of literals."""
     temporaries: list[tuple[str, str]] = field(default_factory=list)
+    _numbers: Iterator[int] = field(default_factory=lambda: count(1))
 
     def take_temporaries(self) -> list[str]:
         """Declarations of the temporaries since the last call: ``int64_t csp_left;``."""
@@ -153,7 +155,7 @@ class Printer:
         return setup, codes
 
     def _temporary(self, type_: Type) -> str:
-        name = f"csp_operand_{len(self.temporaries) + 1}"
+        name = f"csp_operand_{next(self._numbers)}"
         self.temporaries.append((self.types.type_name(type_), name))
         return name
 
