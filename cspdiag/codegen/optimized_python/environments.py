@@ -7,7 +7,7 @@ from functools import cached_property
 from typing import ClassVar
 
 from cspdiag.codegen.optimized_python.expressions import NANOSECONDS, FastPrinter
-from cspdiag.codegen.optimized_python.integration import InlineIntegration
+from cspdiag.codegen.optimized_python.integration import InlineIntegration, SubStep
 from cspdiag.codegen.optimized_python.statements import assigned
 from cspdiag.codegen.optimized_python.temporaries import Temporaries
 from cspdiag.codegen.python_code import PRODUCT, Atom, Code, call, infix
@@ -77,6 +77,7 @@ class _FastEnvironmentWriter(EnvironmentWriter):
             local=self.names.__getitem__,
             names=self.names,
             place=self._place,
+            step=SubStep(Atom("h"), Atom("half"), Atom("sixth")),
         )
         yield assign("elapsed", Atom("now - self.now"))
         yield Block(Line("if elapsed != self._elapsed:"), (Line("self._divide(elapsed)"),))

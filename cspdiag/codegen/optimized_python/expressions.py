@@ -168,6 +168,10 @@ class FastPrinter(Printer):
                 isinstance(expression.left.type, IntType | TimeType) and isinstance(right, int) and right > 0
             ):
                 return self._divided(expression)
+            case "*" if _is_one(self.value(expression.left)):
+                return self.print(expression.right)
+            case "*" | "/" if _is_one(right):
+                return self.print(expression.left)
             case "==" | "!=" if isinstance(expression.left.type, EnumType):
                 sides = [self._ordinal(side) for side in (expression.left, expression.right)]
                 return infix(expression.operator, COMPARISON, *sides)
@@ -317,6 +321,11 @@ def can_fault(expression: Expression) -> bool:
         case ElementValue(index=index) if not isinstance(index, LiteralValue):
             return True
     return any(map(can_fault, _operands(expression)))
+
+
+def _is_one(value: Value | None) -> bool:
+    """Whether multiplying by a value changes nothing, not even the sign of a zero."""
+    return isinstance(value, float) and value == 1.0
 
 
 def _is_in(value: Value | None, type_: IntType) -> bool:

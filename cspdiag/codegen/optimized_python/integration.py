@@ -21,12 +21,21 @@ from cspdiag.network.ir import SubmodelEquation
 
 
 @dataclass(frozen=True)
+class SubStep:
+    """A sub-step in seconds, and for Runge-Kutta the parts of it that are wanted: names of local variables or values."""
+
+    whole: Code
+    half: Code
+    sixth: Code
+
+
+@dataclass(frozen=True)
 class InlineIntegration:
     """Writes the sub-step of states that are local variables.
 
-    ``states`` are their names in the text, in order; ``h``, and for Runge-Kutta its ``half`` and ``sixth``, are local variables of those names, and so
-    is ``t``, the instant in seconds at which the sub-step begins, if the derivatives depend on time. ``local`` gives the local
-    variable of a state, ``names`` makes the further ones that are needed.
+    ``states`` are their names in the text, in order. ``step`` is how the sub-step in seconds is spelled; ``t``, the instant in seconds at which it begins,
+    is a local variable of that name if the derivatives depend on time. ``local`` gives the local variable of a state, ``names`` makes
+    the further ones that are needed.
     """
 
     states: Sequence[str]
@@ -37,6 +46,7 @@ class InlineIntegration:
     local: Callable[[str], str]
     names: Names
     place: Callable[[SubmodelEquation], str]
+    step: SubStep
 
     @property
     def timed(self) -> bool:
@@ -52,16 +62,16 @@ class InlineIntegration:
         for stage in range(stages):
             yield from self._stage(stage, slopes)
         for state, *k in zip(self.states, *slopes, strict=True):
-            yield Line(f"{self.local(state)} += ", _advance(k))
+            yield Line(f"{self.local(state)} += ", self._advance(k))
 
     def _stage(self, stage: int, slopes: Sequence[Sequence[str]]) -> Iterable[Statement]:
-        fraction = ("", "half", "half", "h")[stage]
+        fraction = (None, self.step.half, self.step.half, self.step.whole)[stage]
         at = {name: self.local(name) for name in self.states}
-        if fraction:
+        if fraction is not None:
             at.update(self._between)
             for name, slope in zip(self.states, slopes[stage - 1], strict=True):
                 if name in self._between:
-                    moved = infix("*", PRODUCT, Atom(fraction), Atom(slope))
+                    moved = infix("*", PRODUCT, fraction, Atom(slope))
                     yield assign(at[name], infix("+", SUM, Atom(self.local(name)), moved))
         outer = self.printer.signal
 
@@ -69,7 +79,7 @@ class InlineIntegration:
             local = at.get(name) or self._locals.get(name)
             return outer(name) if local is None else Atom(local)
 
-        time = infix("+", SUM, Atom("t"), Atom(fraction)) if fraction else Atom("t")
+        time = Atom("t") if fraction is None else infix("+", SUM, Atom("t"), fraction)
         printer = replace(self.printer, signal=signal, time=time)
         for equation in self._needed:
             yield from assigned(self._locals[equation.name], printer, equation.value, self.place(equation))
@@ -92,11 +102,10 @@ class InlineIntegration:
         read = signals((tuple(self.derivatives.values()), tuple(item.value for item in self._needed)))
         return {name: self.names.fresh(f"{name}_at") for name in self.states if name in read}
 
-
-def _advance(k: Sequence[str]) -> Code:
-    if len(k) == 1:
-        return infix("*", PRODUCT, Atom("h"), Atom(k[0]))
-    k1, k2, k3, k4 = k
-    total = infix("+", SUM, Atom(k1), infix("*", PRODUCT, Atom("2.0"), Atom(k2)))
-    total = infix("+", SUM, total, infix("*", PRODUCT, Atom("2.0"), Atom(k3)))
-    return infix("*", PRODUCT, Atom("sixth"), infix("+", SUM, total, Atom(k4)))
+    def _advance(self, k: Sequence[str]) -> Code:
+        if len(k) == 1:
+            return infix("*", PRODUCT, self.step.whole, Atom(k[0]))
+        k1, k2, k3, k4 = k
+        total = infix("+", SUM, Atom(k1), infix("*", PRODUCT, Atom("2.0"), Atom(k2)))
+        total = infix("+", SUM, total, infix("*", PRODUCT, Atom("2.0"), Atom(k3)))
+        return infix("*", PRODUCT, self.step.sixth, infix("+", SUM, total, Atom(k4)))
