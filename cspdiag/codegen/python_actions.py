@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import assert_never
 
+from cspdiag.codegen.branch_names import branch_name
 from cspdiag.codegen.python_code import (
     OR,
     Argument,
@@ -46,7 +47,6 @@ from cspdiag.network.actions import (
     OptimizedStep,
     OutputEvent,
     ParallelSteps,
-    PortEnd,
     RaiseException,
     ReadValue,
     ReadyEvent,
@@ -64,7 +64,7 @@ from cspdiag.network.actions import (
     WriteValue,
 )
 from cspdiag.network.expressions import Expression
-from cspdiag.network.walk import instances_run, mentions_variable, parts
+from cspdiag.network.walk import mentions_variable, parts
 
 _MAY_FAULT = re.compile(r"[(/%]")
 """In code: calls, of which checks of ranges are some, and divisions."""
@@ -151,13 +151,13 @@ class Composition:
             case Group(label=label, body=body):
                 return self._group(label, body)
             case _:
-                return self._coroutine(action, hint or coroutine_name(action))
+                return self._coroutine(action, hint or branch_name(action))
 
     def _later(self, action: Action, hint: str | None = None) -> Code:
         """As ``awaitable``, for what begins later than it is made: what it writes is then computed when it runs."""
         match action:
             case WriteValue(value=value) | WaitStep(duration=value) if not cannot_fault(value):
-                return self._coroutine(action, hint or coroutine_name(action))
+                return self._coroutine(action, hint or branch_name(action))
         return self.awaitable(action, hint)
 
     def _branches(self, steps: Sequence[Action]) -> Iterable[Argument]:
@@ -184,7 +184,7 @@ class Composition:
         body = statements_template([self.statements(step) for step in steps], index, 0)
         if body is None:
             return None
-        name = self.members.names.fresh(f"_{coroutine_name(steps[0])}")
+        name = self.members.names.fresh(f"_{branch_name(steps[0])}")
         self.methods.append(Method(name, body, f"{index}: int"))
         each = Comprehension(call(f"self.{name}", Atom(index)), f"for {index} in range({len(steps)})", "()")
         return Argument(each, starred=True)
@@ -399,31 +399,6 @@ class Composition:
             case ParallelSteps(steps=steps) if any(isinstance(step, WriteValue) for step in steps):
                 return self._place(action)
         return None
-
-
-def coroutine_name(action: Action) -> str:
-    """What to call the coroutine of an action without a label."""
-    runs = list(dict.fromkeys(instances_run(action)))
-    if len(runs) == 1:
-        return f"repeat_{runs[0]}" if isinstance(action, Repeat) else f"run_{runs[0]}"
-    joined = "_then_".join(runs)
-    if runs and isinstance(action, SequentialSteps) and len(joined) <= 40:
-        return joined
-    for part in parts(action):
-        match part:
-            case ReadValue(source=end):
-                return f"read_{_name_of(end)}"
-            case WriteValue(sink=end):
-                return f"write_{_name_of(end)}"
-            case Choice():
-                return "choose"
-            case WaitStep():
-                return "wait"
-    return "branch"
-
-
-def _name_of(end: End) -> str:
-    return end.port if isinstance(end, PortEnd) else end.channel
 
 
 def _is_plain(action: Action) -> bool:
