@@ -51,6 +51,16 @@ bool csp_fault_at(const char *place);
         }                               \
     } while (0)
 
+/* In the step function of a process: a fault at `where` is raised, and the process goes on where it handles failures. */
+#define CSP_FAULT(where, FAILED)               \
+    do {                                       \
+        if (csp_faulted()) {                   \
+            (void)csp_fault_at(where);         \
+            (void)csp_raise_fault(party);      \
+            goto FAILED;                       \
+        }                                      \
+    } while (0)
+
 /* ---- Whole numbers of 64 bits ---- */
 
 /* The results of operations that do not fit. */
