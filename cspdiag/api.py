@@ -79,8 +79,8 @@ class LoadedProgram:
             raise ProgramError(built.checked.report.diagnostics)
         return built.network
 
-    def compile(self, target: str = "python") -> dict[str, str]:
-        """The generated package: texts by path.
+    def compile(self, target: str = "python", *, level: int = 0) -> dict[str, str]:
+        """The generated package: texts by path; ``level`` is 1 for fast code.
 
         Raises what ``build`` raises, and ValueError for an unknown target, or a program that the target cannot express.
         """
@@ -88,7 +88,7 @@ class LoadedProgram:
 
         if target not in TARGETS:
             raise ValueError(f"unknown target {target!r} (there are: {', '.join(TARGETS)})")
-        return pipeline.generate(self.network, read_source, target)
+        return pipeline.generate(self.network, read_source, target, level)
 
     def run(
         self,
@@ -97,8 +97,11 @@ class LoadedProgram:
         until: str | float | None = None,
         set: Mapping[str, Setting] | None = None,
         real_time: bool = False,
+        level: int = 1,
     ) -> Run:
         """Run the program against an environment (the first one by default), until ``until``: ``"20 s"``, or a number of seconds.
+
+        With ``level=0`` the readable code runs instead of the fast one; the results are the same.
 
         Raises what ``build`` raises, and ``cspdiag.simulate.execute.NoEnvironmentError``.
         """
@@ -108,7 +111,7 @@ class LoadedProgram:
         network = self.build(environment=environment, set=set)
         return simulate(
             network,
-            pipeline.generate(network, read_source),
+            pipeline.generate(network, read_source, level=level, traced=True),
             environment=environment,
             until=None if until is None else parse_duration(until if isinstance(until, str) else f"{until!r} s"),
             real_time=real_time,

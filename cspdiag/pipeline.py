@@ -118,12 +118,16 @@ def build(
 
 
 @room_to_recurse()
-def generate(network: Network, read: Reader, target: str = "python") -> dict[str, str]:
+def generate(
+    network: Network, read: Reader, target: str = "python", level: int = 0, *, traced: bool = False
+) -> dict[str, str]:
     """The files of a target's package, by path relative to its folder.
 
-    Hand-written modules that the program names are read relative to the file that names them. Raises KeyError
+    ``level`` is that of optimization, 0 or 1. ``traced`` code tells an observer of every communication; at level 1 code that is not tells it of
+    those of external ports only. Hand-written modules that the program names are read relative to the file that names them. Raises KeyError
     for an unknown target, OSError for a module that cannot be read.
     """
-    from cspdiag.codegen import TARGETS, external_modules
+    from cspdiag.codegen import TARGETS, Options, external_modules
 
-    return TARGETS[target](network, {path: read(path).text for path in external_modules(network)})
+    modules = {path: read(path).text for path in external_modules(network)}
+    return TARGETS[target](network, modules, Options(level=level, traced=traced))

@@ -17,7 +17,7 @@ from cspdiag.sources import read_source
 if TYPE_CHECKING:
     from cspdiag.network.ir import Network
 
-EXAMPLE = "cspdiag compile models/jiwy/jiwy.csp -o build\ncspdiag compile models/jiwy/jiwy.csp --emit network"
+EXAMPLE = "cspdiag compile models/jiwy/jiwy.csp -o build\ncspdiag compile models/jiwy/jiwy.csp -O1 --emit network"
 
 
 def add_arguments(parser: ArgumentParser) -> None:
@@ -38,7 +38,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument("--emit", choices=("ast", "model", "network"), help="print a representation instead")
     level = parser.add_mutually_exclusive_group()
     level.add_argument("-O0", dest="level", action="store_const", const=0, default=0, help="readable code (default)")
-    level.add_argument("-O1", dest="level", action="store_const", const=1, help="fast code (not in this version)")
+    level.add_argument("-O1", dest="level", action="store_const", const=1, help="fast code")
 
 
 def run(arguments: Namespace) -> int:
@@ -108,7 +108,7 @@ def _generate(arguments: Namespace) -> int:
         if os.path.lexists(path) and not os.path.isdir(path):
             raise UsageError(f"{path} is in the way: it is not a folder")
     try:
-        files = generate(network, read_source, arguments.target)
+        files = generate(network, read_source, arguments.target, arguments.level)
     except target_errors() as problem:
         raise NoResultError(str(problem)) from None
     write_package(folder, files, force=arguments.force)

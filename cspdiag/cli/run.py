@@ -41,6 +41,9 @@ def add_arguments(parser: ArgumentParser) -> None:
         help="a constant (Tsh=10ms) or an instance's parameter (pan.inertia=2e-3); may be given again",
     )  # fmt: skip
     parser.add_argument("--target", choices=("python",), default="python", help="what to run it on (default: python)")
+    level = parser.add_mutually_exclusive_group()
+    level.add_argument("-O0", dest="level", action="store_const", const=0, default=1, help="run readable code")
+    level.add_argument("-O1", dest="level", action="store_const", const=1, help="run fast code (default)")
     parser.add_argument("--record", type=Path, metavar="FILE", help="the external ports over time, as .csv or .npz")
     parser.add_argument(
         "--trace", type=Path, metavar="FILE", help="Chrome trace events as .json, or the plain trace as .jsonl"
@@ -109,7 +112,7 @@ def _simulate(arguments: Namespace, network: Network, until: int | None) -> Run:
     from cspdiag.simulate.recorder import Recorder
 
     try:
-        files = pipeline.generate(network, read_source)
+        files = pipeline.generate(network, read_source, level=arguments.level, traced=arguments.trace is not None)
     except target_errors() as problem:
         raise NoResultError(str(problem)) from None
     # What ends a service ends a run as Ctrl-C does: with its outputs released.

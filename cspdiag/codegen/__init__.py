@@ -5,18 +5,39 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
+from cspdiag.diagnostics.record import record
+
 if TYPE_CHECKING:
     from cspdiag.network.ir import Network
 
 
-def _python(network: Network, modules: Mapping[str, str]) -> dict[str, str]:
-    from cspdiag.codegen import python
+@record(kw_only=True)
+class Options:
+    """How a target generates: ``level`` of optimization, 0 or 1.
 
-    return python.generate(network, modules)
+    ``traced`` code tells an observer of every communication; at level 1 code that is not tells it of those of external ports only.
+    """
+
+    level: int = 0
+    traced: bool = False
 
 
-TARGETS: dict[str, Callable[[Network, Mapping[str, str]], dict[str, str]]] = {"python": _python}
-"""By name: from a network, and the texts of the external modules that it names by path, to the files of a package by path."""
+Generator = Callable[["Network", Mapping[str, str], Options], dict[str, str]]
+"""From a network, and the texts of the external modules that it names by path, to the files of a package by path."""
+
+
+def _python(network: Network, modules: Mapping[str, str], options: Options) -> dict[str, str]:
+    if options.level == 0:
+        from cspdiag.codegen import python
+
+        return python.generate(network, modules)
+    from cspdiag.codegen.optimized_python import package
+
+    return package.generate(network, modules, traced=options.traced)
+
+
+TARGETS: dict[str, Generator] = {"python": _python}
+"""By name."""
 
 
 def target_errors() -> type[ValueError]:

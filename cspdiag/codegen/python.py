@@ -6,12 +6,12 @@ the 20-process of a submodel; and a network-building module, the only one that k
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from importlib.resources import files as package_files
 from importlib.resources.abc import Traversable
 
 from cspdiag.codegen.python_definitions import constant_lines, enum_views, exception_views, struct_views
-from cspdiag.codegen.python_environments import environment_module
+from cspdiag.codegen.python_environments import EnvironmentModule, environment_module
 from cspdiag.codegen.python_external import ExternalModules
 from cspdiag.codegen.python_imports import import_lines
 from cspdiag.codegen.python_names import PackageNames
@@ -20,10 +20,17 @@ from cspdiag.codegen.python_processes import process_module
 from cspdiag.codegen.python_project import project_view
 from cspdiag.codegen.python_submodels import submodel_module
 from cspdiag.codegen.render import renderer
-from cspdiag.network.ir import Network, ProcessClass
+from cspdiag.network.ir import Environment, Network, ProcessClass
+
+EnvironmentMaker = Callable[[Environment, Network, PackageNames, ExternalModules], EnvironmentModule]
+"""Makes the module of an environment."""
 
 
-def generate(network: Network, modules: Mapping[str, str] | None = None) -> dict[str, str]:
+def generate(
+    network: Network,
+    modules: Mapping[str, str] | None = None,
+    make_environment: EnvironmentMaker = environment_module,
+) -> dict[str, str]:
     """The files of a package, by path from its folder.
 
     ``modules`` are the texts of external bodies by the paths that ``external_modules`` names; bodies that are missing from it are
@@ -32,6 +39,25 @@ def generate(network: Network, modules: Mapping[str, str] | None = None) -> dict
     render = renderer("python")
     names = PackageNames(network)
     external = ExternalModules(modules or {})
+    package = names.package
+    files = frame(network, names, external, make_environment)
+    files[f"{package}/network.py"] = render("network.py.j2", module=network_view(network, names, external))
+    for class_ in network.classes:
+        if isinstance(class_, ProcessClass):
+            if class_.external is not None:
+                continue
+            module = process_module(class_, network, names, external)
+        else:
+            module = submodel_module(class_, names, external)
+        files[f"{package}/{names.modules[class_.name]}.py"] = render("class.py.j2", module=module)
+    return dict(sorted(files.items()))
+
+
+def frame(
+    network: Network, names: PackageNames, external: ExternalModules, make_environment: EnvironmentMaker
+) -> dict[str, str]:
+    """The files that are not the classes and the network: entry points, definitions, environments and the runtime."""
+    render = renderer("python")
     package = names.package
     files: dict[str, str] = {}
 
@@ -44,7 +70,6 @@ def generate(network: Network, modules: Mapping[str, str] | None = None) -> dict
     add(f"{package}/__init__.py", "__init__.py.j2", project=project)
     add(f"{package}/__main__.py", "__main__.py.j2", project=project)
     add(f"{package}/py.typed", "py.typed.j2")
-    add(f"{package}/network.py", "network.py.j2", module=network_view(network, names, external))
     if network.constants:
         imports, constants = constant_lines(network, names)
         add(f"{package}/constants.py", "constants.py.j2", imports=imports, constants=constants)
@@ -53,17 +78,9 @@ def generate(network: Network, modules: Mapping[str, str] | None = None) -> dict
         add(f"{package}/types.py", "types.py.j2", imports=imports, enums=enums, structs=structs)
     if names.exceptions:
         add(f"{package}/exceptions.py", "exceptions.py.j2", exceptions=exception_views(names))
-    for class_ in network.classes:
-        if isinstance(class_, ProcessClass):
-            if class_.external is not None:
-                continue
-            module = process_module(class_, network, names, external)
-        else:
-            module = submodel_module(class_, names, external)
-        add(f"{package}/{names.modules[class_.name]}.py", "class.py.j2", module=module)
 
     environments = {
-        names.environment_modules[entry.name]: environment_module(entry, network, names, external)
+        names.environment_modules[entry.name]: make_environment(entry, network, names, external)
         for entry in network.environments
     }
     for module_name, view in environments.items():
@@ -78,7 +95,7 @@ def generate(network: Network, modules: Mapping[str, str] | None = None) -> dict
         add(f"{package}/external/__init__.py", "external.py.j2")
         files.update({f"{package}/external/{path}": text for path, text in copies.items()})
     files.update({f"{package}/runtime/{path}": text for path, text in runtime_files().items()})
-    return dict(sorted(files.items()))
+    return files
 
 
 def runtime_files() -> dict[str, str]:

@@ -97,10 +97,17 @@ def test_the_network_is_printed(cspdiag: Command, good: Path) -> None:
     assert cspdiag("compile", "--emit", "network", good) == result
 
 
+def test_the_optimized_network_is_printed(cspdiag: Command, good: Path) -> None:
+    plain = cspdiag("compile", "--emit", "network", good).out
+    result = cspdiag("compile", "-O1", "--emit", "network", good)
+    assert (result.code, result.err) == (0, "")
+    assert "Relay" in result.out
+    assert result.out != plain
+
+
 @pytest.mark.parametrize(
     ("options", "told"),
     [
-        (["-O1"], "-O1"),
         (["--target", "cobol"], "there are: python"),
         (["--set", "T"], "NAME=VALUE"),
         (["--set", "Tsh=fast"], "Tsh"),
