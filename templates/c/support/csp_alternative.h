@@ -24,9 +24,8 @@ typedef enum csp_guard_kind {
     CSP_GUARD_INPUT,    /* reads into `slot` */
     CSP_GUARD_READY,    /* the guarded process begins by reading */
     CSP_GUARD_OUTPUT,   /* writes from `slot` */
-    CSP_GUARD_VARIABLE, /* an input guard on a variable or a constant: always ready; reads nothing */
     CSP_GUARD_AFTER,
-    CSP_GUARD_SKIP
+    CSP_GUARD_SKIP /* also for what never waits: variables, constants, outputs to the outside; generated code does what follows */
 } csp_guard_kind;
 
 struct csp_guard {
@@ -58,14 +57,16 @@ struct csp_alternative {
     uint16_t after_last; /* where a fair choice begins */
     uint16_t chosen;     /* the guard */
     uint16_t time_outs;  /* number of guards with `after` */
+    uint16_t attending;  /* number of guards that attend */
     bool prioritized;
     bool waits;  /* registered */
+    bool enrolls; /* some guards are enrolled */
     bool armed;  /* the first guard that becomes ready wakes it */
-    bool woken;  /* is in the ready queue */
-    bool solved; /* the other side has chosen for it */
-    bool offers; /* the guard chosen is an output that still waits in its channel for the reader that it was promised to */
-    bool pledged; /* as `offers`, chosen by the other side */
-    csp_party pledge;
+    bool woken;  /* a guard has become ready, and the process is in the ready queue */
+    bool solved; /* the other side has chosen */
+    bool offers; /* the process has chosen to write, and waits until the reader, that was only promised the value, reads */
+    bool pledged;     /* the same, where the reader has chosen: */
+    csp_party pledge; /* waits in the channel */
     struct csp_interrupt *interrupt; /* whose guard this is, or NULL */
 };
 
@@ -74,7 +75,7 @@ struct csp_alternative {
 /* `words` has 2 * CSP_WORDS(count) words, or is NULL for up to CSP_WORD_BITS guards. */
 void csp_alternative_init(csp_alternative *alternative, csp_guard *guard, uint16_t count, csp_word *words,
                           bool prioritized);
-/* One call for every guard. `medium` is the channel (outputs; any, buffer, sync) or the reading end; CSP_AT_ONCE media are always ready. */
+/* One call for every guard. `medium` is that of a csp_any_channel, csp_buffer, csp_broadcast or of a reading end. */
 void csp_guard_read(csp_alternative *alternative, uint16_t index, csp_medium *medium, void *value, size_t size);
 void csp_guard_ready(csp_alternative *alternative, uint16_t index, csp_medium *medium);
 void csp_guard_write(csp_alternative *alternative, uint16_t index, csp_medium *medium, void *value, size_t size);

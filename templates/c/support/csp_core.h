@@ -13,7 +13,7 @@
  * Every operation has three results: CSP_DONE; CSP_WAITS, the party is registered with what it waits for; CSP_FAILS,
  * `csp.error` tells the exception, or that the process was cancelled. CSP_AWAIT (csp_step.h) does what follows of it.
  *
- * Each class of processes has a constant table of its places: what is waited for there, in which line of the program, and in
+ * Each class of processes has a constant table of its places: what is waited for there, where in the program's text, and in
  * which state the process goes on if the operation fails. Only cancellation, exceptions and reports look at it, so they
  * cost nothing while all goes well.
  */
@@ -68,8 +68,7 @@ struct csp_class {
     csp_step *step;
     const csp_place *places; /* by state */
     const char *name;
-    const char *file;     /* of the program's text */
-    uint32_t line;        /* where the process is defined */
+    const char *where;    /* it is defined: "laws.csp:12" */
     size_t offset;        /* of the csp_process in its struct: 0, but for branches of a composition */
 };
 
@@ -91,12 +90,13 @@ struct csp_place {
     uint8_t waiting;  /* csp_waiting */
     bool indirect;    /* at `offset` there is a pointer to the object (a port), not the object itself */
     uint16_t failed;  /* the state in which the process goes on when the operation fails */
-    uint32_t line;    /* of the program's text */
     uint32_t offset;  /* of the object in the struct of the process */
+    const char *where; /* in the program's text: "laws.csp:12" */
+    const char *inner; /* path below the process, where that is a process which was made part of it, or NULL */
 };
 
 /* An exception. Numbers of declared exceptions begin at CSP_FIRST_EXCEPTION. */
-enum { CSP_NO_EXCEPTION = 0, CSP_CANCELLATION = 1, CSP_FAULT = 2, CSP_TIMEOUT = 3, CSP_FIRST_EXCEPTION = 4 };
+enum { CSP_NO_EXCEPTION = 0, CSP_CANCELLATION = 1, CSP_FAULT_EXCEPTION = 2, CSP_TIMEOUT_EXCEPTION = 3, CSP_FIRST_EXCEPTION = 4 };
 
 /* What `message` is about, formatted only when it is shown. */
 typedef struct csp_operands {
@@ -107,10 +107,10 @@ typedef struct csp_operands {
 
 typedef struct csp_error {
     uint16_t exception;
-    uint32_t line;              /* of the text of the class of `process`, where `place` is NULL */
-    const csp_process *process; /* that raised it */
-    const char *place;          /* "laws.csp:12": where another file than that of the process is meant, or NULL */
-    const char *law;            /* the control law below the process, or NULL */
+    const csp_process *process; /* that raised it; NULL: not known yet */
+    const char *place;          /* in the program's text: "laws.csp:12" */
+    const char *inner;          /* path below the process, or NULL */
+    const char *law;            /* the control law below that, or NULL */
     void (*describe)(const csp_operands *operands, char *text, size_t size); /* writes the message; may be NULL */
     csp_operands operands;
 } csp_error;
@@ -135,11 +135,14 @@ extern csp_kernel csp;
 /* The program's main defines these. A communication: the number of the channel or external port, the value, and the numbers of the
  * processes that write and read, 0 for the environment. */
 void csp_observe(uint32_t channel, const void *value, uint32_t writer, uint32_t reader);
+/* A safe value is handed over. */
+void csp_observe_release(uint32_t port, const void *value);
 /* A process (its number), or a named group or flattened process (numbered after the processes), has begun or ended; generated code calls them. */
 void csp_observe_begin(uint32_t number);
 void csp_observe_end(uint32_t number);
 #else
 #define csp_observe(channel, value, writer, reader) ((void)(channel), (void)(value), (void)(writer), (void)(reader))
+#define csp_observe_release(port, value) ((void)(port), (void)(value))
 #define csp_observe_begin(number) ((void)(number))
 #define csp_observe_end(number) ((void)(number))
 #endif
@@ -181,7 +184,7 @@ typedef enum csp_medium_kind {
     CSP_BUFFER,        /* csp_buffer: buffer and overwrite */
     CSP_SAMPLED_END,   /* csp_sampled_end */
     CSP_EVENT_END,     /* csp_event_end */
-    CSP_AT_ONCE        /* variables, constants, outputs to the outside, the sink: never waits */
+    CSP_AT_ONCE        /* inputs and outputs themselves: nobody waits there */
 } csp_medium_kind;
 
 typedef struct csp_channel {

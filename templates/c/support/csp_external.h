@@ -24,6 +24,7 @@ struct csp_sampled_input {
     bool counts;  /* missed samples are counted and raise no Timeout */
     csp_driver driver;
     int64_t period;
+    int64_t next; /* tick */
     void *value;  /* the present sample */
     uint32_t missed;
     csp_sampled_end *ends; /* in the order in which they were made */
@@ -69,6 +70,7 @@ typedef struct csp_event_end {
 
 typedef struct csp_event_input {
     csp_medium medium;
+    bool broadcast;
     csp_driver driver;
     void *value;          /* of the latest event */
     csp_event_end *ends;  /* the one that all readers share, or one for each under broadcast */
@@ -87,15 +89,19 @@ void csp_event_occur(csp_event_input *port);
 /* A sampled output: a latch of one place. */
 typedef struct csp_latched_output {
     csp_medium medium;
-    bool written; /* since its last tick */
+    bool written;     /* since its last tick */
+    const char *name; /* "Jiwy.control_horizontal", for faults */
+    uint32_t writer; /* the process that wrote last */
     csp_driver driver;
     int64_t period;
+    int64_t next; /* tick */
     void *value;
 } csp_latched_output;
 
 /* An event output or an immediate one: hands each value over at once. */
 typedef struct csp_direct_output {
     csp_medium medium;
+    const char *name;
     csp_driver driver;
 } csp_direct_output;
 
@@ -109,12 +115,8 @@ void csp_sampled_input_init(csp_sampled_input *port, uint32_t number, int64_t pe
 /* `owner` are the ends of the process or scope that reads; initialized to {NULL}. The order of calls is that of service. */
 void csp_sampled_end_init(csp_sampled_end *end, csp_sampled_input *port, csp_ends *owner);
 void csp_event_input_init(csp_event_input *port, uint32_t number, bool broadcast, void *value, csp_driver driver);
-/* Under broadcast, an end for a reader; the others use csp_event_shared. */
-void csp_event_end_init(csp_event_end *end, csp_event_input *port);
-static inline csp_event_end *csp_event_shared(csp_event_input *port)
-{
-    return &port->shared;
-}
+/* The end of a reader, whichever of the two it is: `own` under broadcast. */
+csp_event_end *csp_event_reader(csp_event_end *own, csp_event_input *port);
 void csp_latched_output_init(csp_latched_output *output, uint32_t number, int64_t period, void *value,
                              csp_driver driver);
 void csp_direct_output_init(csp_direct_output *output, uint32_t number, csp_driver driver);

@@ -14,6 +14,9 @@ int64_t csp_port_now(void);
 /* Waits until the instant, or until something has come from outside (an event of an interrupt handler, a request to stop); no process is ready. */
 void csp_port_wait_until(int64_t instant);
 
+/* The run meets this instant now: for measuring how late that is. */
+void csp_port_met(int64_t instant);
+
 /* Between them, what interrupt handlers do does not happen. */
 void csp_port_enter_critical(void);
 void csp_port_leave_critical(void);

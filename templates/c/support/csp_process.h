@@ -17,6 +17,7 @@
         progress = (again);                                                                                            \
     }                                                                                                                  \
     if (progress == CSP_FAILS) {                                                                                       \
+        party->state = (uint16_t)(PLACE);                                                                              \
         goto FAILED;                                                                                                   \
     }
 
@@ -38,6 +39,19 @@
     return csp_call(party, (callee));                                                                                  \
     case PLACE:;
 
+/* At what is a communication, but never waits: outputs to the outside, variables used as ports of control laws. */
+#define CSP_CHECK(FAILED)                                                                                              \
+    if (csp_is_cancelled(party)) {                                                                                     \
+        (void)csp_refuse(party);                                                                                       \
+        goto FAILED;                                                                                                   \
+    }
+
+/* The next numbers that are free, while a program is built. */
+typedef struct csp_numbers {
+    uint32_t process;
+    uint32_t channel;
+} csp_numbers;
+
 /* Before the program starts. */
 void csp_process_init(csp_process *process, const csp_class *kind, uint32_t number);
 
@@ -51,8 +65,10 @@ csp_party *csp_fail(csp_party *party);
 /* The first thing at a FAILED label, before ends are closed and exceptions caught: tells `csp.error` of a process that was cancelled while it waited. */
 void csp_unwind(csp_party *party);
 
-/* Raises an exception in the process; `line` is that of the statement. Always CSP_FAILS. */
-csp_progress csp_raise(csp_party *party, uint16_t exception, uint32_t line);
+/* Raises an exception in the process; `place` is that of the statement, NULL: that of the process's state. Always CSP_FAILS. */
+csp_progress csp_raise(csp_party *party, uint16_t exception, const char *place);
+/* Raises the Fault that csp_fault (csp_arithmetic.h) tells. Always CSP_FAILS. */
+csp_progress csp_raise_fault(csp_party *party);
 
 /* Whether a `catch` of `exception` applies to `csp.error`; if so it is caught. */
 bool csp_catch(uint16_t exception);

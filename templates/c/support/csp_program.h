@@ -10,40 +10,63 @@ typedef enum csp_ending { CSP_TERMINATED, CSP_FAILED, CSP_DEADLOCK, CSP_TIME_LIM
 
 /* The plant and the operator, simulated; functions may be NULL. */
 typedef struct csp_environment {
-    int64_t step;                  /* the grid; 0: none */
-    void (*start)(void);           /* evaluates the outputs at time 0, before event inputs read their first value */
-    bool (*advance)(int64_t now);  /* goes on to `now` with its inputs held; false: it has failed, with csp.error */
+    int64_t step;                 /* the grid in nanoseconds; 0: none, and event inputs are not polled */
+    bool (*start)(void);          /* evaluates the outputs at time 0, before anything runs */
+    bool (*advance)(int64_t now); /* goes on to `now` with its inputs held; false: it has failed */
 } csp_environment;
 
-/* A port of the outermost process, in the order of the text. */
+typedef enum csp_port_kind { CSP_PORT_SAMPLED, CSP_PORT_EVENT, CSP_PORT_LATCHED, CSP_PORT_DIRECT } csp_port_kind;
+
+/* A port of the outermost process. */
 typedef struct csp_port {
-    csp_medium *medium; /* csp_sampled_input, csp_event_input, csp_latched_output or csp_direct_output: see `kind` */
-    enum { CSP_PORT_SAMPLED, CSP_PORT_EVENT, CSP_PORT_LATCHED, CSP_PORT_DIRECT } kind;
-    const char *name;
-    const void *safe; /* outputs: what is handed over at the end, whatever that is */
+    csp_port_kind kind;
+    csp_medium *medium; /* csp_sampled_input, csp_event_input, csp_latched_output or csp_direct_output */
+    const void *safe;   /* outputs: what is handed over at the end, whatever that is */
 } csp_port;
 
 typedef struct csp_program {
-    csp_process *process; /* the outermost */
-    const csp_port *ports;
+    csp_process *process;  /* the outermost */
+    const csp_port *ports; /* in the order of the text */
     uint32_t port_count;
-    csp_environment environment;
-    const char *(*process_name)(uint32_t number, char *text, size_t size); /* its path; may be NULL */
-    const char *(*channel_name)(uint32_t number, char *text, size_t size);
-    const char *(*exception_name)(uint16_t exception);
+    csp_environment *environment; /* NULL: none */
+    /* For reports: each writes a text of at most `size` characters with the 0 that ends it. */
+    void (*process_name)(uint32_t number, char *text, size_t size);
+    void (*channel_name)(uint32_t number, char *text, size_t size);
+    const char *const *exception_names; /* of the declared ones, from CSP_FIRST_EXCEPTION */
 } csp_program;
 
-/* Runs to the end, or to `until` (negative: for ever), and then hands over the safe values. Afterwards `csp.now` is the time of the end, and
- * `csp.error` why it has failed. */
+/* Runs to the end, or to the instant `until` (negative: for ever), and then hands over the safe values. Afterwards `csp.now` is the time of
+ * the end, and `csp.error` tells why it has failed; no exception there: the environment has failed. */
 csp_ending csp_run(const csp_program *program, int64_t until);
 
-/* Who waits, for what, and where, as a line each: called for each waiting process, in the order of the text. */
-typedef void csp_report(const char *line);
-void csp_report_waiting(const csp_program *program, csp_report *report);
-/* Exception, message, process and line of csp.error. */
-void csp_describe_error(const csp_program *program, char *text, size_t size);
-
-/* For the port: the run is to end soon, with safe values (a signal handler may call it). */
+/* The run ends soon, with safe values. A signal handler or an interrupt handler may call it. */
 void csp_request_stop(void);
+
+/* ---- Reports ---- */
+
+/* A process that can never go on. `words` says for what it waits, without names: one text and one channel for each alternative. */
+typedef struct csp_waiting_process {
+    const csp_process *process;
+    const csp_place *place;
+    uint32_t task; /* number of the process in whose parallel or interrupt it is a branch; 0: the program */
+} csp_waiting_process;
+
+/* Called once for every process that waits, in the order of the text. */
+typedef void csp_report(const csp_program *program, const csp_waiting_process *waiting);
+void csp_report_waiting(const csp_program *program, csp_report *report);
+
+/* What a process waits for: entry `index` of it. False: there are no more. `channel` is its number, where `named`. */
+typedef struct csp_wait_entry {
+    const char *words; /* "to read", "to write", "for a delay to pass", "after", "skip"... */
+    bool named;
+    uint32_t channel;
+    int64_t duration; /* of "after" */
+} csp_wait_entry;
+bool csp_wait_of(const csp_waiting_process *waiting, uint32_t index, csp_wait_entry *entry);
+
+/* A line: "Ring.cell[3] waits to read Ring.link[2] (ring.csp:12)". */
+void csp_describe_waiting(const csp_program *program, const csp_waiting_process *waiting, char *text, size_t size);
+/* csp.error: "Fault: division by zero, in Jiwy.alignLH.velocity (laws.csp:12)". */
+void csp_describe_error(const csp_program *program, char *text, size_t size);
 
 #endif

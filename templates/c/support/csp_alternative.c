@@ -1,0 +1,409 @@
+/* The alternative: waits until a guard is ready, and chooses.
+ *
+ * It chooses at once if a guard is ready. Otherwise it waits, is put into the ready queue by the first guard that becomes ready, and chooses
+ * when it runs, among the guards that are ready then; if none is any more it waits again.
+ */
+#include "csp_internal.h"
+
+static inline uint32_t lowest_bit(csp_word word)
+{
+#if defined(__GNUC__) && (UINTPTR_MAX > 0xFFFFFFFFU)
+    return (uint32_t)__builtin_ctzll(word);
+#elif defined(__GNUC__)
+    return (uint32_t)__builtin_ctzl(word);
+#else
+    uint32_t bit = 0U;
+    while (((word >> bit) & 1U) == 0U) {
+        bit++;
+    }
+    return bit;
+#endif
+}
+
+static inline csp_word bit_of(uint32_t index)
+{
+    return (csp_word)1U << (index % CSP_WORD_BITS);
+}
+
+/* Bits from `index` on. */
+static inline csp_word bits_from(uint32_t index)
+{
+    return (index < CSP_WORD_BITS) ? (csp_word)(~(csp_word)0U << index) : (csp_word)0U;
+}
+
+void csp_set_bit(csp_guard *guard)
+{
+    csp_alternative *const alternative = guard->alternative;
+    const uint32_t index = guard->index;
+    if (alternative->more_ready == NULL) {
+        alternative->ready |= bit_of(index);
+    } else {
+        alternative->more_ready[index / CSP_WORD_BITS] |= bit_of(index);
+        alternative->ready |= bit_of(index / CSP_WORD_BITS);
+    }
+}
+
+void csp_clear_bit(csp_guard *guard)
+{
+    csp_alternative *const alternative = guard->alternative;
+    const uint32_t index = guard->index;
+    if (alternative->more_ready == NULL) {
+        alternative->ready &= ~bit_of(index);
+    } else {
+        alternative->more_ready[index / CSP_WORD_BITS] &= ~bit_of(index);
+        if (alternative->more_ready[index / CSP_WORD_BITS] == 0U) {
+            alternative->ready &= ~bit_of(index / CSP_WORD_BITS);
+        }
+    }
+}
+
+bool csp_is_enabled(const csp_guard *guard)
+{
+    const csp_alternative *const alternative = guard->alternative;
+    const csp_word word = (alternative->more_ready == NULL)
+                              ? alternative->enabled
+                              : alternative->more_enabled[guard->index / CSP_WORD_BITS];
+    return (word & bit_of(guard->index)) != 0U;
+}
+
+static void wake(csp_alternative *alternative)
+{
+    if (alternative->interrupt != NULL) {
+        alternative->woken = true;
+        csp_interrupt_wake(alternative->interrupt);
+    } else if (!alternative->woken) {
+        alternative->woken = true;
+        csp_ready(alternative->process);
+    } else {
+        /* It is in the ready queue already. */
+    }
+}
+
+void csp_raise_bit(csp_guard *guard)
+{
+    csp_set_bit(guard);
+    if (guard->alternative->armed && csp_is_enabled(guard)) {
+        guard->alternative->armed = false;
+        wake(guard->alternative);
+    }
+}
+
+bool csp_awaited(const csp_guard *watchers)
+{
+    const csp_guard *guard = watchers;
+    while ((guard != NULL) && !(guard->alternative->armed && csp_is_enabled(guard))) {
+        guard = guard->next;
+    }
+    return guard != NULL;
+}
+
+/* The first enabled guard that is ready, from `from` on; `count` if there is none. */
+static uint32_t first_ready(const csp_alternative *alternative, uint32_t from)
+{
+    if (alternative->more_ready == NULL) {
+        const csp_word ready = alternative->ready & alternative->enabled & bits_from(from);
+        return (ready != 0U) ? lowest_bit(ready) : alternative->count;
+    }
+    uint32_t word = from / CSP_WORD_BITS;
+    if (word >= CSP_WORDS(alternative->count)) {
+        return alternative->count;
+    }
+    csp_word ready =
+        alternative->more_ready[word] & alternative->more_enabled[word] & bits_from(from % CSP_WORD_BITS);
+    csp_word words = alternative->ready & bits_from(word + 1U);
+    while ((ready == 0U) && (words != 0U)) {
+        word = lowest_bit(words);
+        words &= words - 1U;
+        ready = alternative->more_ready[word] & alternative->more_enabled[word];
+    }
+    return (ready != 0U) ? ((word * CSP_WORD_BITS) + lowest_bit(ready)) : alternative->count;
+}
+
+static void clear_time_outs(csp_alternative *alternative)
+{
+    for (uint32_t index = 0U; index < alternative->count; index++) {
+        csp_guard *const guard = &alternative->guard[index];
+        if (guard->kind == (uint8_t)CSP_GUARD_AFTER) {
+            (void)csp_timer_stop(guard->timer);
+            csp_clear_bit(guard);
+        }
+    }
+}
+
+bool csp_time_outs_passed(csp_alternative *alternative)
+{
+    bool passed = false;
+    for (uint32_t index = 0U; index < alternative->count; index++) {
+        csp_guard *const guard = &alternative->guard[index];
+        if ((guard->kind == (uint8_t)CSP_GUARD_AFTER) && csp_is_enabled(guard) && (guard->duration <= 0)) {
+            csp_set_bit(guard);
+            passed = true;
+        }
+    }
+    return passed;
+}
+
+void csp_begin_waiting(csp_party *party, csp_alternative *alternative)
+{
+    alternative->process = party;
+    alternative->waits = true;
+    alternative->solved = false;
+    alternative->woken = false;
+    if (alternative->time_outs > 0U) {
+        for (uint32_t index = 0U; index < alternative->count; index++) {
+            csp_guard *const guard = &alternative->guard[index];
+            if ((guard->kind == (uint8_t)CSP_GUARD_AFTER) && csp_is_enabled(guard)) {
+                guard->timer->party = NULL;
+                guard->timer->guard = guard;
+                csp_timer_begin(guard->timer, csp.now + guard->duration);
+            }
+        }
+    }
+    alternative->armed = true;
+    if (alternative->attending > 0U) {
+        for (uint32_t index = 0U; index < alternative->count; index++) {
+            csp_guard *const guard = &alternative->guard[index];
+            if (guard->attends && csp_is_enabled(guard) && !guard->is_enrolled) {
+                csp_enroll(guard);
+            }
+        }
+    }
+}
+
+void csp_end_waiting(csp_alternative *alternative)
+{
+    alternative->waits = false;
+    alternative->armed = false;
+    if (alternative->time_outs > 0U) {
+        clear_time_outs(alternative);
+    }
+    if (alternative->enrolls) {
+        for (uint32_t index = 0U; index < alternative->count; index++) {
+            if (alternative->guard[index].is_enrolled) {
+                csp_dismiss(&alternative->guard[index]);
+            }
+        }
+        alternative->enrolls = false;
+    }
+}
+
+void csp_resolve(csp_guard *guard)
+{
+    csp_alternative *const alternative = guard->alternative;
+    csp_end_waiting(alternative);
+    alternative->chosen = guard->index;
+    alternative->solved = true;
+    wake(alternative);
+}
+
+/* The value that was promised has been read: the process goes on; that of an interrupt only when its body has ended. */
+static csp_party *redeem(csp_party *party)
+{
+    csp_alternative *const alternative = (csp_alternative *)(void *)((char *)party - offsetof(csp_alternative, pledge));
+    alternative->pledged = false;
+    if ((alternative->interrupt != NULL) && !csp_interrupt_waits(alternative->interrupt)) {
+        return NULL;
+    }
+    return alternative->process;
+}
+
+csp_party *csp_pledge(csp_guard *guard)
+{
+    csp_alternative *const alternative = guard->alternative;
+    csp_end_waiting(alternative);
+    alternative->chosen = guard->index;
+    alternative->solved = true;
+    alternative->pledged = true;
+    alternative->pledge.step = redeem;
+    alternative->pledge.level = alternative->process->level;
+    alternative->pledge.number = alternative->process->number;
+    if (alternative->interrupt != NULL) {
+        wake(alternative);
+    }
+    return &alternative->pledge;
+}
+
+bool csp_alternative_withdraw(csp_alternative *alternative, csp_party *party)
+{
+    if (alternative->offers) {
+        return csp_withdraw(alternative->guard[alternative->chosen].medium, party);
+    }
+    if (alternative->pledged) {
+        if (!csp_withdraw(alternative->guard[alternative->chosen].medium, &alternative->pledge)) {
+            return false;
+        }
+        alternative->pledged = false;
+        alternative->solved = false;
+    } else if (!alternative->waits) {
+        return false;
+    } else {
+        csp_end_waiting(alternative);
+    }
+    return !alternative->woken;
+}
+
+static csp_progress choose(csp_party *party, csp_alternative *alternative, uint32_t index)
+{
+    csp_guard *const guard = &alternative->guard[index];
+    if (alternative->time_outs > 0U) {
+        clear_time_outs(alternative);
+    }
+    alternative->chosen = (uint16_t)index;
+    alternative->after_last = alternative->prioritized ? 0U : (uint16_t)(index + 1U);
+    switch (guard->kind) {
+    case CSP_GUARD_INPUT:
+        return csp_take(party, guard);
+    case CSP_GUARD_READY:
+        csp_settle_input(guard);
+        return CSP_DONE;
+    case CSP_GUARD_OUTPUT: {
+        const csp_progress progress = csp_choose_output(party, guard);
+        alternative->offers = progress == CSP_WAITS;
+        return progress;
+    }
+    default:
+        return CSP_DONE;
+    }
+}
+
+static uint32_t fair_choice(const csp_alternative *alternative)
+{
+    uint32_t index = first_ready(alternative, alternative->after_last);
+    if ((index == alternative->count) && (alternative->after_last > 0U)) {
+        index = first_ready(alternative, 0U);
+    }
+    return index;
+}
+
+csp_progress csp_select(csp_party *party, csp_alternative *alternative)
+{
+    if (csp_is_cancelled(party)) {
+        return csp_refuse(party);
+    }
+    if (alternative->time_outs > 0U) {
+        (void)csp_time_outs_passed(alternative);
+    }
+    const uint32_t index = fair_choice(alternative);
+    if (index == alternative->count) {
+        csp_begin_waiting(party, alternative);
+        return CSP_WAITS;
+    }
+    return choose(party, alternative, index);
+}
+
+csp_progress csp_select_again(csp_party *party, csp_alternative *alternative)
+{
+    if (alternative->offers) {
+        alternative->offers = false;
+        return CSP_DONE;
+    }
+    alternative->woken = false;
+    if (alternative->pledged) {
+        return CSP_WAITS;
+    }
+    if (alternative->solved) {
+        alternative->solved = false;
+        alternative->after_last = alternative->prioritized ? 0U : (uint16_t)(alternative->chosen + 1U);
+        return CSP_DONE;
+    }
+    if (csp_is_cancelled(party)) {
+        return csp_refuse(party);
+    }
+    const uint32_t index = fair_choice(alternative);
+    if (index == alternative->count) {
+        alternative->armed = true;
+        return CSP_WAITS;
+    }
+    csp_end_waiting(alternative);
+    return choose(party, alternative, index);
+}
+
+/* ---- Before the program starts ---- */
+
+void csp_alternative_init(csp_alternative *alternative, csp_guard *guard, uint16_t count, csp_word *words,
+                          bool prioritized)
+{
+    alternative->guard = guard;
+    alternative->count = count;
+    alternative->prioritized = prioritized;
+    alternative->more_ready = words;
+    alternative->more_enabled = (words == NULL) ? NULL : &words[CSP_WORDS(count)];
+    for (uint16_t index = 0U; index < count; index++) {
+        guard[index].alternative = alternative;
+        guard[index].index = index;
+    }
+}
+
+void csp_guard_read(csp_alternative *alternative, uint16_t index, csp_medium *medium, void *value, size_t size)
+{
+    csp_guard *const guard = &alternative->guard[index];
+    guard->kind = (uint8_t)CSP_GUARD_INPUT;
+    guard->medium = medium;
+    guard->slot = value;
+    guard->size = (uint32_t)size;
+    csp_watch_input(guard);
+}
+
+void csp_guard_ready(csp_alternative *alternative, uint16_t index, csp_medium *medium)
+{
+    csp_guard *const guard = &alternative->guard[index];
+    guard->kind = (uint8_t)CSP_GUARD_READY;
+    guard->medium = medium;
+    csp_watch_input(guard);
+}
+
+void csp_guard_write(csp_alternative *alternative, uint16_t index, csp_medium *medium, void *value, size_t size)
+{
+    csp_guard *const guard = &alternative->guard[index];
+    guard->kind = (uint8_t)CSP_GUARD_OUTPUT;
+    guard->medium = medium;
+    guard->slot = value;
+    guard->size = (uint32_t)size;
+    csp_watch_output(guard);
+}
+
+void csp_guard_after(csp_alternative *alternative, uint16_t index, csp_timer *timer)
+{
+    csp_guard *const guard = &alternative->guard[index];
+    guard->kind = (uint8_t)CSP_GUARD_AFTER;
+    guard->medium = NULL;
+    guard->timer = timer;
+    alternative->time_outs++;
+}
+
+void csp_guard_skip(csp_alternative *alternative, uint16_t index)
+{
+    csp_guard *const guard = &alternative->guard[index];
+    guard->kind = (uint8_t)CSP_GUARD_SKIP;
+    guard->medium = NULL;
+    csp_set_bit(guard);
+}
+
+void csp_enable_all(csp_alternative *alternative)
+{
+    alternative->enabled = ~(csp_word)0U;
+    if (alternative->more_enabled != NULL) {
+        for (uint32_t word = 0U; word < CSP_WORDS(alternative->count); word++) {
+            alternative->more_enabled[word] = ~(csp_word)0U;
+        }
+    }
+}
+
+void csp_enable_none(csp_alternative *alternative)
+{
+    alternative->enabled = 0U;
+    if (alternative->more_enabled != NULL) {
+        for (uint32_t word = 0U; word < CSP_WORDS(alternative->count); word++) {
+            alternative->more_enabled[word] = 0U;
+        }
+    }
+}
+
+void csp_enable(csp_alternative *alternative, uint16_t index)
+{
+    if (alternative->more_enabled == NULL) {
+        alternative->enabled |= bit_of(index);
+    } else {
+        alternative->more_enabled[index / CSP_WORD_BITS] |= bit_of(index);
+    }
+}

@@ -1,0 +1,116 @@
+/* The rendezvous of any writer with any reader, plain or in alternatives.
+ *
+ * At most one of the two queues of waiting parties is not empty; parties are served first come, first served, and before
+ * alternatives. An alternative is enrolled (`reading`, `writing`) exactly while it waits with an enabled guard on a channel where
+ * the other side alternates too.
+ */
+#include "csp_internal.h"
+
+void csp_channel_init(csp_channel *channel, uint32_t number)
+{
+    channel->medium.number = number;
+    channel->medium.kind = (uint8_t)CSP_CHANNEL;
+    channel->waiting = NULL;
+}
+
+void csp_any_init(csp_any_channel *channel, uint32_t number)
+{
+    channel->medium.number = number;
+    channel->medium.kind = (uint8_t)CSP_ANY;
+}
+
+void csp_any_left(csp_any_channel *channel)
+{
+    if ((channel->writers.first == NULL) && (channel->writing == NULL)) {
+        csp_lower_bits(channel->inputs);
+    }
+    if ((channel->readers.first == NULL) && (channel->reading == NULL)) {
+        csp_lower_bits(channel->outputs);
+    }
+}
+
+/* The first waiting writer, whose value is read. */
+static void take_from_writer(const csp_party *party, csp_any_channel *channel, void *value, size_t size)
+{
+    csp_party *const writer = csp_leave(&channel->writers);
+    if ((channel->writers.first == NULL) && (channel->writing == NULL)) {
+        csp_lower_bits(channel->inputs);
+    }
+    (void)memcpy(value, writer->slot, size);
+    csp_ready(writer);
+    csp_observe(channel->medium.number, value, writer->number, party->number);
+}
+
+static void hand_over(const csp_party *party, csp_any_channel *channel, const void *value, size_t size)
+{
+    csp_party *const reader = csp_leave(&channel->readers);
+    if ((channel->readers.first == NULL) && (channel->reading == NULL)) {
+        csp_lower_bits(channel->outputs);
+    }
+    (void)memcpy(reader->slot, value, size);
+    csp_ready(reader);
+    csp_observe(channel->medium.number, value, party->number, reader->number);
+}
+
+csp_progress csp_any_read(csp_party *party, csp_any_channel *channel, void *value, size_t size)
+{
+    if (channel->writers.first != NULL) {
+        take_from_writer(party, channel, value, size);
+        return CSP_DONE;
+    }
+    party->slot = value;
+    csp_enter(&channel->readers, party);
+    csp_raise_bits(channel->outputs);
+    return CSP_WAITS;
+}
+
+csp_progress csp_any_write(csp_party *party, csp_any_channel *channel, void *value, size_t size)
+{
+    if (channel->readers.first != NULL) {
+        hand_over(party, channel, value, size);
+        return CSP_DONE;
+    }
+    party->slot = value;
+    csp_enter(&channel->writers, party);
+    csp_raise_bits(channel->inputs);
+    return CSP_WAITS;
+}
+
+csp_progress csp_any_take(csp_party *party, csp_any_channel *channel, void *value, size_t size)
+{
+    if (channel->writers.first != NULL) {
+        take_from_writer(party, channel, value, size);
+        return CSP_DONE;
+    }
+    csp_guard *const writing = channel->writing;
+    (void)memcpy(value, writing->slot, size);
+    csp_observe(channel->medium.number, value, writing->alternative->process->number, party->number);
+    csp_resolve(writing);
+    return CSP_DONE;
+}
+
+void csp_any_settle(csp_any_channel *channel)
+{
+    if (channel->writers.first == NULL) {
+        csp_guard *const writing = channel->writing;
+        csp_party *const pledge = csp_pledge(writing);
+        (void)csp_any_write(pledge, channel, writing->slot, writing->size);
+    }
+}
+
+csp_progress csp_any_choose_output(csp_party *party, csp_any_channel *channel, void *value, size_t size)
+{
+    if (channel->readers.first != NULL) {
+        hand_over(party, channel, value, size);
+        return CSP_DONE;
+    }
+    csp_guard *const reading = channel->reading;
+    if (reading->kind == (uint8_t)CSP_GUARD_READY) {
+        csp_resolve(reading);
+        return csp_any_write(party, channel, value, size);
+    }
+    (void)memcpy(reading->slot, value, size);
+    csp_observe(channel->medium.number, value, party->number, reading->alternative->process->number);
+    csp_resolve(reading);
+    return CSP_DONE;
+}

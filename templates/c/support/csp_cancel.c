@@ -1,0 +1,222 @@
+/* Cancellation: a process ends at its next communication, which is the one at which it waits. */
+#include "csp_internal.h"
+
+bool csp_withdraw(csp_medium *medium, csp_party *party)
+{
+    switch (medium->kind) {
+    case CSP_CHANNEL: {
+        csp_channel *const channel = (csp_channel *)(void *)medium;
+        const bool waited = channel->waiting == party;
+        if (waited) {
+            channel->waiting = NULL;
+        }
+        return waited;
+    }
+    case CSP_ANY: {
+        csp_any_channel *const channel = (csp_any_channel *)(void *)medium;
+        const bool waited = csp_remove(&channel->readers, party) || csp_remove(&channel->writers, party);
+        csp_any_left(channel);
+        return waited;
+    }
+    case CSP_BROADCAST: {
+        csp_broadcast *const channel = (csp_broadcast *)(void *)medium;
+        const bool waited = channel->writer == party;
+        if (waited) {
+            channel->writer = NULL;
+            csp_broadcast_recall(channel);
+        }
+        return waited;
+    }
+    case CSP_BROADCAST_END: {
+        csp_broadcast_end *const end = (csp_broadcast_end *)(void *)medium;
+        const bool waited = end->reader == party;
+        if (waited) {
+            end->reader = NULL;
+            csp_broadcast_reader_left(end->channel);
+        }
+        return waited;
+    }
+    case CSP_BUFFER: {
+        csp_buffer *const buffer = (csp_buffer *)(void *)medium;
+        const bool reads = buffer->reader == party;
+        const bool writes = buffer->writer == party;
+        if (reads) {
+            buffer->reader = NULL;
+        }
+        if (writes) {
+            buffer->writer = NULL;
+        }
+        return reads || writes;
+    }
+    case CSP_SAMPLED_END: {
+        csp_sampled_end *const end = (csp_sampled_end *)(void *)medium;
+        const bool waited = end->reader == party;
+        if (waited) {
+            end->reader = NULL;
+        }
+        return waited;
+    }
+    case CSP_EVENT_END:
+        return csp_remove(&((csp_event_end *)(void *)medium)->readers, party);
+    default:
+        return false;
+    }
+}
+
+bool csp_is_registered(const csp_medium *medium, const csp_party *party)
+{
+    switch (medium->kind) {
+    case CSP_CHANNEL:
+        return ((const csp_channel *)(const void *)medium)->waiting == party;
+    case CSP_ANY: {
+        const csp_any_channel *const channel = (const csp_any_channel *)(const void *)medium;
+        return csp_contains(&channel->readers, party) || csp_contains(&channel->writers, party);
+    }
+    case CSP_BROADCAST:
+        return ((const csp_broadcast *)(const void *)medium)->writer == party;
+    case CSP_BROADCAST_END:
+        return ((const csp_broadcast_end *)(const void *)medium)->reader == party;
+    case CSP_BUFFER: {
+        const csp_buffer *const buffer = (const csp_buffer *)(const void *)medium;
+        return (buffer->reader == party) || (buffer->writer == party);
+    }
+    case CSP_SAMPLED_END:
+        return ((const csp_sampled_end *)(const void *)medium)->reader == party;
+    case CSP_EVENT_END:
+        return csp_contains(&((const csp_event_end *)(const void *)medium)->readers, party);
+    default:
+        return false;
+    }
+}
+
+bool csp_withdraw_process(csp_process *process)
+{
+    const csp_place *const place = csp_place_of(process);
+    void *const object = csp_object_at(process, place);
+    switch (place->waiting) {
+    case CSP_AT_READ:
+    case CSP_AT_WRITE:
+        return csp_withdraw((csp_medium *)object, &process->party);
+    case CSP_AT_ALTERNATIVE:
+        return csp_alternative_withdraw((csp_alternative *)object, &process->party);
+    case CSP_AT_OFFERS:
+        return csp_offers_withdraw((csp_offers *)object);
+    case CSP_AT_DELAY:
+        return csp_timer_stop((csp_timer *)object);
+    case CSP_AT_STOP:
+        return true;
+    case CSP_AT_INTERRUPT:
+        return csp_interrupt_withdraw((csp_interrupt *)object, &process->party);
+    default:
+        return false;
+    }
+}
+
+csp_parallel *csp_parallel_of(const csp_process *process)
+{
+    const csp_place *const place = csp_place_of(process);
+    if (place->waiting == (uint8_t)CSP_AT_PARALLEL) {
+        return (csp_parallel *)csp_object_at(process, place);
+    }
+    if (place->waiting == (uint8_t)CSP_AT_INTERRUPT) {
+        return &((csp_interrupt *)csp_object_at(process, place))->body;
+    }
+    return NULL;
+}
+
+csp_process *csp_task_of(csp_process *process)
+{
+    csp_process *outermost = process;
+    while ((outermost->caller != NULL) &&
+           (csp_place_of(outermost->caller)->waiting == (uint8_t)CSP_AT_CALL)) {
+        outermost = outermost->caller;
+    }
+    return outermost;
+}
+
+/* The running process has itself made the guard ready that interrupts it, and may be about to wait in that very communication: the
+ * canceller comes in the ready queue before anything that a partner could cause; by then the process waits, or has ended. */
+static csp_party *cancel_waiting(csp_party *party)
+{
+    csp_interrupt *const interrupt =
+        (csp_interrupt *)(void *)((char *)party - offsetof(csp_interrupt, canceller));
+    csp_process *const victim = interrupt->victim;
+    interrupt->victim = NULL;
+    if (((victim->party.flags & (unsigned)CSP_ENDED) != 0U) || !csp_withdraw_process(victim)) {
+        return NULL;
+    }
+    victim->party.state = csp_place_of(victim)->failed;
+    victim->party.flags |= (uint8_t)CSP_ABANDONED;
+    return &victim->party;
+}
+
+static void cancel_running(csp_process *process, csp_interrupt *interrupt)
+{
+    if (interrupt == NULL) {
+        return;
+    }
+    const bool queued = interrupt->victim != NULL;
+    interrupt->victim = process;
+    if (!queued) {
+        interrupt->canceller.step = cancel_waiting;
+        interrupt->canceller.level = process->party.level;
+        csp_ready(&interrupt->canceller);
+    }
+}
+
+/* Cancels what a task waits for. The innermost process if its branches are to be cancelled next, or NULL. */
+static csp_process *cancel_task(csp_process *task, csp_interrupt *interrupt)
+{
+    csp_process *process = task;
+    if ((task->party.flags & ((unsigned)CSP_CANCELLED | (unsigned)CSP_ENDED)) != 0U) {
+        return NULL;
+    }
+    for (;;) {
+        process->party.flags |= (uint8_t)CSP_CANCELLED;
+        if (&process->party == csp.current) {
+            cancel_running(process, interrupt);
+            return NULL;
+        }
+        const csp_place *const place = csp_place_of(process);
+        if (place->waiting != (uint8_t)CSP_AT_CALL) {
+            break;
+        }
+        process = (csp_process *)csp_object_at(process, place);
+    }
+    csp_parallel *const parallel = csp_parallel_of(process);
+    if ((parallel != NULL) && (parallel->pending > 0U)) {
+        const csp_place *const place = csp_place_of(process);
+        if (place->waiting == (uint8_t)CSP_AT_INTERRUPT) {
+            csp_interrupt_retract((csp_interrupt *)csp_object_at(process, place));
+        }
+        parallel->abandoned = true;
+        parallel->run = 0U;
+        parallel->index = 0U;
+        return process;
+    }
+    if (csp_withdraw_process(process)) {
+        process->party.state = csp_place_of(process)->failed;
+        process->party.flags |= (uint8_t)CSP_ABANDONED;
+        csp_ready(&process->party);
+    }
+    return NULL;
+}
+
+void csp_cancel(csp_process *branch, csp_interrupt *interrupt)
+{
+    csp_process *task = branch;
+    while (task != NULL) {
+        csp_process *parent = cancel_task(task, interrupt);
+        if (parent == NULL) {
+            parent = (task == branch) ? NULL : task->caller;
+        }
+        task = NULL;
+        while ((parent != NULL) && (task == NULL)) {
+            task = csp_next_branch(parent, csp_parallel_of(parent));
+            if (task == NULL) {
+                const csp_process *const above = csp_task_of(parent);
+                parent = (above == branch) ? NULL : above->caller;
+            }
+        }
+    }
+}

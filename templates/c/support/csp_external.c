@@ -1,0 +1,319 @@
+/* Ports of the outermost process.
+ *
+ * A reading end of a sampled input has a session, which begins when its reader first waits for a sample and lasts until the
+ * process ends; within it, each sample must be taken before the next one comes. Before that, while its process follows the period
+ * through another end, it holds the sample of the present tick, so that a first read belongs to the same instant as the reads beside it.
+ * A value from outside communicates when a reader takes it.
+ */
+#include "csp_internal.h"
+
+static void set_attend(csp_guard *watchers, bool attends)
+{
+    for (csp_guard *guard = watchers; guard != NULL; guard = guard->next) {
+        csp_set_attends(guard, attends);
+    }
+}
+
+/* ---- Sampled inputs ---- */
+
+void csp_sampled_input_init(csp_sampled_input *port, uint32_t number, int64_t period, void *value, csp_driver driver)
+{
+    port->medium.number = number;
+    port->medium.kind = (uint8_t)CSP_AT_ONCE;
+    port->period = period;
+    port->next = period;
+    port->value = value;
+    port->driver = driver;
+}
+
+void csp_sampled_end_init(csp_sampled_end *end, csp_sampled_input *port, csp_ends *owner)
+{
+    end->medium.number = port->medium.number;
+    end->medium.kind = (uint8_t)CSP_SAMPLED_END;
+    end->port = port;
+    end->next = NULL;
+    end->next_of_owner = NULL;
+    end->pace = end;
+    csp_sampled_end **last = &port->ends;
+    while (*last != NULL) {
+        last = &(*last)->next;
+    }
+    *last = end;
+    last = &owner->first;
+    while (*last != NULL) {
+        if ((end->pace == end) && ((*last)->port->period == port->period)) {
+            end->pace = (*last)->pace;
+        }
+        last = &(*last)->next_of_owner;
+    }
+    *last = end;
+}
+
+void csp_sampled_begin(csp_sampled_end *end)
+{
+    if (!end->begun) {
+        end->begun = true;
+        set_attend(end->inputs, false);
+    }
+}
+
+/* Keeps the sample of the present tick for a first read; to overwrite it is no miss. */
+static void hold(csp_sampled_end *end)
+{
+    end->fresh = true;
+    csp_raise_bits(end->inputs);
+}
+
+static void sample(csp_sampled_end *end)
+{
+    csp_sampled_end *const pace = end->pace;
+    if (!end->begun) {
+        hold(end);
+        return;
+    }
+    if (!pace->followed) {
+        pace->followed = true;
+        for (csp_sampled_end *other = pace; other != NULL; other = other->next_of_owner) {
+            if ((other->pace == pace) && !other->begun && other->port->sampled) {
+                hold(other);
+            }
+        }
+    }
+    if (end->fresh) {
+        end->port->missed++;
+        end->overdue = !end->port->counts;
+    }
+    end->fresh = true;
+    if (end->reader != NULL) {
+        csp_party *const reader = end->reader;
+        end->reader = NULL;
+        csp_ready(reader);
+    }
+    csp_raise_bits(end->inputs);
+}
+
+void csp_sampled_tick(csp_sampled_input *port)
+{
+    if ((port->driver.read == NULL) || !port->driver.read(port->driver.device, port->value)) {
+        return;
+    }
+    port->sampled = true;
+    for (csp_sampled_end *end = port->ends; end != NULL; end = end->next) {
+        if (end->begun || end->pace->followed) {
+            sample(end);
+        }
+    }
+}
+
+csp_progress csp_sampled_take(csp_party *party, csp_sampled_end *end, void *value, size_t size)
+{
+    if (end->overdue) {
+        end->overdue = false;
+        (void)csp_raise(NULL, (uint16_t)CSP_TIMEOUT_EXCEPTION, NULL);
+        csp.error.operands.integers[0] = (int64_t)end->medium.number;
+        return CSP_FAILS;
+    }
+    csp_sampled_begin(end);
+    end->fresh = false;
+    csp_lower_bits(end->inputs);
+    (void)memcpy(value, end->port->value, size);
+    csp_observe(end->medium.number, value, 0U, party->number);
+    return CSP_DONE;
+}
+
+csp_progress csp_sampled_read(csp_party *party, csp_sampled_end *end, void *value, size_t size)
+{
+    if (csp_is_cancelled(party)) {
+        return csp_refuse(party);
+    }
+    if (end->fresh) {
+        return csp_sampled_take(party, end, value, size);
+    }
+    party->slot = value;
+    end->reader = party;
+    csp_sampled_begin(end);
+    return CSP_WAITS;
+}
+
+csp_progress csp_sampled_read_again(csp_party *party, csp_sampled_end *end, void *value, size_t size)
+{
+    return csp_sampled_read(party, end, value, size);
+}
+
+void csp_ends_close(csp_ends *ends)
+{
+    for (csp_sampled_end *end = ends->first; end != NULL; end = end->next_of_owner) {
+        end->begun = false;
+        end->fresh = false;
+        end->overdue = false;
+        end->pace->followed = false;
+        set_attend(end->inputs, true);
+        csp_lower_bits(end->inputs);
+    }
+}
+
+bool csp_sampled_can_come(const csp_sampled_input *port)
+{
+    const csp_sampled_end *end = (port->driver.read == NULL) ? NULL : port->ends;
+    while ((end != NULL) &&
+           !((end->begun || end->pace->followed) && ((end->reader != NULL) || csp_awaited(end->inputs)))) {
+        end = end->next;
+    }
+    return end != NULL;
+}
+
+/* ---- Event inputs ---- */
+
+static void add_end(csp_event_end *end, csp_event_input *port)
+{
+    csp_event_end **last = &port->ends;
+    while (*last != NULL) {
+        last = &(*last)->next;
+    }
+    end->medium.number = port->medium.number;
+    end->medium.kind = (uint8_t)CSP_EVENT_END;
+    end->port = port;
+    end->next = NULL;
+    *last = end;
+}
+
+void csp_event_input_init(csp_event_input *port, uint32_t number, bool broadcast, void *value, csp_driver driver)
+{
+    port->medium.number = number;
+    port->medium.kind = (uint8_t)CSP_AT_ONCE;
+    port->value = value;
+    port->driver = driver;
+    port->broadcast = broadcast;
+    if (!broadcast) {
+        add_end(&port->shared, port);
+    }
+}
+
+csp_event_end *csp_event_reader(csp_event_end *own, csp_event_input *port)
+{
+    if (port->broadcast) {
+        add_end(own, port);
+        return own;
+    }
+    return &port->shared;
+}
+
+void csp_event_occur(csp_event_input *port)
+{
+    for (csp_event_end *end = port->ends; end != NULL; end = end->next) {
+        end->fresh = true;
+        if (end->readers.first != NULL) {
+            csp_ready(csp_leave(&end->readers));
+        }
+        csp_raise_bits(end->inputs);
+    }
+}
+
+void csp_event_poll(csp_event_input *port)
+{
+    if ((port->driver.read != NULL) && port->driver.read(port->driver.device, port->value)) {
+        csp_event_occur(port);
+    }
+}
+
+void csp_event_take(csp_party *party, csp_event_end *end, void *value, size_t size)
+{
+    end->fresh = false;
+    csp_lower_bits(end->inputs);
+    (void)memcpy(value, end->port->value, size);
+    csp_observe(end->medium.number, value, 0U, party->number);
+}
+
+void csp_event_pass_on(csp_event_end *end)
+{
+    if (end->fresh && (end->readers.first != NULL)) {
+        csp_ready(csp_leave(&end->readers));
+    }
+}
+
+csp_progress csp_event_read(csp_party *party, csp_event_end *end, void *value, size_t size)
+{
+    if (csp_is_cancelled(party)) {
+        return csp_refuse(party);
+    }
+    if (end->fresh) {
+        csp_event_take(party, end, value, size);
+        return CSP_DONE;
+    }
+    party->slot = value;
+    csp_enter(&end->readers, party);
+    return CSP_WAITS;
+}
+
+csp_progress csp_event_read_again(csp_party *party, csp_event_end *end, void *value, size_t size)
+{
+    if (csp_is_cancelled(party)) {
+        csp_event_pass_on(end);
+        return csp_refuse(party);
+    }
+    if (end->fresh) {
+        csp_event_take(party, end, value, size);
+        return CSP_DONE;
+    }
+    csp_enter_front(&end->readers, party);
+    return CSP_WAITS;
+}
+
+bool csp_event_can_come(const csp_event_input *port)
+{
+    const bool connected = (port->driver.read != NULL) || (port->driver.device != NULL);
+    const csp_event_end *end = connected ? port->ends : NULL;
+    while ((end != NULL) && (end->readers.first == NULL) && !csp_awaited(end->inputs)) {
+        end = end->next;
+    }
+    return end != NULL;
+}
+
+/* ---- Outputs ---- */
+
+void csp_latched_output_init(csp_latched_output *output, uint32_t number, int64_t period, void *value,
+                             csp_driver driver)
+{
+    output->medium.number = number;
+    output->medium.kind = (uint8_t)CSP_AT_ONCE;
+    output->period = period;
+    output->next = period;
+    output->value = value;
+    output->driver = driver;
+}
+
+void csp_direct_output_init(csp_direct_output *output, uint32_t number, csp_driver driver)
+{
+    output->medium.number = number;
+    output->medium.kind = (uint8_t)CSP_AT_ONCE;
+    output->driver = driver;
+}
+
+csp_progress csp_latched_write(csp_party *party, csp_latched_output *output, void *value, size_t size)
+{
+    (void)memcpy(output->value, value, size);
+    output->written = true;
+    output->writer = party->number;
+    return CSP_DONE;
+}
+
+csp_progress csp_direct_write(csp_party *party, csp_direct_output *output, void *value, size_t size)
+{
+    (void)size;
+    if (output->driver.write != NULL) {
+        output->driver.write(output->driver.device, value);
+    }
+    csp_observe(output->medium.number, value, party->number, 0U);
+    return CSP_DONE;
+}
+
+void csp_latched_tick(csp_latched_output *output)
+{
+    if (output->written) {
+        output->written = false;
+        if (output->driver.write != NULL) {
+            output->driver.write(output->driver.device, output->value);
+        }
+        csp_observe(output->medium.number, output->value, output->writer, 0U);
+    }
+}

@@ -1,0 +1,271 @@
+/* What channels and ends do for the guards of alternatives. */
+#include "csp_internal.h"
+
+void csp_watch(csp_guard **watchers, csp_guard *guard)
+{
+    csp_guard **last = watchers;
+    while (*last != NULL) {
+        last = &(*last)->next;
+    }
+    guard->next = NULL;
+    *last = guard;
+}
+
+void csp_unwatch(csp_guard **watchers, csp_guard *guard)
+{
+    csp_guard **found = watchers;
+    while ((*found != NULL) && (*found != guard)) {
+        found = &(*found)->next;
+    }
+    if (*found != NULL) {
+        *found = guard->next;
+    }
+}
+
+static void enroll_at(csp_guard **enrolled, csp_guard *guard)
+{
+    csp_guard **last = enrolled;
+    while (*last != NULL) {
+        last = &(*last)->enrolled;
+    }
+    guard->enrolled = NULL;
+    *last = guard;
+}
+
+static void dismiss_from(csp_guard **enrolled, const csp_guard *guard)
+{
+    csp_guard **found = enrolled;
+    while ((*found != NULL) && (*found != guard)) {
+        found = &(*found)->enrolled;
+    }
+    if (*found != NULL) {
+        *found = guard->enrolled;
+    }
+}
+
+void csp_set_attends(csp_guard *guard, bool attends)
+{
+    if (attends && !guard->attends) {
+        guard->alternative->attending++;
+    }
+    if (!attends && guard->attends) {
+        guard->alternative->attending--;
+    }
+    guard->attends = attends;
+}
+
+void csp_attend(csp_guard *watchers)
+{
+    for (csp_guard *guard = watchers; guard != NULL; guard = guard->next) {
+        csp_set_attends(guard, true);
+        if (guard->alternative->waits && csp_is_enabled(guard) && !guard->is_enrolled) {
+            csp_enroll(guard);
+        }
+    }
+}
+
+void csp_watch_input(csp_guard *guard)
+{
+    switch (guard->medium->kind) {
+    case CSP_ANY: {
+        csp_any_channel *const channel = (csp_any_channel *)(void *)guard->medium;
+        csp_watch(&channel->inputs, guard);
+        if ((channel->writers.first != NULL) || (channel->writing != NULL)) {
+            csp_set_bit(guard);
+        }
+        if (channel->outputs != NULL) {
+            csp_set_attends(guard, true);
+            csp_attend(channel->outputs);
+        }
+        break;
+    }
+    case CSP_BUFFER: {
+        csp_buffer *const buffer = (csp_buffer *)(void *)guard->medium;
+        csp_watch(&buffer->inputs, guard);
+        if (buffer->stored > 0U) {
+            csp_set_bit(guard);
+        }
+        break;
+    }
+    case CSP_BROADCAST_END: {
+        csp_broadcast_end *const end = (csp_broadcast_end *)(void *)guard->medium;
+        csp_watch(&end->inputs, guard);
+        if (end->fresh) {
+            csp_set_bit(guard);
+        }
+        if (end->channel->outputs != NULL) {
+            csp_set_attends(guard, true);
+        }
+        break;
+    }
+    case CSP_SAMPLED_END: {
+        csp_sampled_end *const end = (csp_sampled_end *)(void *)guard->medium;
+        csp_watch(&end->inputs, guard);
+        if (end->fresh) {
+            csp_set_bit(guard);
+        }
+        if (!end->begun) {
+            csp_set_attends(guard, true);
+        }
+        break;
+    }
+    case CSP_EVENT_END: {
+        csp_event_end *const end = (csp_event_end *)(void *)guard->medium;
+        csp_watch(&end->inputs, guard);
+        if (end->fresh) {
+            csp_set_bit(guard);
+        }
+        break;
+    }
+    default:
+        break;
+    }
+}
+
+void csp_watch_output(csp_guard *guard)
+{
+    switch (guard->medium->kind) {
+    case CSP_ANY: {
+        csp_any_channel *const channel = (csp_any_channel *)(void *)guard->medium;
+        csp_watch(&channel->outputs, guard);
+        if ((channel->readers.first != NULL) || (channel->reading != NULL)) {
+            csp_set_bit(guard);
+        }
+        if (channel->inputs != NULL) {
+            csp_set_attends(guard, true);
+            csp_attend(channel->inputs);
+        }
+        break;
+    }
+    case CSP_BUFFER: {
+        csp_buffer *const buffer = (csp_buffer *)(void *)guard->medium;
+        if (!buffer->overwrites) {
+            csp_watch(&buffer->outputs, guard);
+        }
+        if (buffer->overwrites || (buffer->stored < buffer->capacity)) {
+            csp_set_bit(guard);
+        }
+        break;
+    }
+    case CSP_BROADCAST: {
+        csp_broadcast *const channel = (csp_broadcast *)(void *)guard->medium;
+        csp_watch(&channel->outputs, guard);
+        for (csp_broadcast_end *end = channel->ends; end != NULL; end = end->next) {
+            csp_attend(end->inputs);
+        }
+        csp_broadcast_readers_changed(channel);
+        break;
+    }
+    default:
+        break;
+    }
+}
+
+void csp_unwatch_guard(csp_guard *guard)
+{
+    if (guard->medium == NULL) {
+        return;
+    }
+    switch (guard->medium->kind) {
+    case CSP_ANY: {
+        csp_any_channel *const channel = (csp_any_channel *)(void *)guard->medium;
+        csp_unwatch(&channel->inputs, guard);
+        csp_unwatch(&channel->outputs, guard);
+        break;
+    }
+    case CSP_BUFFER: {
+        csp_buffer *const buffer = (csp_buffer *)(void *)guard->medium;
+        csp_unwatch(&buffer->inputs, guard);
+        csp_unwatch(&buffer->outputs, guard);
+        break;
+    }
+    case CSP_BROADCAST:
+        csp_unwatch(&((csp_broadcast *)(void *)guard->medium)->outputs, guard);
+        break;
+    case CSP_BROADCAST_END:
+        csp_unwatch(&((csp_broadcast_end *)(void *)guard->medium)->inputs, guard);
+        break;
+    case CSP_SAMPLED_END:
+        csp_unwatch(&((csp_sampled_end *)(void *)guard->medium)->inputs, guard);
+        break;
+    case CSP_EVENT_END:
+        csp_unwatch(&((csp_event_end *)(void *)guard->medium)->inputs, guard);
+        break;
+    default:
+        break;
+    }
+}
+
+void csp_enroll(csp_guard *guard)
+{
+    const bool writes = guard->kind == (uint8_t)CSP_GUARD_OUTPUT;
+    guard->is_enrolled = true;
+    guard->alternative->enrolls = true;
+    if (guard->medium->kind == (uint8_t)CSP_ANY) {
+        csp_any_channel *const channel = (csp_any_channel *)(void *)guard->medium;
+        enroll_at(writes ? &channel->writing : &channel->reading, guard);
+        csp_raise_bits(writes ? channel->inputs : channel->outputs);
+    } else if (guard->medium->kind == (uint8_t)CSP_BROADCAST_END) {
+        csp_broadcast_end *const end = (csp_broadcast_end *)(void *)guard->medium;
+        end->waiting = guard;
+        csp_broadcast_readers_changed(end->channel);
+    } else if (guard->medium->kind == (uint8_t)CSP_SAMPLED_END) {
+        csp_sampled_begin((csp_sampled_end *)(void *)guard->medium);
+    } else {
+        /* The others need not know who waits. */
+    }
+}
+
+void csp_dismiss(csp_guard *guard)
+{
+    guard->is_enrolled = false;
+    if (guard->medium->kind == (uint8_t)CSP_ANY) {
+        csp_any_channel *const channel = (csp_any_channel *)(void *)guard->medium;
+        dismiss_from((guard->kind == (uint8_t)CSP_GUARD_OUTPUT) ? &channel->writing : &channel->reading, guard);
+        csp_any_left(channel);
+    } else if (guard->medium->kind == (uint8_t)CSP_BROADCAST_END) {
+        csp_broadcast_end *const end = (csp_broadcast_end *)(void *)guard->medium;
+        end->waiting = NULL;
+        csp_broadcast_reader_left(end->channel);
+    } else {
+        /* They did not know. */
+    }
+}
+
+csp_progress csp_take(csp_party *party, csp_guard *guard)
+{
+    switch (guard->medium->kind) {
+    case CSP_ANY:
+        return csp_any_take(party, (csp_any_channel *)(void *)guard->medium, guard->slot, guard->size);
+    case CSP_BUFFER:
+        csp_buffer_take(party, (csp_buffer *)(void *)guard->medium, guard->slot, guard->size);
+        return CSP_DONE;
+    case CSP_BROADCAST_END:
+        csp_broadcast_taken(party, (csp_broadcast_end *)(void *)guard->medium, guard->slot, guard->size);
+        return CSP_DONE;
+    case CSP_SAMPLED_END:
+        return csp_sampled_take(party, (csp_sampled_end *)(void *)guard->medium, guard->slot, guard->size);
+    default:
+        csp_event_take(party, (csp_event_end *)(void *)guard->medium, guard->slot, guard->size);
+        return CSP_DONE;
+    }
+}
+
+void csp_settle_input(csp_guard *guard)
+{
+    if (guard->medium->kind == (uint8_t)CSP_ANY) {
+        csp_any_settle((csp_any_channel *)(void *)guard->medium);
+    }
+}
+
+csp_progress csp_choose_output(csp_party *party, csp_guard *guard)
+{
+    switch (guard->medium->kind) {
+    case CSP_ANY:
+        return csp_any_choose_output(party, (csp_any_channel *)(void *)guard->medium, guard->slot, guard->size);
+    case CSP_BUFFER:
+        return csp_buffer_write(party, (csp_buffer *)(void *)guard->medium, guard->slot, guard->size);
+    default:
+        return csp_broadcast_choose_output(party, (csp_broadcast *)(void *)guard->medium, guard->slot, guard->size);
+    }
+}

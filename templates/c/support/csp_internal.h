@@ -1,0 +1,144 @@
+/* What the files of the kernel tell each other; not for generated code. */
+#ifndef CSP_INTERNAL_H
+#define CSP_INTERNAL_H
+
+#include "csp.h"
+
+/* ---- Scheduler ---- */
+
+/* Runs ready processes until none is left, or `most` steps; whether one is ready still. */
+bool csp_run_ready(uint32_t most);
+/* Takes a party out of the ready queue. */
+void csp_unready(csp_party *party);
+
+/* ---- Queues of parties in channels ---- */
+
+void csp_enter(csp_queue *queue, csp_party *party);
+void csp_enter_front(csp_queue *queue, csp_party *party);
+csp_party *csp_leave(csp_queue *queue);
+/* False: it was not there. */
+bool csp_remove(csp_queue *queue, const csp_party *party);
+bool csp_contains(const csp_queue *queue, const csp_party *party);
+
+/* ---- Places ---- */
+
+const csp_place *csp_place_of(const csp_process *process);
+/* The object of the place: a channel, a parallel... */
+void *csp_object_at(const csp_process *process, const csp_place *place);
+/* Takes the party back from where it waits; false: it does not wait there any longer. */
+bool csp_withdraw(csp_medium *medium, csp_party *party);
+/* Whether the party waits there. */
+bool csp_is_registered(const csp_medium *medium, const csp_party *party);
+/* The same for whatever the process waits for at its place. */
+bool csp_withdraw_process(csp_process *process);
+
+/* ---- Parallel and cancellation ---- */
+
+/* A branch begins: it enters the ready queue. */
+void csp_start(csp_process *parent, csp_process *branch, uint8_t level);
+/* Cancels a branch and everything below. `canceller` is needed where the running process may be among them. */
+void csp_cancel(csp_process *branch, csp_interrupt *interrupt);
+/* The branch that a walk comes to next below `parent`, which waits at a parallel or an interrupt; NULL: no more. */
+csp_process *csp_next_branch(const csp_process *parent, csp_parallel *parallel);
+/* The first process of the task that `process` is the innermost of. */
+csp_process *csp_task_of(csp_process *process);
+/* The parallel, or that of the interrupt, at which the process waits; NULL. */
+csp_parallel *csp_parallel_of(const csp_process *process);
+
+/* ---- Timers ---- */
+
+void csp_timer_begin(csp_timer *timer, int64_t instant);
+/* False: it does not run. */
+bool csp_timer_stop(csp_timer *timer);
+/* The earliest instant; INT64_MAX: none. */
+int64_t csp_timer_next(void);
+void csp_timers_fall_due(int64_t instant);
+void csp_timers_reset(void);
+
+/* ---- Guards ---- */
+
+/* Begins and ends to keep the bit of a guard. */
+void csp_watch(csp_guard **watchers, csp_guard *guard);
+void csp_unwatch(csp_guard **watchers, csp_guard *guard);
+/* The channel wants to know when alternatives of these guards wait. */
+void csp_attend(csp_guard *watchers);
+void csp_set_attends(csp_guard *guard, bool attends);
+bool csp_is_enabled(const csp_guard *guard);
+void csp_set_bit(csp_guard *guard);
+void csp_clear_bit(csp_guard *guard);
+/* Some guard has become ready: wakes who waits for it. */
+void csp_raise_bit(csp_guard *guard);
+
+static inline void csp_raise_bits(csp_guard *watchers)
+{
+    for (csp_guard *guard = watchers; guard != NULL; guard = guard->next) {
+        csp_raise_bit(guard);
+    }
+}
+
+static inline void csp_lower_bits(csp_guard *watchers)
+{
+    for (csp_guard *guard = watchers; guard != NULL; guard = guard->next) {
+        csp_clear_bit(guard);
+    }
+}
+
+/* Whether an alternative waits for one of these guards. */
+bool csp_awaited(const csp_guard *watchers);
+/* The other side has chosen the guard, and made its communication. */
+void csp_resolve(csp_guard *guard);
+/* The other side has chosen this output guard and is going to read: the party that waits for that in the channel. */
+csp_party *csp_pledge(csp_guard *guard);
+bool csp_alternative_withdraw(csp_alternative *alternative, csp_party *party);
+void csp_end_waiting(csp_alternative *alternative);
+void csp_begin_waiting(csp_party *party, csp_alternative *alternative);
+/* Time-outs of no duration. */
+bool csp_time_outs_passed(csp_alternative *alternative);
+
+/* What a medium does with guards, by its kind. */
+void csp_watch_input(csp_guard *guard);
+void csp_watch_output(csp_guard *guard);
+void csp_unwatch_guard(csp_guard *guard);
+void csp_enroll(csp_guard *guard);
+void csp_dismiss(csp_guard *guard);
+csp_progress csp_take(csp_party *party, csp_guard *guard);
+void csp_settle_input(csp_guard *guard);
+csp_progress csp_choose_output(csp_party *party, csp_guard *guard);
+
+/* ---- Media ---- */
+
+csp_progress csp_any_take(csp_party *party, csp_any_channel *channel, void *value, size_t size);
+void csp_any_settle(csp_any_channel *channel);
+csp_progress csp_any_choose_output(csp_party *party, csp_any_channel *channel, void *value, size_t size);
+void csp_any_left(csp_any_channel *channel);
+void csp_buffer_take(csp_party *party, csp_buffer *buffer, void *value, size_t size);
+void csp_broadcast_taken(csp_party *party, csp_broadcast_end *end, void *value, size_t size);
+csp_progress csp_broadcast_choose_output(csp_party *party, csp_broadcast *channel, void *value, size_t size);
+void csp_broadcast_readers_changed(const csp_broadcast *channel);
+/* A reader was withdrawn: never wakes anybody. */
+void csp_broadcast_reader_left(const csp_broadcast *channel);
+void csp_broadcast_recall(const csp_broadcast *channel);
+csp_progress csp_sampled_take(csp_party *party, csp_sampled_end *end, void *value, size_t size);
+void csp_sampled_begin(csp_sampled_end *end);
+void csp_event_take(csp_party *party, csp_event_end *end, void *value, size_t size);
+/* A reader that was readied was cancelled before it ran: the event is for the next. */
+void csp_event_pass_on(csp_event_end *end);
+
+/* ---- Offers, interrupts, ports ---- */
+
+bool csp_offers_withdraw(csp_offers *offers);
+bool csp_interrupt_withdraw(csp_interrupt *interrupt, csp_party *party);
+/* The guard has become ready, or was chosen by the other side. */
+void csp_interrupt_wake(csp_interrupt *interrupt);
+/* Whether its body has ended and its process waits for the communication of the guard. */
+bool csp_interrupt_waits(const csp_interrupt *interrupt);
+void csp_interrupt_retract(csp_interrupt *interrupt);
+/* A branch of the body has ended, in whatever way. */
+void csp_body_ended(csp_interrupt *interrupt, bool cancelled);
+void csp_sampled_tick(csp_sampled_input *port);
+void csp_event_poll(csp_event_input *port);
+void csp_latched_tick(csp_latched_output *output);
+bool csp_sampled_can_come(const csp_sampled_input *port);
+bool csp_event_can_come(const csp_event_input *port);
+
+#endif

@@ -1,0 +1,156 @@
+/* Interrupt: a process that is abandoned at its next communication once a guard is ready.
+ *
+ * The body is a branch of its own. The guard waits beside it as that of an alternative does, so that an alternative on the other side may choose
+ * it; otherwise its communication is made when the body has ended. If the body ends by itself, there is none.
+ */
+#include "csp_internal.h"
+
+void csp_interrupt_init(csp_interrupt *interrupt, uint32_t body)
+{
+    interrupt->branch.offset = body;
+    interrupt->branch.count = 1U;
+}
+
+/* An alternative of one guard, with what the guard watches. */
+static void renew(csp_interrupt *interrupt)
+{
+    csp_alternative *const alternative = &interrupt->alternative;
+    csp_alternative_init(alternative, &interrupt->guard, 1U, NULL, true);
+    alternative->ready = 0U;
+    alternative->attending = 0U;
+    alternative->time_outs = 0U;
+    alternative->waits = false;
+    alternative->enrolls = false;
+    alternative->armed = false;
+    alternative->woken = false;
+    alternative->solved = false;
+    alternative->offers = false;
+    alternative->pledged = false;
+    interrupt->guard.attends = false;
+    interrupt->guard.is_enrolled = false;
+    csp_enable_all(alternative);
+}
+
+void csp_interrupt_prepare(csp_interrupt *interrupt)
+{
+    renew(interrupt);
+    interrupt->alternative.interrupt = interrupt;
+}
+
+bool csp_interrupt_waits(const csp_interrupt *interrupt)
+{
+    return interrupt->body_ended;
+}
+
+void csp_interrupt_wake(csp_interrupt *interrupt)
+{
+    interrupt->body.run = 0U;
+    interrupt->body.index = 0U;
+    csp_process *const body =
+        csp_next_branch((const csp_process *)(const void *)interrupt->alternative.process, &interrupt->body);
+    csp_cancel(body, interrupt);
+}
+
+void csp_interrupt_retract(csp_interrupt *interrupt)
+{
+    csp_alternative *const alternative = &interrupt->alternative;
+    if (alternative->waits) {
+        csp_end_waiting(alternative);
+    }
+    if (alternative->pledged && csp_withdraw(interrupt->guard.medium, &alternative->pledge)) {
+        alternative->pledged = false;
+        alternative->solved = false;
+    }
+}
+
+bool csp_interrupt_withdraw(csp_interrupt *interrupt, csp_party *party)
+{
+    bool withdrawn = false;
+    if (interrupt->communicates) {
+        withdrawn = csp_alternative_withdraw(&interrupt->alternative, party);
+    } else if (interrupt->alternative.pledged) {
+        csp_interrupt_retract(interrupt);
+        withdrawn = !interrupt->alternative.pledged;
+    } else {
+        /* The body has ended, and the process is in the ready queue. */
+    }
+    if (withdrawn) {
+        csp_unwatch_guard(&interrupt->guard);
+    }
+    return withdrawn;
+}
+
+void csp_body_ended(csp_interrupt *interrupt, bool cancelled)
+{
+    if (!cancelled && interrupt->alternative.waits) {
+        csp_end_waiting(&interrupt->alternative);
+    }
+}
+
+csp_progress csp_interruptible(csp_party *party, csp_interrupt *interrupt)
+{
+    csp_alternative *const alternative = &interrupt->alternative;
+    if (csp_is_cancelled(party)) {
+        csp_unwatch_guard(&interrupt->guard);
+        return csp_refuse(party);
+    }
+    interrupt->body_ended = false;
+    interrupt->communicates = false;
+    interrupt->taken = false;
+    (void)csp_par(party, &interrupt->body, &interrupt->branch, 1U);
+    csp_begin_waiting(party, alternative);
+    if ((alternative->ready != 0U) || ((alternative->time_outs > 0U) && csp_time_outs_passed(alternative))) {
+        alternative->woken = true;
+        csp_interrupt_wake(interrupt);
+    }
+    return CSP_WAITS;
+}
+
+/* The other side was faster, or has not chosen: the communication is still to be made. */
+static csp_progress communicate(csp_party *party, csp_interrupt *interrupt)
+{
+    csp_guard *const guard = &interrupt->guard;
+    renew(interrupt);
+    interrupt->alternative.interrupt = NULL;
+    if (guard->kind == (uint8_t)CSP_GUARD_OUTPUT) {
+        csp_watch_output(guard);
+    } else {
+        csp_watch_input(guard);
+    }
+    interrupt->communicates = true;
+    return csp_select(party, &interrupt->alternative);
+}
+
+csp_progress csp_interruptible_again(csp_party *party, csp_interrupt *interrupt)
+{
+    csp_alternative *const alternative = &interrupt->alternative;
+    csp_progress progress = CSP_DONE;
+    if (interrupt->communicates) {
+        progress = csp_select_again(party, alternative);
+    } else {
+        if (!interrupt->body_ended) {
+            interrupt->body_ended = true;
+            if (csp_par_again(party, &interrupt->body) == CSP_FAILS) {
+                csp_interrupt_retract(interrupt);
+                csp_unwatch_guard(&interrupt->guard);
+                return CSP_FAILS;
+            }
+        }
+        if (alternative->pledged) {
+            return CSP_WAITS;
+        }
+        csp_interrupt_retract(interrupt);
+        csp_unwatch_guard(&interrupt->guard);
+        interrupt->taken = alternative->solved || (alternative->woken && interrupt->body.cancelled);
+        const bool communicates = (interrupt->guard.kind == (uint8_t)CSP_GUARD_INPUT) ||
+                                  (interrupt->guard.kind == (uint8_t)CSP_GUARD_OUTPUT);
+        if (!interrupt->taken || alternative->solved || !communicates) {
+            return CSP_DONE;
+        }
+        progress = communicate(party, interrupt);
+    }
+    if (progress != CSP_WAITS) {
+        csp_unwatch_guard(&interrupt->guard);
+    }
+    return progress;
+}

@@ -1,0 +1,98 @@
+/* The scheduler: which process runs next. First come, first served within a level of priority. */
+#include "csp_internal.h"
+
+csp_kernel csp;
+
+static inline csp_party *next_party(void)
+{
+    for (uint32_t level = 0U; level < CSP_LEVELS; level++) {
+        csp_queue *const queue = &csp.ready[level];
+        csp_party *const party = queue->first;
+        if (party != NULL) {
+            queue->first = party->next;
+            return party;
+        }
+    }
+    return NULL;
+}
+
+bool csp_run_ready(uint32_t most)
+{
+    csp_party *party = NULL;
+    for (uint32_t steps = 0U; steps < most; steps++) {
+        party = next_party();
+        if (party == NULL) {
+            csp.current = NULL;
+            return false;
+        }
+        do {
+            csp.current = party;
+            party = party->step(party);
+        } while (party != NULL);
+    }
+    csp.current = NULL;
+    return true;
+}
+
+void csp_unready(csp_party *party)
+{
+    (void)csp_remove(&csp.ready[(CSP_LEVELS > 1U) ? party->level : 0U], party);
+}
+
+void csp_enter(csp_queue *queue, csp_party *party)
+{
+    party->next = NULL;
+    if (queue->first != NULL) {
+        queue->last->next = party;
+    } else {
+        queue->first = party;
+    }
+    queue->last = party;
+}
+
+void csp_enter_front(csp_queue *queue, csp_party *party)
+{
+    if (queue->first == NULL) {
+        queue->last = party;
+    }
+    party->next = queue->first;
+    queue->first = party;
+}
+
+csp_party *csp_leave(csp_queue *queue)
+{
+    csp_party *const party = queue->first;
+    queue->first = party->next;
+    return party;
+}
+
+bool csp_remove(csp_queue *queue, const csp_party *party)
+{
+    csp_party *before = NULL;
+    csp_party *found = queue->first;
+    while ((found != NULL) && (found != party)) {
+        before = found;
+        found = found->next;
+    }
+    if (found == NULL) {
+        return false;
+    }
+    if (before == NULL) {
+        queue->first = found->next;
+    } else {
+        before->next = found->next;
+        if (queue->last == found) {
+            queue->last = before;
+        }
+    }
+    return true;
+}
+
+bool csp_contains(const csp_queue *queue, const csp_party *party)
+{
+    const csp_party *found = queue->first;
+    while ((found != NULL) && (found != party)) {
+        found = found->next;
+    }
+    return found != NULL;
+}

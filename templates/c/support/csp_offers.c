@@ -1,0 +1,215 @@
+/* Several communications offered at once: begun in port order; the process goes on when the last of them is done. */
+#include "csp_internal.h"
+
+static void prepare(csp_offers *offers)
+{
+    if (offers->used < offers->capacity) {
+        csp_party *const party = &offers->offer[offers->used].party;
+        party->number = offers->process->number;
+        party->level = offers->process->level;
+    }
+}
+
+/* Neither offered nor in the ready queue any longer. */
+static void forget(csp_offer *offer)
+{
+    if (offer->waits) {
+        if (!csp_withdraw(offer->medium, &offer->party)) {
+            csp_unready(&offer->party);
+        }
+        offer->waits = false;
+        offer->offers->waiting--;
+    }
+}
+
+void csp_offers_give_up(csp_offers *offers)
+{
+    for (uint32_t index = 0U; index < offers->used; index++) {
+        forget(&offers->offer[index]);
+    }
+}
+
+bool csp_offers_withdraw(csp_offers *offers)
+{
+    bool waited = false;
+    for (uint32_t index = 0U; index < offers->used; index++) {
+        csp_offer *const offer = &offers->offer[index];
+        if (offer->waits && csp_withdraw(offer->medium, &offer->party)) {
+            offer->waits = false;
+            offers->waiting--;
+            waited = true;
+        }
+    }
+    if (waited) {
+        csp_offers_give_up(offers);
+    }
+    return waited;
+}
+
+static void done(csp_offer *offer)
+{
+    offer->waits = false;
+    offer->offers->waiting--;
+}
+
+/* Takes what has come from outside for an offer; false: there is nothing any more, and it waits again. */
+static bool collect(csp_offer *offer)
+{
+    const csp_party *const process = offer->offers->process;
+    csp_progress progress = CSP_FAILS;
+    if (offer->medium->kind == (uint8_t)CSP_EVENT_END) {
+        csp_event_end *const end = (csp_event_end *)(void *)offer->medium;
+        if (csp_is_cancelled(process)) {
+            csp_event_pass_on(end);
+            (void)csp_refuse(process);
+        } else if (end->fresh) {
+            csp_event_take(&offer->party, end, offer->party.slot, offer->size);
+            progress = CSP_DONE;
+        } else {
+            csp_enter_front(&end->readers, &offer->party);
+            progress = CSP_WAITS;
+        }
+    } else if (csp_is_cancelled(process)) {
+        (void)csp_refuse(process);
+    } else {
+        csp_sampled_end *const end = (csp_sampled_end *)(void *)offer->medium;
+        progress = csp_sampled_read(&offer->party, end, offer->party.slot, offer->size);
+    }
+    if (progress == CSP_FAILS) {
+        done(offer);
+        offer->offers->failed = true;
+        csp_offers_give_up(offer->offers);
+        return true;
+    }
+    if (progress == CSP_DONE) {
+        done(offer);
+    }
+    return progress == CSP_DONE;
+}
+
+static bool has_come(const csp_offer *offer)
+{
+    if (offer->medium->kind == (uint8_t)CSP_EVENT_END) {
+        return ((const csp_event_end *)(const void *)offer->medium)->fresh;
+    }
+    return ((const csp_sampled_end *)(const void *)offer->medium)->fresh;
+}
+
+/* The process runs because of `readied`: takes, in port order, whatever else there is by now. */
+static void collect_all(csp_offers *offers, csp_offer *readied)
+{
+    for (uint32_t index = 0U; index < offers->used; index++) {
+        csp_offer *const offer = &offers->offer[index];
+        if (!offer->waits) {
+            continue;
+        }
+        if (offer == readied) {
+            (void)collect(offer);
+        } else if (offer->collects) {
+            if (has_come(offer)) {
+                if (!csp_withdraw(offer->medium, &offer->party)) {
+                    csp_unready(&offer->party);
+                }
+                (void)collect(offer);
+            }
+        } else if (!csp_is_registered(offer->medium, &offer->party)) {
+            csp_unready(&offer->party);
+            done(offer);
+        } else {
+            /* It waits still. */
+        }
+    }
+}
+
+static csp_party *offer_step(csp_party *party)
+{
+    csp_offer *const offer = (csp_offer *)(void *)party;
+    csp_offers *const offers = offer->offers;
+    if (offer->collects) {
+        collect_all(offers, offer);
+    } else {
+        done(offer);
+    }
+    return (offers->waiting == 0U) ? offers->process : NULL;
+}
+
+void csp_offers_init(csp_offers *offers, csp_offer *offer, uint32_t capacity)
+{
+    offers->offer = offer;
+    offers->capacity = capacity;
+    for (uint32_t index = 0U; index < capacity; index++) {
+        offer[index].party.step = offer_step;
+        offer[index].offers = offers;
+    }
+}
+
+csp_progress csp_offers_begin(csp_party *party, csp_offers *offers)
+{
+    if (csp_is_cancelled(party)) {
+        return csp_refuse(party);
+    }
+    offers->process = party;
+    offers->used = 0U;
+    offers->waiting = 0U;
+    offers->failed = false;
+    prepare(offers);
+    return CSP_DONE;
+}
+
+bool csp_offer_meets(csp_offers *offers, const csp_medium *medium)
+{
+    bool meets = false;
+    switch (medium->kind) {
+    case CSP_CHANNEL:
+        meets = ((const csp_channel *)(const void *)medium)->waiting != NULL;
+        break;
+    case CSP_ANY: {
+        const csp_any_channel *const channel = (const csp_any_channel *)(const void *)medium;
+        meets = (channel->readers.first != NULL) || (channel->writers.first != NULL);
+        break;
+    }
+    case CSP_BUFFER:
+        meets = ((const csp_buffer *)(const void *)medium)->reader != NULL;
+        break;
+    case CSP_BROADCAST_END:
+        meets = ((const csp_broadcast_end *)(const void *)medium)->fresh;
+        break;
+    default:
+        break;
+    }
+    if (meets) {
+        (void)csp_refuse(offers->process);
+    }
+    return meets;
+}
+
+csp_progress csp_offer_made(csp_offers *offers, csp_medium *medium, size_t size, csp_progress progress)
+{
+    if (progress == CSP_FAILS) {
+        csp_offers_give_up(offers);
+        return CSP_FAILS;
+    }
+    if (progress == CSP_WAITS) {
+        csp_offer *const offer = &offers->offer[offers->used];
+        offer->medium = medium;
+        offer->size = (uint32_t)size;
+        offer->waits = true;
+        offer->collects =
+            (medium->kind == (uint8_t)CSP_SAMPLED_END) || (medium->kind == (uint8_t)CSP_EVENT_END);
+        offers->used++;
+        offers->waiting++;
+        prepare(offers);
+    }
+    return CSP_DONE;
+}
+
+csp_progress csp_offers_wait(csp_offers *offers)
+{
+    return (offers->waiting == 0U) ? CSP_DONE : CSP_WAITS;
+}
+
+csp_progress csp_offers_again(csp_party *party, csp_offers *offers)
+{
+    (void)party;
+    return offers->failed ? CSP_FAILS : CSP_DONE;
+}

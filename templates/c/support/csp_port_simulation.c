@@ -1,0 +1,40 @@
+/* The port for simulation: time is virtual, so there is nothing to wait for. */
+#include "csp_port.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+const bool csp_port_virtual_time = true;
+
+void csp_port_start(void)
+{
+}
+
+int64_t csp_port_now(void)
+{
+    return 0;
+}
+
+void csp_port_wait_until(int64_t instant)
+{
+    (void)instant;
+}
+
+void csp_port_met(int64_t instant)
+{
+    (void)instant;
+}
+
+void csp_port_enter_critical(void)
+{
+}
+
+void csp_port_leave_critical(void)
+{
+}
+
+void csp_port_fatal(const char *message)
+{
+    (void)fprintf(stderr, "%s\n", message);
+    exit(EXIT_FAILURE);
+}

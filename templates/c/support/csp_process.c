@@ -1,0 +1,218 @@
+/* Processes begin, end and fail; branches of parallels. */
+#include "csp_arithmetic.h"
+#include "csp_internal.h"
+
+static const csp_error no_error;
+
+void csp_process_init(csp_process *process, const csp_class *kind, uint32_t number)
+{
+    process->kind = kind;
+    process->caller = NULL;
+    process->party.step = kind->step;
+    process->party.number = number;
+    process->party.flags = CSP_ENDED;
+}
+
+const csp_place *csp_place_of(const csp_process *process)
+{
+    return &process->kind->places[process->party.state];
+}
+
+void *csp_object_at(const csp_process *process, const csp_place *place)
+{
+    const char *const at = ((const char *)process - process->kind->offset) + place->offset;
+    void *object = NULL;
+    if (place->indirect) {
+        (void)memcpy(&object, at, sizeof(object));
+    } else {
+        (void)memcpy(&object, &at, sizeof(object));
+    }
+    return object;
+}
+
+csp_progress csp_raise(csp_party *party, uint16_t exception, const char *place)
+{
+    csp.error = no_error;
+    csp.error.exception = exception;
+    csp.error.place = place;
+    csp.error.process = (const csp_process *)(const void *)party;
+    return CSP_FAILS;
+}
+
+csp_progress csp_raise_fault(csp_party *party)
+{
+    (void)csp_raise(party, (uint16_t)CSP_FAULT_EXCEPTION, csp_fault.place);
+    csp.error.describe = csp_fault.describe;
+    csp.error.operands = csp_fault.operands;
+    csp.error.law = csp_fault.law;
+    csp_fault.describe = NULL;
+    return CSP_FAILS;
+}
+
+csp_progress csp_refuse(const csp_party *party)
+{
+    (void)party;
+    csp.error = no_error;
+    csp.error.exception = CSP_CANCELLATION;
+    return CSP_FAILS;
+}
+
+void csp_unwind(csp_party *party)
+{
+    if ((party->flags & (unsigned)CSP_ABANDONED) != 0U) {
+        party->flags &= (uint8_t)~(unsigned)CSP_ABANDONED;
+        (void)csp_refuse(party);
+    } else if ((csp.error.process == NULL) && (csp.error.exception != (uint16_t)CSP_CANCELLATION)) {
+        csp.error.process = (const csp_process *)(const void *)party;
+    } else {
+        /* It is told already. */
+    }
+    if ((csp.error.place == NULL) && (csp.error.process == (const csp_process *)(const void *)party)) {
+        csp.error.place = csp_place_of(csp.error.process)->where;
+        csp.error.inner = csp_place_of(csp.error.process)->inner;
+    }
+}
+
+bool csp_catch(uint16_t exception)
+{
+    if (csp.error.exception != exception) {
+        return false;
+    }
+    csp.error = no_error;
+    return true;
+}
+
+csp_party *csp_call(csp_party *party, csp_process *callee)
+{
+    callee->caller = (csp_process *)(void *)party;
+    callee->party.state = 0U;
+    callee->party.flags = (uint8_t)(party->flags & (unsigned)CSP_CANCELLED);
+    callee->party.level = party->level;
+    return &callee->party;
+}
+
+static void branch_ended(csp_process *parent, csp_parallel *parallel, const csp_error *error)
+{
+    parallel->pending--;
+    if (error != NULL) {
+        if (error->exception == (uint16_t)CSP_CANCELLATION) {
+            parallel->cancelled = true;
+        } else if (parallel->error.exception == (uint16_t)CSP_NO_EXCEPTION) {
+            parallel->error = *error;
+            parallel->run = 0U;
+            parallel->index = 0U;
+            csp_process *branch = csp_next_branch(parent, parallel);
+            while (branch != NULL) {
+                csp_cancel(branch, NULL);
+                branch = csp_next_branch(parent, parallel);
+            }
+        } else {
+            /* The first exception is the one that the parallel raises. */
+        }
+    }
+    if (parallel->pending == 0U) {
+        csp_ready(&parent->party);
+    }
+}
+
+static csp_party *ended(csp_process *process, const csp_error *error)
+{
+    csp_process *const caller = process->caller;
+    process->party.flags |= (uint8_t)CSP_ENDED;
+    if (caller == NULL) {
+        return NULL;
+    }
+    const csp_place *const place = csp_place_of(caller);
+    switch (place->waiting) {
+    case CSP_AT_CALL:
+        if (error != NULL) {
+            caller->party.state = place->failed;
+        }
+        return &caller->party;
+    case CSP_AT_PARALLEL:
+        branch_ended(caller, (csp_parallel *)csp_object_at(caller, place), error);
+        return NULL;
+    default: {
+        csp_interrupt *const interrupt = (csp_interrupt *)csp_object_at(caller, place);
+        branch_ended(caller, &interrupt->body, error);
+        csp_body_ended(interrupt, (error != NULL) && (error->exception == (uint16_t)CSP_CANCELLATION));
+        return NULL;
+    }
+    }
+}
+
+csp_party *csp_end(csp_party *party)
+{
+    if (((csp_process *)(void *)party)->caller == NULL) {
+        csp.error = no_error;
+    }
+    return ended((csp_process *)(void *)party, NULL);
+}
+
+csp_party *csp_fail(csp_party *party)
+{
+    return ended((csp_process *)(void *)party, &csp.error);
+}
+
+void csp_start(csp_process *parent, csp_process *branch, uint8_t level)
+{
+    branch->caller = parent;
+    branch->party.state = 0U;
+    branch->party.flags = 0U;
+    branch->party.level = (uint8_t)(((parent == NULL) ? 0U : (unsigned)parent->party.level) + level);
+    csp_ready(&branch->party);
+}
+
+csp_process *csp_next_branch(const csp_process *parent, csp_parallel *parallel)
+{
+    while (parallel->run < parallel->runs) {
+        const csp_branches *const branches = &parallel->branches[parallel->run];
+        if (parallel->index < branches->count) {
+            char *const at = (char *)parent - parent->kind->offset;
+            csp_process *const branch =
+                (csp_process *)(void *)(at + branches->offset + ((size_t)parallel->index * branches->stride));
+            parallel->index++;
+            return branch;
+        }
+        parallel->run++;
+        parallel->index = 0U;
+    }
+    return NULL;
+}
+
+csp_progress csp_par(csp_party *party, csp_parallel *parallel, const csp_branches *branches, uint32_t runs)
+{
+    if (csp_is_cancelled(party)) {
+        return csp_refuse(party);
+    }
+    csp_process *const parent = (csp_process *)(void *)party;
+    char *const at = (char *)parent - parent->kind->offset;
+    uint32_t pending = 0U;
+    parallel->branches = branches;
+    parallel->runs = runs;
+    parallel->abandoned = false;
+    parallel->cancelled = false;
+    parallel->error.exception = (uint16_t)CSP_NO_EXCEPTION;
+    for (uint32_t run = 0U; run < runs; run++) {
+        char *branch = at + branches[run].offset;
+        for (uint32_t index = 0U; index < branches[run].count; index++) {
+            csp_start(parent, (csp_process *)(void *)branch, branches[run].level);
+            branch += branches[run].stride;
+        }
+        pending += branches[run].count;
+    }
+    parallel->pending = pending;
+    return (pending == 0U) ? CSP_DONE : CSP_WAITS;
+}
+
+csp_progress csp_par_again(csp_party *party, csp_parallel *parallel)
+{
+    if (parallel->error.exception != (uint16_t)CSP_NO_EXCEPTION) {
+        csp.error = parallel->error;
+        return CSP_FAILS;
+    }
+    if (parallel->abandoned && parallel->cancelled) {
+        return csp_refuse(party);
+    }
+    return CSP_DONE;
+}

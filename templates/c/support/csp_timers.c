@@ -1,0 +1,143 @@
+/* Instants at which something is due: a pairing heap of nodes that their users own. */
+#include "csp_internal.h"
+
+static csp_timer *root;
+static uint64_t begun;
+
+static bool comes_before(const csp_timer *one, const csp_timer *other)
+{
+    return (one->instant < other->instant) || ((one->instant == other->instant) && (one->begun < other->begun));
+}
+
+/* The heap of two, of which neither has siblings. */
+static csp_timer *meld(csp_timer *one, csp_timer *other)
+{
+    csp_timer *parent = one;
+    csp_timer *child = other;
+    if (comes_before(other, one)) {
+        parent = other;
+        child = one;
+    }
+    child->sibling = parent->child;
+    child->previous = parent;
+    if (parent->child != NULL) {
+        parent->child->previous = child;
+    }
+    parent->child = child;
+    parent->sibling = NULL;
+    parent->previous = NULL;
+    return parent;
+}
+
+/* The heap of siblings: in pairs from the left, then these from the right. */
+static csp_timer *meld_siblings(csp_timer *first)
+{
+    csp_timer *pairs = NULL; /* linked by `sibling`, the last first */
+    csp_timer *next = first;
+    while (next != NULL) {
+        csp_timer *const one = next;
+        csp_timer *const other = one->sibling;
+        csp_timer *pair = one;
+        next = NULL;
+        if (other != NULL) {
+            next = other->sibling;
+            pair = meld(one, other);
+        }
+        pair->sibling = pairs;
+        pairs = pair;
+    }
+    csp_timer *heap = NULL;
+    while (pairs != NULL) {
+        csp_timer *const pair = pairs;
+        pairs = pair->sibling;
+        pair->sibling = NULL;
+        pair->previous = NULL;
+        heap = (heap == NULL) ? pair : meld(heap, pair);
+    }
+    return heap;
+}
+
+void csp_timers_reset(void)
+{
+    root = NULL;
+    begun = 0U;
+}
+
+void csp_timer_begin(csp_timer *timer, int64_t instant)
+{
+    timer->instant = instant;
+    timer->begun = begun;
+    begun++;
+    timer->child = NULL;
+    timer->sibling = NULL;
+    timer->previous = NULL;
+    timer->runs = true;
+    root = (root == NULL) ? timer : meld(root, timer);
+}
+
+bool csp_timer_stop(csp_timer *timer)
+{
+    if (!timer->runs) {
+        return false;
+    }
+    timer->runs = false;
+    csp_timer *const below = meld_siblings(timer->child);
+    if (timer == root) {
+        root = below;
+        return true;
+    }
+    if (timer->previous->child == timer) {
+        timer->previous->child = timer->sibling;
+    } else {
+        timer->previous->sibling = timer->sibling;
+    }
+    if (timer->sibling != NULL) {
+        timer->sibling->previous = timer->previous;
+    }
+    if (below != NULL) {
+        root = meld(root, below);
+    }
+    return true;
+}
+
+int64_t csp_timer_next(void)
+{
+    return (root == NULL) ? INT64_MAX : root->instant;
+}
+
+void csp_timers_fall_due(int64_t instant)
+{
+    while ((root != NULL) && (root->instant <= instant)) {
+        csp_timer *const timer = root;
+        (void)csp_timer_stop(timer);
+        if (timer->party != NULL) {
+            csp_ready(timer->party);
+        } else {
+            csp_raise_bit(timer->guard);
+        }
+    }
+}
+
+csp_progress csp_wait(csp_party *party, csp_timer *timer, int64_t duration)
+{
+    if (csp_is_cancelled(party)) {
+        return csp_refuse(party);
+    }
+    if (duration <= 0) {
+        return CSP_DONE;
+    }
+    timer->party = party;
+    csp_timer_begin(timer, csp.now + duration);
+    return CSP_WAITS;
+}
+
+csp_progress csp_wait_again(csp_party *party)
+{
+    (void)party;
+    return CSP_DONE;
+}
+
+csp_progress csp_stop(csp_party *party)
+{
+    return csp_is_cancelled(party) ? csp_refuse(party) : CSP_WAITS;
+}
