@@ -99,7 +99,8 @@ bool csp_withdraw_process(csp_process *process)
         return csp_withdraw((csp_medium *)object, &process->party);
     case CSP_AT_ALTERNATIVE:
         return csp_alternative_withdraw((csp_alternative *)object, &process->party);
-    case CSP_AT_OFFERS:
+    case CSP_AT_INPUTS:
+    case CSP_AT_OUTPUTS:
         return csp_offers_withdraw((csp_offers *)object);
     case CSP_AT_DELAY:
         return csp_timer_stop((csp_timer *)object);

@@ -79,12 +79,14 @@ typedef enum csp_waiting {
     CSP_AT_READ,        /* object: the channel or end */
     CSP_AT_WRITE,       /* object: the channel */
     CSP_AT_ALTERNATIVE, /* object: csp_alternative */
-    CSP_AT_OFFERS,      /* object: csp_offers */
+    CSP_AT_INPUTS,      /* object: csp_offers, of reads only */
+    CSP_AT_OUTPUTS,     /* object: csp_offers, of writes only */
     CSP_AT_DELAY,       /* object: csp_timer */
     CSP_AT_STOP,
     CSP_AT_PARALLEL, /* object: csp_parallel */
     CSP_AT_INTERRUPT /* object: csp_interrupt */
 } csp_waiting;
+#define CSP_AT_OFFERS CSP_AT_INPUTS
 
 struct csp_place {
     uint8_t waiting;  /* csp_waiting */

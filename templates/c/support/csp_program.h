@@ -44,29 +44,32 @@ void csp_request_stop(void);
 
 /* ---- Reports ---- */
 
-/* A process that can never go on. `words` says for what it waits, without names: one text and one channel for each alternative. */
+/* A process that can never go on. */
 typedef struct csp_waiting_process {
     const csp_process *process;
     const csp_place *place;
-    uint32_t task; /* number of the process in whose parallel or interrupt it is a branch; 0: the program */
 } csp_waiting_process;
 
 /* Called once for every process that waits, in the order of the text. */
 typedef void csp_report(const csp_program *program, const csp_waiting_process *waiting);
 void csp_report_waiting(const csp_program *program, csp_report *report);
 
-/* What a process waits for: entry `index` of it. False: there are no more. `channel` is its number, where `named`. */
 typedef struct csp_wait_entry {
     const char *words; /* "to read", "to write", "for a delay to pass", "after", "skip"... */
-    bool named;
-    uint32_t channel;
-    int64_t duration; /* of "after" */
+    bool named;        /* at a channel or port: */
+    uint32_t channel;  /* its number */
+    int64_t duration;  /* of "after" */
 } csp_wait_entry;
+
+/* One of the things that the process waits for, counted from 0; false: there are no more. */
 bool csp_wait_of(const csp_waiting_process *waiting, uint32_t index, csp_wait_entry *entry);
 
 /* A line: "Ring.cell[3] waits to read Ring.link[2] (ring.csp:12)". */
 void csp_describe_waiting(const csp_program *program, const csp_waiting_process *waiting, char *text, size_t size);
-/* csp.error: "Fault: division by zero, in Jiwy.alignLH.velocity (laws.csp:12)". */
+/* csp.error: the name of the exception; what it says; "Jiwy.alignLH.velocity (laws.csp:12)"; and all three: "Fault: division by zero, in Jiwy.alignLH.velocity (laws.csp:12)". */
+const char *csp_exception_name(const csp_program *program);
+void csp_describe_message(const csp_program *program, char *text, size_t size);
+void csp_describe_place(const csp_program *program, char *text, size_t size);
 void csp_describe_error(const csp_program *program, char *text, size_t size);
 
 #endif

@@ -1,0 +1,306 @@
+/* Who waits for whom, and why a run has failed: texts for people. */
+#include "csp_internal.h"
+
+#include <stdio.h>
+
+/* Appends to a text, which always ends with 0. */
+static void append(char *text, size_t size, const char *more)
+{
+    const size_t length = strlen(text);
+    size_t index = 0U;
+    while (((length + index + 1U) < size) && (more[index] != '\0')) {
+        text[length + index] = more[index];
+        index++;
+    }
+    text[length + index] = '\0';
+}
+
+/* ---- Walking ---- */
+
+/* The innermost process of a task. */
+static const csp_process *innermost(const csp_process *task)
+{
+    const csp_process *process = task;
+    while (csp_place_of(process)->waiting == (uint8_t)CSP_AT_CALL) {
+        process = (const csp_process *)csp_object_at(process, csp_place_of(process));
+    }
+    return process;
+}
+
+static bool waits_for_branches(const csp_process *process)
+{
+    const csp_parallel *const parallel = csp_parallel_of(process);
+    return (parallel != NULL) && (parallel->pending > 0U);
+}
+
+void csp_report_waiting(const csp_program *program, csp_report *report)
+{
+    csp_process *task = program->process;
+    while (task != NULL) {
+        const csp_process *parent = innermost(task);
+        if (waits_for_branches(parent)) {
+            csp_parallel *const parallel = csp_parallel_of(parent);
+            parallel->run = 0U;
+            parallel->index = 0U;
+        } else {
+            const csp_waiting_process waiting = {parent, csp_place_of(parent)};
+            report(program, &waiting);
+            parent = task->caller;
+        }
+        task = NULL;
+        while ((parent != NULL) && (task == NULL)) {
+            task = csp_next_branch(parent, csp_parallel_of(parent));
+            if (task == NULL) {
+                parent = csp_task_of((csp_process *)(void *)(uintptr_t)parent)->caller;
+            } else if ((task->party.flags & (unsigned)CSP_ENDED) != 0U) {
+                task = NULL;
+            } else {
+                /* The next that waits. */
+            }
+        }
+    }
+}
+
+/* ---- Words ---- */
+
+static void entry_of_guard(const csp_guard *guard, csp_wait_entry *entry)
+{
+    switch (guard->kind) {
+    case CSP_GUARD_OUTPUT:
+        entry->words = "to write";
+        break;
+    case CSP_GUARD_AFTER:
+        entry->words = "after";
+        entry->duration = guard->duration;
+        break;
+    case CSP_GUARD_SKIP:
+        entry->words = "skip";
+        break;
+    default:
+        entry->words = "to read";
+        break;
+    }
+    entry->named = guard->medium != NULL;
+    if (entry->named) {
+        entry->channel = guard->medium->number;
+    }
+}
+
+static bool wait_of_alternative(const csp_alternative *alternative, uint32_t index, csp_wait_entry *entry)
+{
+    if (alternative->offers || alternative->pledged) {
+        entry_of_guard(&alternative->guard[alternative->chosen], entry);
+        return index == 0U;
+    }
+    uint32_t count = 0U;
+    for (uint32_t guard = 0U; guard < alternative->count; guard++) {
+        if (csp_is_enabled(&alternative->guard[guard])) {
+            if (count == index) {
+                entry_of_guard(&alternative->guard[guard], entry);
+                return true;
+            }
+            count++;
+        }
+    }
+    entry->words = "for an alternative of which no guard is enabled";
+    return (index == 0U) && (count == 0U);
+}
+
+static bool wait_of_offers(const csp_offers *offers, bool reads, uint32_t index, csp_wait_entry *entry)
+{
+    uint32_t count = 0U;
+    for (uint32_t used = 0U; used < offers->used; used++) {
+        const csp_offer *const offer = &offers->offer[used];
+        if (offer->waits) {
+            if (count == index) {
+                entry->words = reads ? "to read" : "to write";
+                entry->named = true;
+                entry->channel = offer->medium->number;
+                return true;
+            }
+            count++;
+        }
+    }
+    return false;
+}
+
+bool csp_wait_of(const csp_waiting_process *waiting, uint32_t index, csp_wait_entry *entry)
+{
+    const csp_place *const place = waiting->place;
+    const void *const object = csp_object_at(waiting->process, place);
+    entry->words = "";
+    entry->named = false;
+    entry->channel = 0U;
+    entry->duration = 0;
+    switch (place->waiting) {
+    case CSP_AT_READ:
+    case CSP_AT_WRITE:
+        entry->words = (place->waiting == (uint8_t)CSP_AT_READ) ? "to read" : "to write";
+        entry->named = true;
+        entry->channel = ((const csp_medium *)object)->number;
+        return index == 0U;
+    case CSP_AT_ALTERNATIVE:
+        return wait_of_alternative((const csp_alternative *)object, index, entry);
+    case CSP_AT_INPUTS:
+    case CSP_AT_OUTPUTS:
+        return wait_of_offers((const csp_offers *)object, place->waiting == (uint8_t)CSP_AT_INPUTS, index, entry);
+    case CSP_AT_DELAY:
+        entry->words = "for a delay to pass";
+        return index == 0U;
+    case CSP_AT_STOP:
+        entry->words = "for ever, at stop";
+        return index == 0U;
+    case CSP_AT_INTERRUPT:
+        return wait_of_alternative(&((const csp_interrupt *)object)->alternative, index, entry);
+    default:
+        return false;
+    }
+}
+
+/* "1.5 ms" */
+static void show_duration(int64_t duration, char *text, size_t size)
+{
+    static const struct {
+        int64_t unit;
+        const char *name;
+    } units[] = {{INT64_C(1000000000), "s"}, {INT64_C(1000000), "ms"}, {INT64_C(1000), "us"}};
+    for (size_t index = 0U; index < (sizeof(units) / sizeof(units[0])); index++) {
+        if ((duration >= units[index].unit) || (duration <= -units[index].unit)) {
+            (void)snprintf(text, size, "%.9g %s", (double)duration / (double)units[index].unit, units[index].name);
+            return;
+        }
+    }
+    (void)snprintf(text, size, (duration == 0) ? "0 s" : "%d ns", (int)duration);
+}
+
+static void append_process(const csp_program *program, const csp_process *process, const char *inner, char *text,
+                           size_t size)
+{
+    const size_t length = strlen(text);
+    if (program->process_name != NULL) {
+        program->process_name(process->party.number, &text[length], size - length);
+    } else {
+        append(text, size, process->kind->name);
+    }
+    if (inner != NULL) {
+        append(text, size, ".");
+        append(text, size, inner);
+    }
+}
+
+static void append_entry(const csp_program *program, const csp_wait_entry *entry, char *text, size_t size)
+{
+    append(text, size, entry->words);
+    if (entry->duration != 0) {
+        append(text, size, " ");
+        show_duration(entry->duration, &text[strlen(text)], size - strlen(text));
+    }
+    if (entry->named) {
+        append(text, size, " ");
+        if (program->channel_name != NULL) {
+            program->channel_name(entry->channel, &text[strlen(text)], size - strlen(text));
+        } else {
+            (void)snprintf(&text[strlen(text)], size - strlen(text), "channel %lu", (unsigned long)entry->channel);
+        }
+    }
+}
+
+static void append_place(const char *where, char *text, size_t size)
+{
+    if (where != NULL) {
+        append(text, size, " (");
+        append(text, size, where);
+        append(text, size, ")");
+    }
+}
+
+static bool was_told(const csp_waiting_process *waiting, uint32_t count, const csp_wait_entry *entry)
+{
+    csp_wait_entry earlier = {"", false, 0U, 0};
+    bool told = false;
+    for (uint32_t index = 0U; (index < count) && !told; index++) {
+        (void)csp_wait_of(waiting, index, &earlier);
+        told = (strcmp(earlier.words, entry->words) == 0) && (earlier.named == entry->named) &&
+               (earlier.channel == entry->channel) && (earlier.duration == entry->duration);
+    }
+    return told;
+}
+
+void csp_describe_waiting(const csp_program *program, const csp_waiting_process *waiting, char *text, size_t size)
+{
+    csp_wait_entry entry = {"", false, 0U, 0};
+    text[0] = '\0';
+    append_process(program, waiting->process, waiting->place->inner, text, size);
+    append(text, size, " waits ");
+    for (uint32_t index = 0U; csp_wait_of(waiting, index, &entry); index++) {
+        if (was_told(waiting, index, &entry)) {
+            continue;
+        }
+        if (index > 0U) {
+            append(text, size, " or ");
+        }
+        append_entry(program, &entry, text, size);
+    }
+    append_place((waiting->place->where != NULL) ? waiting->place->where : waiting->process->kind->where, text, size);
+}
+
+void csp_describe_message(const csp_program *program, char *text, size_t size)
+{
+    text[0] = '\0';
+    if (csp.error.describe != NULL) {
+        csp.error.describe(&csp.error.operands, text, size);
+    } else if (csp.error.exception == (uint16_t)CSP_TIMEOUT_EXCEPTION) {
+        append(text, size, "a sample of ");
+        if (program->channel_name != NULL) {
+            program->channel_name((uint32_t)csp.error.operands.integers[0], &text[strlen(text)], size - strlen(text));
+        }
+        append(text, size, " was overwritten before it had been taken");
+    } else {
+        /* The name of the exception says it. */
+    }
+}
+
+const char *csp_exception_name(const csp_program *program)
+{
+    switch (csp.error.exception) {
+    case CSP_NO_EXCEPTION:
+        return "";
+    case CSP_CANCELLATION:
+        return "Cancelled";
+    case CSP_FAULT_EXCEPTION:
+        return "Fault";
+    case CSP_TIMEOUT_EXCEPTION:
+        return "Timeout";
+    default:
+        return program->exception_names[csp.error.exception - (uint16_t)CSP_FIRST_EXCEPTION];
+    }
+}
+
+void csp_describe_place(const csp_program *program, char *text, size_t size)
+{
+    text[0] = '\0';
+    if (csp.error.process != NULL) {
+        append_process(program, csp.error.process, csp.error.inner, text, size);
+        if (csp.error.law != NULL) {
+            append(text, size, ".");
+            append(text, size, csp.error.law);
+        }
+        append_place((csp.error.place != NULL) ? csp.error.place : csp.error.process->kind->where, text, size);
+    }
+}
+
+void csp_describe_error(const csp_program *program, char *text, size_t size)
+{
+    text[0] = '\0';
+    append(text, size, csp_exception_name(program));
+    const size_t named = strlen(text);
+    append(text, size, ": ");
+    csp_describe_message(program, &text[strlen(text)], size - strlen(text));
+    if (text[named + 2U] == '\0') {
+        text[named] = '\0';
+    }
+    if (csp.error.process != NULL) {
+        append(text, size, ", in ");
+        csp_describe_place(program, &text[strlen(text)], size - strlen(text));
+    }
+}
