@@ -147,7 +147,7 @@ class EnvironmentFiles:
         def check(place: str) -> list[str]:
             if not at:
                 return [f'CSP_CHECK_LAW("{place}");']
-            return ["if (csp_faulted()) {", *([f'{INDENT}(void)csp_fault_at("{place}");'] if place else []), "}"]
+            return [f'csp_fault_in("{place}");'] if place else []
 
         return EquationWriter(printer, self._place, check, lambda name: f"plant.{self._members[name]}", body_name)
 
@@ -176,7 +176,7 @@ class EnvironmentFiles:
         return self._printer(inner)
 
     def _start(self) -> list[str]:
-        rows = [f"static void {self.name}_start(void)", "{", f"{INDENT}plant.now = 0;"]
+        rows = [f"static bool {self.name}_start(void)", "{", f"{INDENT}plant.now = 0;"]
         system = self._system
         if system is not None:
             printer = self._printer((), "0.0")
@@ -197,7 +197,7 @@ class EnvironmentFiles:
             if _is_event(port):
                 member = self._members[port_key(port)]
                 rows.append(f"{INDENT}plant.{member}[1] = plant.{member}[0];")
-        return [*rows, "}"]
+        return [*rows, f"{INDENT}return !csp_faulted();", "}"]
 
     def _advance(self) -> list[str]:
         rows = [f"static bool {self.name}_advance(int64_t now)", "{"]

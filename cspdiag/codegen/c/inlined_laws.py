@@ -159,7 +159,7 @@ class _Run:
 
     def _slopes_writer(self, integration: Integration) -> EquationWriter:
         def check(place: str) -> list[str]:
-            return ["if (csp_faulted()) {", *([f'{INDENT}(void)csp_fault_at("{place}");'] if place else []), "}"]
+            return [f'csp_fault_in("{place}");'] if place else []
 
         return EquationWriter(
             self._slopes_printer(integration), self.place, check, self.printer.signal, body_name, INDENT

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 from cspdiag.codegen.c.code import INDENT, Code, broken, statement
 from cspdiag.codegen.c.equations import EquationWriter
 from cspdiag.codegen.c.expressions import Printer
 from cspdiag.codegen.c.faults import can_fault
-from cspdiag.codegen.equations import Equation, needed, signals, uses_time
+from cspdiag.codegen.equations import Equation, needed, signals, uses_time, values
 from cspdiag.model.types import Type
 from cspdiag.network.expressions import Expression
 from cspdiag.network.ir import SubmodelEquation
@@ -52,6 +53,20 @@ class Integration:
         """Whether there is more than one state, so that slopes are a struct."""
         return len(self.states) > 1
 
+    @cached_property
+    def _read(self) -> frozenset[str]:
+        """The signals that the slopes depend on."""
+        equations = needed(self.equations, signals((self.derivatives,)))
+        return frozenset(signals((self.derivatives, tuple(part for item in equations for part in values(item)))))
+
+    @property
+    def _states_read(self) -> list[str]:
+        return [state for state in self.states if state in self._read]
+
+    @property
+    def _held_read(self) -> list[str]:
+        return [name for name in self.held if name in self._read]
+
     def function(self, printer: Printer, writer: EquationWriter) -> list[str]:
         """The function that evaluates the slopes. A fault is noted with its place, and whoever calls looks for it."""
         result = f"struct {self.name}" if self.several else "double"
@@ -62,10 +77,10 @@ class Integration:
             rows += ["};", ""]
         uses_self = self._mentions_owner(printer)
         parameters = [f"const struct {self.owner} *self"] if uses_self else []
-        parameters += [f"double {self.local(state)}" for state in self.states]
-        parameters += [f"{printer.types.type_name(self.types[name])} {self.local(name)}" for name in self.held]
+        parameters += [f"double {self.local(state)}" for state in self._states_read]
+        parameters += [f"{printer.types.type_name(self.types[name])} {self.local(name)}" for name in self._held_read]
         parameters += ["double time"] if self.timed else []
-        head = f"static inline {result} {self.name}({', '.join(parameters)})"
+        head = f"static inline {result} {self.name}({', '.join(parameters) or 'void'})"
         rows += [*broken(head, INDENT * 2), "{"]
         equations: list[Equation] = list(needed(self.equations, signals((self.derivatives,))))
         kinds = {equation.name: equation.type for equation in self.equations}
@@ -73,19 +88,22 @@ class Integration:
             equations, lambda name: f"const {printer.types.type_name(kinds[name])} {self.local(name)}"
         )
         by_state = dict(self.derivatives)
-        place = self.name
+        # As everywhere, what has no place of its own is told at that of the statement before.
+        place = writer.place(equations[-1]) if equations else ""
         if not self.several:
             value = by_state[self.states[0]]
-            rows += self._result(value, "const double slope", writer)
+            rows += self._result(value, "const double slope", place, writer)
             rows += [f"{INDENT}return slope;", "}"]
             return rows
-        rows += [f"{INDENT}struct {place} slopes;"]
+        rows += [f"{INDENT}struct {self.name} slopes;"]
         for state in self.states:
-            rows += self._result(by_state[state], f"slopes.{self.local(state)}", writer)
+            rows += self._result(by_state[state], f"slopes.{self.local(state)}", place, writer)
         return [*rows, f"{INDENT}return slopes;", "}"]
 
-    def _result(self, value: Expression, target: str, writer: EquationWriter) -> list[str]:
-        return writer.assign_code(target, writer.printer.print(value), None, faulty=can_fault(value))
+    @staticmethod
+    def _result(value: Expression, target: str, place: str, writer: EquationWriter) -> list[str]:
+        rows = writer.assign_code(target, writer.printer.print(value), None, faulty=False)
+        return [*rows, *(INDENT + row for row in (writer.check(place) if can_fault(value) else []))]
 
     def _mentions_owner(self, printer: Printer) -> bool:
         values = [value for _, value in self.derivatives] + [equation.value for equation in self.equations]
@@ -101,7 +119,7 @@ class Integration:
         ``printer`` is that of the function, ``outer`` gives the lvalues of what is held where the statements stand.
         """
         shared = [owner] if self._mentions_owner(printer) else []
-        kept = [outer(name) for name in self.held]
+        kept = [outer(name) for name in self._held_read]
         inner = indent + INDENT if count is not None else indent
         rows = (
             []
@@ -126,18 +144,18 @@ class Integration:
         return statement(f"{kind} = ", Code(f"{self.name}({', '.join(arguments)})"), ";", indent)
 
     def _euler(self, shared: list[str], kept: list[str], indent: str) -> list[str]:
-        states = [self.local(state) for state in self.states]
+        states = [self.local(state) for state in self._states_read]
         rows = self._evaluated("k1", states, "t", shared, kept, indent)
         return [*rows, *(f"{indent}{self.local(state)} += h * {self._slope('k1', state)};" for state in self.states)]
 
     def _runge_kutta(self, shared: list[str], kept: list[str], indent: str) -> list[str]:
         rows: list[str] = []
         for stage, fraction in enumerate(("", "half", "half", "h")):
-            at = [self.local(state) for state in self.states]
+            at = [self.local(state) for state in self._states_read]
             time = "t"
             if fraction:
                 before = f"k{stage}"
-                at = [f"{self.local(state)} + {fraction} * {self._slope(before, state)}" for state in self.states]
+                at = [f"{self.local(state)} + {fraction} * {self._slope(before, state)}" for state in self._states_read]
                 time = f"t + {fraction}"
             rows += self._evaluated(f"k{stage + 1}", at, time, shared, kept, indent)
         for state in self.states:

@@ -188,7 +188,7 @@ class LawFiles:
         def check(place: str) -> list[str]:
             if checked:
                 return [f'CSP_CHECK_LAW("{place}");']
-            return ["if (csp_faulted()) {", *([f'{INDENT}(void)csp_fault_at("{place}");'] if place else []), "}"]
+            return [f'csp_fault_in("{place}");'] if place else []
 
         return EquationWriter(printer, self._place, check, lambda name: f"self->{self.members[name]}", body_name)
 

@@ -43,6 +43,14 @@ static inline bool csp_faulted(void)
 /* Says where the fault happened; false, so that a function can end with it. */
 bool csp_fault_at(const char *place);
 
+/* The same where the function goes on, and its caller looks whether there was a fault. */
+static inline void csp_fault_in(const char *place)
+{
+    if (csp_faulted()) {
+        (void)csp_fault_at(place);
+    }
+}
+
 /* Ends a function that returns whether all went well. */
 #define CSP_CHECK_LAW(where)            \
     do {                                \
