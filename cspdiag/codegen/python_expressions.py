@@ -59,6 +59,8 @@ _PRECEDENCE = {
 }  # fmt: skip
 
 _BUILTIN_FUNCTIONS = frozenset({"abs", "min", "max"})
+ROUNDED_FUNCTIONS = frozenset({"sqrt", "exp", "log", "sin", "cos", "tan", "atan2", "quantize", "deadzone"})
+"""Those whose result may need more digits than a binary32 argument has."""
 
 
 def _unexpected(name: str) -> Code:
@@ -169,8 +171,8 @@ class Printer:
             return infix("/", PRODUCT, arguments[0], Atom(self.imports.runtime("s")))
         if function in _BUILTIN_FUNCTIONS:
             return self._checked(expression, call(function, *arguments))
-        name = "nearest" if function == "round" else function
-        return call(self.imports.runtime(name), *arguments)
+        code = call(self.imports.runtime("nearest" if function == "round" else function), *arguments)
+        return self._checked(expression, code) if function in ROUNDED_FUNCTIONS else code
 
     def _conversion(self, type_: Type, operand: Expression) -> Code:
         code = self.print(operand)

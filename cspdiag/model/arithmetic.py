@@ -143,7 +143,8 @@ def _deadzone(value: float, width: float) -> float:
 
 
 def _whole(function: Callable[[float], int]) -> Callable[[float], float]:
-    return lambda value: float(function(value))
+    """What has no sign left keeps that of the value, as in IEEE 754."""
+    return lambda value: math.copysign(float(function(value)), value)
 
 
 _FUNCTIONS: dict[str, Callable[..., float]] = {

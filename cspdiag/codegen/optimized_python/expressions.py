@@ -12,6 +12,7 @@ from typing import Any
 
 from cspdiag.codegen.optimized_python.temporaries import Temporaries
 from cspdiag.codegen.python_code import (
+    AND,
     COMPARISON,
     OR,
     PRIMARY,
@@ -19,7 +20,6 @@ from cspdiag.codegen.python_code import (
     SIGN,
     SUM,
     Atom,
-    Chain,
     Code,
     Conditional,
     Named,
@@ -30,7 +30,7 @@ from cspdiag.codegen.python_code import (
     call,
     infix,
 )
-from cspdiag.codegen.python_expressions import Printer, integer_function
+from cspdiag.codegen.python_expressions import ROUNDED_FUNCTIONS, Printer, integer_function
 from cspdiag.codegen.python_names import Names
 from cspdiag.codegen.python_types import literal, number, real
 from cspdiag.codegen.ranges import exceeds, needs_check, values_of
@@ -57,6 +57,7 @@ NANOSECONDS = Atom("1_000_000_000")
 """In a second."""
 
 _ZERO, _ONE, _MINUS_ONE = Atom("0.0"), Atom("1.0"), Atom("-1.0", SIGN)
+_MIRRORED = {"<": ">", "<=": ">=", ">": "<", ">=": "<="}
 _UNFOLDED = frozenset({"floor", "ceil"})
 """Of constants the compiler makes these without the sign of a zero."""
 
@@ -154,7 +155,7 @@ class FastPrinter(Printer):
         first, again = self._reused(code, type_)
         below, above = exceeded
         if below and above:
-            inside: Code = Chain(COMPARISON, low, (("<=", first), ("<=", high)))
+            inside: Code = infix("and", AND, infix(">=", COMPARISON, first, low), infix("<=", COMPARISON, again, high))
         elif below:
             inside = infix(">=", COMPARISON, first, low)
         else:
@@ -216,32 +217,36 @@ class FastPrinter(Printer):
         if not _is_simple(array):
             return call(self.imports.runtime("element"), array, self.print(index))
         first, again = self._reused(self.print(index), index.type)
-        inside = Chain(COMPARISON, Atom("0"), (("<=", first), ("<", Atom(str(operand.type.size)))))
+        above, below = (
+            infix(">=", COMPARISON, first, Atom("0")),
+            infix("<", COMPARISON, again, Atom(str(operand.type.size))),
+        )
+        inside = infix("and", AND, above, below)
         fault = call(self.imports.runtime("element"), array, again)
         return Conditional(Postfix(at_least(array, PRIMARY), f"[{again.flat}]"), inside, fault)
 
     # Reals
 
     def _compared_magnitude(self, expression: BinaryOperation) -> Code | None:
-        """``abs(x) < c`` as ``-c < x < c``; for a NaN both are false, for a negative ``c`` as well."""
+        """``abs(x) < c`` as ``x < c and x > -c``; for a NaN both are false, for a negative ``c`` as well."""
         match expression:
             case BinaryOperation(left=FunctionCall(function="abs", arguments=(operand,), type=RealType())):
                 bound = self.print(expression.right)
                 if not _is_simple(bound) or self.value(expression.left) is not None:
                     return None
                 opposite = _negative(bound)
-                value = self.print(operand)
+                first, again = self._reused(self.print(operand), expression.left.type)
+                upper = infix(expression.operator, COMPARISON, first, bound)
+                lower = infix(_MIRRORED[expression.operator], COMPARISON, again, opposite)
                 if expression.operator in ("<", "<="):
-                    both = (expression.operator, at_least(value, SUM)), (expression.operator, bound)
-                    return Chain(COMPARISON, opposite, both)
-                first, again = self._reused(value, expression.left.type)
-                beyond = infix(expression.operator, COMPARISON, first, bound)
-                mirrored = "<" if expression.operator == ">" else "<="
-                return infix("or", OR, beyond, infix(mirrored, COMPARISON, again, opposite))
+                    return infix("and", AND, upper, lower)
+                return infix("or", OR, upper, lower)
         return None
 
     def _function(self, expression: FunctionCall) -> Code:
-        inlined = self._inlined(expression)
+        kind = expression.type
+        rounded = isinstance(kind, RealType) and kind.bits == 32 and expression.function in ROUNDED_FUNCTIONS
+        inlined = None if rounded else self._inlined(expression)
         return super()._function(expression) if inlined is None else inlined
 
     def _inlined(self, expression: FunctionCall) -> Code | None:
@@ -303,9 +308,8 @@ class FastPrinter(Printer):
 
     def _trigonometric(self, function: str, operand: Expression) -> Code:
         """Python's functions refuse an infinity; a NaN gives a NaN in both branches."""
-        infinity = Atom(self._math("inf"))
         first, again = self._reused(self.print(operand), operand.type)
-        finite = Chain(COMPARISON, Prefix("-", infinity), (("<", first), ("<", infinity)))
+        finite = infix("==", COMPARISON, infix("-", SUM, first, again), _ZERO)
         return Conditional(call(self._math(function), again), finite, Atom(self._math("nan")))
 
 
