@@ -207,8 +207,8 @@ class EnvironmentWriter:
         if system is not None and system.states:
             statements += self._moved(system)
         statements.append(Line("self.now = ", Atom("now")))
-        if self._result_equations():
-            statements.append(Line("self._evaluate()"))
+        if system is not None and self._result_equations():
+            statements += self._evaluated(system)
         doc = "Integrate to `now` (in nanoseconds) with the inputs held, and evaluate the outputs."
         return _method("advance", "self, now: int", doc, statements)
 
@@ -265,18 +265,27 @@ class EnvironmentWriter:
     def _seconds(self, nanoseconds: str) -> Code:
         return infix("/", PRODUCT, Atom(nanoseconds), Atom(self.imports.runtime("s")))
 
+    def _evaluated(self, system: SubmodelClass) -> Iterable[Statement]:
+        """At the end of ``advance``: gives the outputs their values."""
+        return [Line("self._evaluate()")]
+
     def _evaluate(self, system: SubmodelClass) -> list[str]:
+        statements = self._evaluation(system, "self.now", ())
+        return ["    def _evaluate(self) -> None:", *lines(statements, "        ")]
+
+    def _evaluation(self, system: SubmodelClass, now: str, present: Iterable[str]) -> list[Statement]:
+        """Gives the outputs their values at the instant ``now``; local variables have those of the states ``present``."""
         equations = self._result_equations()
         results = outputs(system)
         read = signals(tuple(part for equation in equations for part in values(equation)))
         given = [name for name in inputs(system) if read[name]]
-        states = [state.name for state in system.states if read[state.name] > 1]
-        local = [*given, *states, *(name for equation in equations for name in defined(equation))]
+        states = [state.name for state in system.states if read[state.name] > 1 and state.name not in present]
+        local = [*given, *states, *present, *(name for equation in equations for name in defined(equation))]
         printer = self._printer(local)
         statements: list[Statement] = []
         takes_time = any(self.modules.describe(item.external).takes_time for item in self._calls())
         if uses_time((tuple(part for equation in equations for part in values(equation)),)) or takes_time:
-            statements.append(assign("time", self._seconds("self.now")))
+            statements.append(assign("time", self._seconds(now)))
         statements += [assign(self.names[name], Atom(f"self.{self.names[name]}.value")) for name in given]
         statements += [assign(self.names[name], Atom(f"self.{self.names[name]}")) for name in states]
         for equation in equations:
@@ -295,7 +304,7 @@ class EnvironmentWriter:
         statements += [
             assign(f"self.{self.names[name]}.value", printer.signal(name)) for name in results if name not in done
         ]
-        return ["    def _evaluate(self) -> None:", *lines(statements, "        ")]
+        return statements
 
     def _derivatives(self, system: SubmodelClass) -> list[list[str]]:
         """Further methods that the integration calls."""

@@ -42,6 +42,10 @@ class _FastEnvironmentWriter(EnvironmentWriter):
                 known[item.name] = value
         return known
 
+    @cached_property
+    def _temporaries(self) -> Temporaries:
+        return Temporaries(self.names)
+
     def _constants(self) -> Iterable[Statement]:
         printer = self._printer(())
         for item in self.constants:
@@ -93,6 +97,10 @@ class _FastEnvironmentWriter(EnvironmentWriter):
             yield Block(Line(f"for {counter} in self._steps:"), (*clock, *within))
         for state in integration.states:
             yield assign(f"self.{state}", Atom(state))
+
+    def _evaluated(self, system: SubmodelClass) -> Iterable[Statement]:
+        present = [state.name for state in system.states if state.continuous] if system.derivatives else []
+        return self._evaluation(system, "now", present)
 
     def _derivatives(self, system: SubmodelClass) -> list[list[str]]:
         """Further methods: how long a sub-step is depends on the time between instants, which seldom changes."""
