@@ -1,0 +1,194 @@
+/* See csp_simulation.h. */
+#define _POSIX_C_SOURCE 199309L /* clock_gettime */
+
+#include "csp_simulation.h"
+
+#include <errno.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <time.h>
+
+#include "csp_arithmetic.h"
+#include "csp_stream.h"
+
+enum { EXIT_WRONG_OPTION = 2, EXIT_STOPPED = 130, TEXT = 2048 };
+
+typedef struct request {
+    const char *environment;
+    int64_t until; /* negative: for ever */
+    csp_observed observed;
+} request;
+
+static void stop(int number)
+{
+    (void)number;
+    csp_request_stop();
+}
+
+static double seconds_now(void)
+{
+    struct timespec present = {0, 0};
+    (void)clock_gettime(CLOCK_MONOTONIC, &present);
+    return (double)present.tv_sec + ((double)present.tv_nsec / 1e9);
+}
+
+static bool read_duration(const char *text, int64_t *duration)
+{
+    char *end = NULL;
+    errno = 0;
+    const long long value = strtoll(text, &end, 10);
+    *duration = (int64_t)value;
+    return (errno == 0) && (end != text) && (*end == '\0') && (value >= 0);
+}
+
+static bool read_observed(const char *text, csp_observed *observed)
+{
+    static const char *const words[] = {"none", "ports", "all"};
+    for (size_t index = 0; index < sizeof words / sizeof words[0]; index++) {
+        if (strcmp(text, words[index]) == 0) {
+            *observed = (csp_observed)(index + 1U);
+            return true;
+        }
+    }
+    return false;
+}
+
+static bool read_options(int count, char **options, request *asked)
+{
+    for (int index = 1; index < count; index += 2) {
+        const char *const option = options[index];
+        const char *const value = (index + 1 < count) ? options[index + 1] : NULL;
+        bool understood = value != NULL;
+        if (!understood) {
+            /* Every option has a value. */
+        } else if (strcmp(option, "--environment") == 0) {
+            asked->environment = value;
+        } else if (strcmp(option, "--for") == 0) {
+            understood = read_duration(value, &asked->until);
+        } else if (strcmp(option, "--observe") == 0) {
+            understood = read_observed(value, &asked->observed);
+        } else {
+            understood = false;
+        }
+        if (!understood) {
+            (void)fprintf(stderr, "usage: %s [--environment NAME] [--for NANOSECONDS] [--observe all|ports|none]\n",
+                          options[0]);
+            return false;
+        }
+    }
+    return true;
+}
+
+static const csp_scenario *find(const csp_scenario *scenarios, uint32_t count, const char *name)
+{
+    for (uint32_t index = 0; index < count; index++) {
+        if (strcmp(scenarios[index].name, name) == 0) {
+            return &scenarios[index];
+        }
+    }
+    (void)fprintf(stderr, "no environment %s; there are:", name);
+    for (uint32_t index = 0; index < count; index++) {
+        (void)fprintf(stderr, " %s", scenarios[index].name);
+    }
+    (void)fprintf(stderr, "\n");
+    return NULL;
+}
+
+static void count_misses(const csp_program *program)
+{
+    for (uint32_t index = 0; index < program->port_count; index++) {
+        if (program->ports[index].kind == CSP_PORT_SAMPLED) {
+            ((csp_sampled_input *)(void *)program->ports[index].medium)->counts = true;
+        }
+    }
+}
+
+static void show_waiting(const csp_program *program, const csp_waiting_process *waiting)
+{
+    char text[TEXT] = "";
+    csp_describe_waiting(program, waiting, text, sizeof text);
+    (void)fprintf(stderr, "  %s\n", text);
+}
+
+static void show_missed(const csp_program *program)
+{
+    for (uint32_t index = 0; index < program->port_count; index++) {
+        if (program->ports[index].kind == CSP_PORT_SAMPLED) {
+            const csp_medium *const medium = program->ports[index].medium;
+            const uint32_t missed = ((const csp_sampled_input *)(const void *)medium)->missed;
+            if (missed > 0U) {
+                char name[TEXT] = "";
+                program->channel_name(medium->number, name, sizeof name);
+                (void)fprintf(stderr, "  missed samples of %s: %lu\n", name, (unsigned long)missed);
+            }
+        }
+    }
+}
+
+/* Of a process, or of the environment, whose faults stay where arithmetic notes them. */
+static void describe_failure(const csp_program *program, char *text, size_t size)
+{
+    if (csp.error.exception != (uint16_t)CSP_NO_EXCEPTION) {
+        csp_describe_error(program, text, size);
+    } else if (csp_faulted()) {
+        csp_fault.describe(&csp_fault.operands, text, size);
+    } else {
+        (void)snprintf(text, size, "the environment has failed");
+    }
+}
+
+static void show(const csp_program *program, csp_ending ending, double duration)
+{
+    static const char *const endings[] = {"ended by itself", "ended unsuccessfully", "deadlock",
+                                          "reached the time limit", "stopped"};
+    const double simulated = csp_seconds(csp.now);
+    (void)fprintf(stderr, "%s at %.9g s", endings[ending], simulated);
+    if (ending == CSP_FAILED) {
+        char text[TEXT] = "";
+        describe_failure(program, text, sizeof text);
+        (void)fprintf(stderr, ": %s", text);
+    }
+    (void)fprintf(stderr, "\n  simulated in %.3g s, %.0f times real time\n", duration, simulated / duration);
+    if (ending == CSP_DEADLOCK) {
+        csp_report_waiting(program, show_waiting);
+    }
+    show_missed(program);
+}
+
+int csp_simulate(int count, char **options, const csp_program *program, const csp_names *names,
+                 const csp_scenario *scenarios, uint32_t scenario_count)
+{
+    static const int statuses[] = {EXIT_SUCCESS, EXIT_FAILURE, EXIT_FAILURE, EXIT_SUCCESS, EXIT_STOPPED};
+    request asked = {NULL, -1, CSP_SILENT};
+    if (!read_options(count, options, &asked)) {
+        return EXIT_WRONG_OPTION;
+    }
+    const csp_scenario *const scenario =
+        (asked.environment == NULL) ? scenarios : find(scenarios, scenario_count, asked.environment);
+    if (scenario == NULL) {
+        return EXIT_WRONG_OPTION;
+    }
+    static csp_environment environment;
+    csp_program run = *program;
+    if (scenario->environment != NULL) {
+        environment = *scenario->environment;
+        run.environment = &environment;
+    }
+    scenario->connect();
+    if (scenario->counts_misses) {
+        count_misses(&run);
+    }
+    (void)signal(SIGINT, stop);
+    (void)signal(SIGTERM, stop);
+    csp_stream_begin(&run, names, asked.observed);
+    const double began = seconds_now();
+    const csp_ending ending = csp_run(&run, asked.until);
+    const double duration = seconds_now() - began;
+    if (asked.observed != CSP_SILENT) {
+        csp_stream_end(&run, ending, duration);
+    } else {
+        show(&run, ending, duration);
+    }
+    return statuses[ending];
+}

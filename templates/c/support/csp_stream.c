@@ -1,0 +1,221 @@
+/* See csp_stream.h. */
+#include "csp_stream.h"
+
+#include <stdio.h>
+
+#include "csp_arithmetic.h"
+
+enum { BUFFER = 1 << 16, TEXT = 2048, BETWEEN_TIMES = 1 << 12 };
+
+static unsigned char buffer[BUFFER];
+static size_t used;
+static bool silent;
+
+static void flush(void)
+{
+    (void)fwrite(buffer, 1U, used, stdout);
+    (void)fflush(stdout);
+    used = 0;
+}
+
+static void put(const void *data, size_t size)
+{
+    if (silent) {
+        return;
+    }
+    if (size > BUFFER - used) {
+        flush();
+    }
+    if (size > BUFFER) {
+        (void)fwrite(data, 1U, size, stdout);
+        return;
+    }
+    (void)memcpy(&buffer[used], data, size);
+    used += size;
+}
+
+static void put_kind(uint8_t kind)
+{
+    put(&kind, sizeof kind);
+}
+
+static void put_number(uint32_t number)
+{
+    put(&number, sizeof number);
+}
+
+static void put_short(uint16_t number)
+{
+    put(&number, sizeof number);
+}
+
+static void put_time(int64_t time)
+{
+    put(&time, sizeof time);
+}
+
+static void put_text(const char *text)
+{
+    const size_t length = (text != NULL) ? strlen(text) : 0U;
+    put_short((uint16_t)length);
+    put(text, length);
+}
+
+#if CSP_TRACE
+
+static const csp_names *known;
+static uint32_t observed_channels;
+static uint32_t quiet; /* observations since the time was last told */
+
+static void tell_time(void)
+{
+    quiet++;
+    if (quiet >= (uint32_t)BETWEEN_TIMES) {
+        quiet = 0;
+        put_kind(7);
+        put_time(csp.now);
+        flush();
+    }
+}
+
+void csp_observe(uint32_t channel, const void *value, uint32_t writer, uint32_t reader)
+{
+    if (channel >= observed_channels) {
+        tell_time();
+        return;
+    }
+    struct {
+        int64_t time;
+        uint32_t channel, writer, reader;
+    } head = {csp.now, channel, writer, reader};
+    put_kind(3);
+    put(&head, 20U);
+    put(value, known->channel_sizes[channel]);
+}
+
+void csp_observe_release(uint32_t port, const void *value)
+{
+    if (port < observed_channels) {
+        put_kind(6);
+        put_time(csp.now);
+        put_number(port);
+        put(value, known->channel_sizes[port]);
+    }
+}
+
+static void begins_or_ends(uint8_t kind, uint32_t number)
+{
+    put_kind(kind);
+    put_time(csp.now);
+    put_number(number);
+}
+
+void csp_observe_begin(uint32_t number)
+{
+    begins_or_ends(4, number);
+}
+
+void csp_observe_end(uint32_t number)
+{
+    begins_or_ends(5, number);
+}
+
+void csp_stream_begin(const csp_program *program, const csp_names *names, csp_observed observed)
+{
+    known = names;
+    silent = observed == CSP_SILENT;
+    observed_channels = (observed <= CSP_OBSERVE_NONE)    ? 0U
+                        : (observed == CSP_OBSERVE_PORTS) ? program->port_count
+                                                          : names->channel_count;
+    const uint32_t told = (observed_channels > program->port_count) ? observed_channels : program->port_count;
+    for (uint32_t channel = 0; channel < told; channel++) {
+        put_kind(1);
+        put_number(channel);
+        put_short(names->channel_sizes[channel]);
+        put_text(names->channel_names[channel]);
+    }
+    for (uint32_t number = 1; number <= names->process_count; number++) {
+        put_kind(2);
+        put_number(number);
+        put_text(names->process_names[number]);
+        put_text(names->process_kinds[number]);
+    }
+}
+
+#else
+
+void csp_stream_begin(const csp_program *program, const csp_names *names, csp_observed observed)
+{
+    (void)program;
+    (void)names;
+    silent = observed == CSP_SILENT;
+}
+
+#endif
+
+static void tell_waiting(const csp_program *program, const csp_waiting_process *waiting)
+{
+    char text[TEXT] = "";
+    csp_wait_entry entry;
+    uint16_t channels = 0;
+    put_kind(8);
+    put_number(waiting->process->party.number);
+    program->process_name(waiting->process->party.number, text, sizeof text);
+    put_text(text);
+    put_text(waiting->process->kind->where);
+    put_text(waiting->place->where);
+    csp_describe_waiting(program, waiting, text, sizeof text);
+    put_text(text);
+    for (uint32_t index = 0; csp_wait_of(waiting, index, &entry); index++) {
+        channels = (uint16_t)(channels + (entry.named ? 1U : 0U));
+    }
+    put_short(channels);
+    for (uint32_t index = 0; csp_wait_of(waiting, index, &entry); index++) {
+        if (entry.named) {
+            put_number(entry.channel);
+        }
+    }
+}
+
+/* Exception, message, place. What fails in an environment stays where arithmetic notes it. */
+static void put_failure(const csp_program *program, bool failed)
+{
+    char text[TEXT] = "";
+    const bool raised = failed && (csp.error.exception != (uint16_t)CSP_NO_EXCEPTION);
+    const bool noted = failed && !raised && csp_faulted();
+    put_text(raised ? csp_exception_name(program) : "");
+    if (raised) {
+        csp_describe_message(program, text, sizeof text);
+    } else if (noted) {
+        csp_fault.describe(&csp_fault.operands, text, sizeof text);
+    } else {
+        /* There is nothing to tell. */
+    }
+    put_text(text);
+    text[0] = '\0';
+    if (raised) {
+        csp_describe_place(program, text, sizeof text);
+    }
+    put_text(noted ? csp_fault.place : text);
+}
+
+void csp_stream_end(const csp_program *program, csp_ending ending, double duration)
+{
+    if (ending == CSP_DEADLOCK) {
+        csp_report_waiting(program, tell_waiting);
+    }
+    for (uint32_t index = 0; index < program->port_count; index++) {
+        if (program->ports[index].kind == CSP_PORT_SAMPLED) {
+            const csp_medium *const medium = program->ports[index].medium;
+            put_kind(9);
+            put_number(medium->number);
+            put_number(((const csp_sampled_input *)(const void *)medium)->missed);
+        }
+    }
+    put_kind(10);
+    put_kind((uint8_t)ending);
+    put_time(csp.now);
+    put(&duration, sizeof duration);
+    put_failure(program, ending == CSP_FAILED);
+    flush();
+}
