@@ -35,6 +35,21 @@ process Collector(size: int) {
     in number[size] : int
     communication { var got : int = 0  var last : int = 0 }
     composition { mu ((alt i < size : number[i] ? last -> skip) ; got := got + 1) until got == 3 * size }
+}
+
+process Worker {
+    in order : int
+    communication { var n : int = 0 }
+    composition { mu (order ? n ; wait 1 ms * n) until n == 0 }
+}
+
+process Distributor(size: int) {
+    out order[size] : int
+    communication { var given : int = 0 }
+    composition {
+        mu ((prialt i < size : order[i] ! i + 1 -> skip) ; given := given + 1) until given == 5 * size ;
+        (par i < size : order[i] ! 0)
+    }
 }"""
 
 
@@ -239,9 +254,14 @@ def programs(draw: st.DrawFn) -> str:
     if cells:
         instances += f"\n        cell[i < {cells}] : Cell(id = i)\n        collector : Collector({cells})"
         relations.append(f"for i < {cells} {{ cell[i].number -> collector.number[i] }}")
+    workers = draw(st.integers(0, 2))
+    if workers:
+        instances += f"\n        worker[i < {workers}] : Worker\n        distributor : Distributor({workers})"
+        relations.append(f"for i < {workers} {{ distributor.order[i] -> worker[i].order }}")
     arrows = "\n".join(f"        {relation}" for relation in relations)
     parts = [f"leaf{i}" for i in range(len(leaves))]
     parts += [f"({draw(st.sampled_from(['par', 'pripar']))} i < {cells} : cell[i])", "collector"] if cells else []
+    parts += ["(par i < {workers} : worker[i])".replace("{workers}", str(workers)), "distributor"] if workers else []
     running = f" {operator} ".join(draw(st.permutations(parts)))
     return (
         "\n\n".join(
