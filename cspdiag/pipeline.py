@@ -129,5 +129,5 @@ def generate(
     """
     from cspdiag.codegen import TARGETS, Options, external_modules
 
-    modules = {path: read(path).text for path in external_modules(network)}
+    modules = {path: read(path).text for path in external_modules(network, target)}
     return TARGETS[target](network, modules, Options(level=level, traced=traced))

@@ -36,7 +36,13 @@ def _python(network: Network, modules: Mapping[str, str], options: Options) -> d
     return package.generate(network, modules, traced=options.traced)
 
 
-TARGETS: dict[str, Generator] = {"python": _python}
+def _c(network: Network, modules: Mapping[str, str], options: Options) -> dict[str, str]:
+    from cspdiag.codegen.c import package
+
+    return package.generate(network, modules, level=options.level)
+
+
+TARGETS: dict[str, Generator] = {"python": _python, "c": _c}
 """By name."""
 
 
@@ -47,8 +53,12 @@ def target_errors() -> type[ValueError]:
     return TargetError
 
 
-def external_modules(network: Network) -> tuple[str, ...]:
+def external_modules(network: Network, target: str = "python") -> tuple[str, ...]:
     """The files of external bodies to read and hand to a target, as paths joined to the folder of the file that names them."""
+    if target == "c":
+        from cspdiag.codegen.c import external
+
+        return external.external_paths(network)
     from cspdiag.codegen.python_external import external_paths
 
     return external_paths(network)

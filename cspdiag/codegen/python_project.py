@@ -54,14 +54,14 @@ def project_view(network: Network, names: PackageNames, modules: ExternalModules
         doc=doc,
         summary=summary,
         quoted_summary=quoted(summary),
-        ports=[_row(port) for port in network.external_ports],
+        ports=[port_row(port) for port in network.external_ports],
         environments=[entry.name for entry in network.environments],
         copied=bool(modules.copies(network)),
         installed=installed_modules(network, modules),
     )
 
 
-def _row(port: ExternalPort) -> PortRow:
+def port_row(port: ExternalPort) -> PortRow:
     timing = "event" if port.period is None else f"every {_duration(port.period)}"
     if port.immediate:
         timing += ", immediate"

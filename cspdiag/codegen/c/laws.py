@@ -42,7 +42,7 @@ def law_can_fault(class_: SubmodelClass) -> bool:
 
 def law_members(class_: SubmodelClass, names: PackageNames) -> Names:
     """The members of the struct of a law, and the local variables of its functions, by the names of the text."""
-    given = Names({*names.globals, *LOCALS, _STEPS, _SUB_STEP})
+    given = Names() if class_.external is not None else Names({*names.globals, *LOCALS, _STEPS, _SUB_STEP})
     for item in (*class_.ports, *class_.parameters, *class_.states):
         given[item.name]
     return given

@@ -99,7 +99,13 @@ class PackageNames:
         self.types: Mapping[str, str] = {
             name: self._fresh(name) for name in (*(e.name for e in network.enums), *(e.name for e in network.structs))
         }
-        self.classes: Mapping[str, str] = {entry.name: self._fresh(entry.name) for entry in network.classes}
+        by_hand = {entry.definition: snake_case(entry.definition) for entry in network.classes if entry.external}
+        for name in by_hand.values():
+            self._names.fresh(name)
+        self.classes: Mapping[str, str] = {
+            entry.name: by_hand[entry.definition] if entry.external else self._fresh(entry.name)
+            for entry in network.classes
+        }
         self.environments: Mapping[str, str] = {
             entry.name: self._fresh(f"{entry.name}_environment") for entry in network.environments
         }

@@ -1,0 +1,34 @@
+"""Bodies that are written in C by hand: pairs of files with the interface of generated ones, copied into the package."""
+
+from __future__ import annotations
+
+import posixpath
+from collections.abc import Iterator, Mapping
+
+from cspdiag.network.ir import ExternalBody, Network
+from cspdiag.network.walk import parts
+
+
+def c_bodies(network: Network) -> Iterator[ExternalBody]:
+    """The bodies in C that a network names, each once."""
+    found: dict[ExternalBody, None] = {}
+    for part in parts((network.classes, network.environments)):
+        if isinstance(part, ExternalBody) and part.language == "c":
+            found[part] = None
+    yield from found
+
+
+def source_paths(body: ExternalBody) -> tuple[str, str]:
+    """The paths of the source and the header, as the file that names the body is called."""
+    source = posixpath.normpath(posixpath.join(posixpath.dirname(body.span.file), body.target))
+    return source, f"{source.removesuffix('.c')}.h"
+
+
+def external_paths(network: Network) -> tuple[str, ...]:
+    """The files to read for a network."""
+    return tuple(dict.fromkeys(path for body in c_bodies(network) for path in source_paths(body)))
+
+
+def external_files(network: Network, texts: Mapping[str, str]) -> dict[str, str]:
+    """The copies in the package, by their own names."""
+    return {posixpath.basename(path): texts[path] for path in external_paths(network) if path in texts}

@@ -1,0 +1,136 @@
+"""A package in C: a pair of files a class, the network, the environments, the kernel beside them, and what builds it all."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from cspdiag.codegen.c.definitions import constants_header, types_header
+from cspdiag.codegen.c.environments import environment_files
+from cspdiag.codegen.c.external import external_files
+from cspdiag.codegen.c.laws import law_files
+from cspdiag.codegen.c.levels import Levels
+from cspdiag.codegen.c.names import PackageNames
+from cspdiag.codegen.c.network import network_files
+from cspdiag.codegen.c.processes import process_files
+from cspdiag.codegen.c.refusals import refuse
+from cspdiag.codegen.c.types import CTypes
+from cspdiag.codegen.python_docs import sentence
+from cspdiag.codegen.python_project import PortRow, port_row
+from cspdiag.codegen.render import renderer
+from cspdiag.network.ir import Environment, Network, ProcessClass
+from cspdiag.network.optimize import lower_for_targets, optimize
+from cspdiag.resources import template_folder
+
+SUPPORT = "support"
+"""The folder of the kernel in a package."""
+
+_SIMULATION = ("csp_port_simulation.c", "csp_simulation.c", "csp_stream.c")
+_CONFIGURATION = "csp_config.h"
+
+
+@dataclass(frozen=True)
+class CProject:
+    """What the templates of the frame lay out."""
+
+    package: str
+    top: str
+    source: str
+    doc: str
+    ports: list[PortRow]
+    environments: list[str]
+    files: list[str]
+    program: list[str]
+    kernel: list[str]
+    simulation: list[str]
+    simulated: bool
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """An environment as the main of the simulation knows it."""
+
+    name: str
+    text: str
+    counts: str
+
+
+def generate(network: Network, modules: Mapping[str, str] | None = None, *, level: int = 0) -> dict[str, str]:
+    """The files of a package, by path from its folder, at a level of optimization.
+
+    ``modules`` are the texts of bodies in C by the paths that ``external_modules`` names. Raises TargetError for a program that has parts
+    in another language.
+    """
+    texts = modules or {}
+    refuse(network, texts)
+    simulated = tuple(entry for entry in network.environments if not entry.drivers)
+    lowered = optimize(network) if level else lower_for_targets(network)
+    names, files = PackageNames(lowered), {}
+    types, levels = CTypes(names), Levels(lowered)
+    rows: list[str] = []
+    for class_ in lowered.classes:
+        made = (
+            process_files(class_, lowered, names, types, levels)
+            if isinstance(class_, ProcessClass)
+            else law_files(class_, names, types)
+        )
+        if made:
+            kind = "process" if isinstance(class_, ProcessClass) else "control law"
+            rows.append(f"`{names.classes[class_.name]}.c` | the {kind} `{class_.definition}`")
+        files.update(made)
+    files.update(external_files(network, texts))
+    files.update(network_files(lowered, names, types, levels))
+    program = sorted(path for path in files if path.endswith(".c"))
+    render = renderer("c")
+    environments = [entry for entry in lowered.environments if entry.name in {item.name for item in simulated}]
+    can_simulate = bool(environments) or not network.external_ports
+    if can_simulate:
+        for environment in environments:
+            files.update(environment_files(environment, lowered, names, types))
+            rows.append(f"`{names.environments[environment.name]}.c` | the environment `{environment.name}`")
+        main = {"top": network.top, "environments": [_scenario(entry, names) for entry in environments]}
+        files["main_simulation.c"] = render("main_simulation.c.j2", main=main)
+    files["constants.h"] = constants_header(lowered, names, types)
+    files["types.h"] = types_header(lowered, names, types)
+    support = support_files()
+    kernel = sorted(path for path in support if path.endswith(".c") and path not in _SIMULATION and "port" not in path)
+    project = CProject(
+        package=names.package,
+        top=network.top,
+        source=network.source.rpartition("/")[2],
+        doc=sentence(
+            network.class_named(network.top).doc
+            or network.doc
+            or f"The process {network.top}, generated from its CSP diagram."
+        ),
+        ports=[port_row(port) for port in network.external_ports],
+        environments=[entry.name for entry in environments],
+        files=rows,
+        program=program,
+        kernel=kernel,
+        simulation=_simulation(files, program),
+        simulated=can_simulate,
+    )
+    for path in ("Makefile", "CMakeLists.txt", "README.md"):
+        files[path] = render(f"{path}.j2", project=project)
+    made_here = {_CONFIGURATION} & files.keys()
+    files.update({f"{SUPPORT}/{path}": text for path, text in support.items() if path not in made_here})
+    return dict(sorted(files.items()))
+
+
+def _simulation(files: Mapping[str, str], program: list[str]) -> list[str]:
+    own = [path for path in sorted(files) if path.endswith(".c") and path not in program]
+    return [*own, *(f"{SUPPORT}/{path}" for path in _SIMULATION)]
+
+
+def _scenario(environment: Environment, names: PackageNames) -> Scenario:
+    counts = "true" if environment.on_miss == "count" else "false"
+    return Scenario(names.environments[environment.name], environment.name, counts)
+
+
+def support_files() -> dict[str, str]:
+    """The files of the kernel, by path from its folder."""
+    folder = template_folder("c") / SUPPORT
+    return {
+        path.name: path.read_text(encoding="utf-8") for path in sorted(folder.iterdir()) if path.suffix in (".c", ".h")
+    }
