@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Any
 
+from cspdiag.diagnostics.record import replaced
 from cspdiag.model.types import BOOL, ArrayType, BoolType, EnumType, IntType, RealType, StructType, TimeType, Type
 from cspdiag.network.constant_value import constant_value
 from cspdiag.network.expression_walk import operands
@@ -20,7 +22,9 @@ from cspdiag.network.expressions import (
     StructValue,
     UnaryOperation,
     Value,
+    VariableValue,
 )
+from cspdiag.network.optimize.everywhere import rewritten
 from cspdiag.network.optimize.faults import may_fault
 
 LIBRARY_FUNCTIONS = frozenset({"exp", "log", "sin", "cos", "tan", "atan2"})
@@ -38,6 +42,18 @@ def literal(value: Value, kind: Type, like: Expression) -> LiteralValue:
 def is_literal(expression: Expression | None, value: object) -> bool:
     """Whether an expression is this truth value."""
     return isinstance(expression, LiteralValue) and expression.value is value
+
+
+def folded_with(expression: Expression, variables: Mapping[str, LiteralValue]) -> Expression:
+    """The expression with these variables known."""
+
+    def change(part: Any) -> Any:
+        if isinstance(part, VariableValue):
+            value = variables.get(part.channel)
+            return part if value is None else replaced(value, type=part.type, span=part.span)
+        return folded(part)
+
+    return rewritten(expression, change)
 
 
 def folded(expression: Expression) -> Expression:

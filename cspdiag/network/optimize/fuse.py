@@ -1,0 +1,53 @@
+"""Fuses a program whose schedule is known at compile time into one process.
+
+All processes are followed from the start by the scheduling rules of the language until they are in a state for the second time. What they did is
+written down as the composition of one process: what happened first, and a loop with what happens again and again. A rendezvous in it is
+an assignment, and for the trace a report; samples are read and outputs written where they were.
+
+When that can be done, and why nothing else can be seen from outside:
+
+- *The whole program* is followed, from time 0, so that the order of everything is known: computations, communications, samples and outputs stand in the fused
+  process in the order in which they would have been done, at the same instants. A program of which only a part could be followed is left as it is: its other
+  processes could be cancelled by it, or cancel it, in the middle of an instant.
+- *What is not known does not matter.* Inputs without a period (events), interrupts, handlers of ``Fault`` and ``Timeout``, processes and control laws written by hand, and guards and delays that depend on
+  values are refused. A decision that depends on a value may have one way that goes on for ever; the other is followed to the end of the program, and stands in the fused
+  process as an exit.
+- *Faults* end the program in the middle of a computation. Its other processes would still have computed up to their next communication, which nobody sees: there is
+  nobody left to look at their variables. For the same reason processes that are cancelled by an exception end where they are.
+- *A program that deadlocks* stays as it is, for the report names its processes; and so does one that misses samples.
+- *Samples* are taken by ends of the fused process, one for each end there was. As one process they follow their periods together, which
+  can differ from what several processes do: the fused process is followed like any other, and has to do the same at the same instants, or is given up.
+- *Priorities* have had their say in the order that was followed. In real time a fused process is late as a whole; it then takes its samples in the same order.
+"""
+
+from __future__ import annotations
+
+from cspdiag.diagnostics.record import replaced
+from cspdiag.network.ir import Network, ProcessClass
+from cspdiag.network.optimize.dead import remove_dead_parts
+from cspdiag.network.optimize.fuse_actions import Composition
+from cspdiag.network.optimize.fuse_code import NotStaticError
+from cspdiag.network.optimize.fuse_open import opened
+from cspdiag.network.optimize.fuse_schedule import schedule
+
+
+def fuse(network: Network) -> Network:
+    """The network as one process, where its schedule is known; otherwise as it is."""
+    try:
+        return fused(network)
+    except NotStaticError:
+        return network
+
+
+def fused(network: Network) -> Network:
+    """The network as one process. Raises NotStaticError."""
+    top = network.class_named(network.top)
+    assert isinstance(top, ProcessClass)
+    if not top.instances:
+        raise NotStaticError("it is one process already")
+    entry = opened(network)
+    path = schedule(entry, network.external_ports)
+    assert entry.body is not None
+    composition = Composition(path, entry.body, {channel.name for channel in entry.channels})
+    single = replaced(entry, body=composition.body, channels=(*entry.channels, *composition.variables))
+    return remove_dead_parts(replaced(network, classes=(single,)))

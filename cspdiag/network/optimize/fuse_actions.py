@@ -1,0 +1,144 @@
+"""The composition of the one process that does what a schedule says."""
+
+from __future__ import annotations
+
+from collections.abc import Container
+
+from cspdiag.diagnostics import Span
+from cspdiag.diagnostics.record import replaced
+from cspdiag.model.types import BOOL, TIME
+from cspdiag.network.actions import (
+    Action,
+    AssignValue,
+    IfElse,
+    RaiseException,
+    Repeat,
+    SkipStep,
+    Target,
+    WaitStep,
+    WhileLoop,
+)
+from cspdiag.network.expressions import BinaryOperation, Expression, LiteralValue, UnaryOperation, VariableValue
+from cspdiag.network.ir import LocalChannel
+from cspdiag.network.optimize.changes import in_sequence
+from cspdiag.network.optimize.fuse_follow import Ends, Loops
+from cspdiag.network.optimize.fuse_record import Step, Turn
+from cspdiag.network.optimize.fuse_schedule import Path
+
+
+class Composition:
+    """Writes it as ``body``; ``place`` is where what nobody wrote stands. ``variables`` are those that it needs besides."""
+
+    def __init__(self, path: Path, place: Action, taken: Container[str]) -> None:
+        self._place = place
+        self._ended = "ended"
+        while self._ended in taken:
+            self._ended += "_"
+        self._needs_ended = False
+        self.body = self._from(path, 0, 0)
+        false = LiteralValue(type=BOOL, value=False)
+        made: list[LocalChannel] = [_variable(name, place.span, path, None) for name in path.made]
+        if self._needs_ended:
+            made.append(LocalChannel(name=self._ended, span=place.span, type=BOOL, kind="var", initial=false))
+        self.variables = tuple(made)
+
+    def _from(self, path: Path, first: int, now: int) -> Action:
+        """What happens from the position ``first`` on, from the instant ``now``."""
+        match path.outcome:
+            case Ends(failure=failure):
+                end: list[Action] = []
+                if failure is not None:
+                    end.append(RaiseException(span=self._place.span, exception=failure))
+                return self._straight(path, first, len(path.happenings), now, path.now, end)
+            case Loops():
+                return self._looping(path, first, now, path.outcome)
+
+    def _looping(self, path: Path, first: int, now: int, loops: Loops) -> Action:
+        start, end = loops.position, len(path.happenings)
+        leaving = [p for p in range(start, end) if isinstance(path.happenings[p], Turn) and _ends_well(path.exits[p])]
+        until = None if self._waits_itself(path, start, loops.since) else loops.since
+        again = None if until is None else path.now
+        if len(leaving) == 1:
+            return self._leaving(path, first, now, loops, leaving[0])
+        body = self._straight(path, start, end, loops.since, again, [], in_loop=True)
+        ended: Expression | None = None
+        if leaving:
+            self._needs_ended = True
+            ended = VariableValue(type=BOOL, channel=self._ended)
+        loop = Repeat(span=self._place.span, body=body, until=ended)
+        return self._straight(path, first, start, now, until, [loop])
+
+    def _leaving(self, path: Path, first: int, now: int, loops: Loops, leave: int) -> Action:
+        """A loop with one way out, which becomes its condition."""
+        start, end = loops.position, len(path.happenings)
+        turn = path.happenings[leave]
+        assert isinstance(turn, Turn)
+        waits_itself = self._waits_itself(path, start, loops.since)
+        first_part = self._straight(path, start, leave, loops.since, turn.time, [])
+        second_part = self._straight(path, leave + 1, end, turn.time, None if waits_itself else path.now, [])
+        condition = turn.condition if turn.holds else _opposite(turn.condition)
+        body = in_sequence([second_part, first_part], self._place)
+        loop = WhileLoop(span=self._place.span, condition=condition, body=body)
+        after = self._from(path.exits[leave], leave + 1, turn.time)
+        until = None if waits_itself else loops.since
+        return self._straight(path, first, start, now, until, [first_part, loop, after])
+
+    def _waits_itself(self, path: Path, position: int, now: int) -> bool:
+        """Whether what comes first waits for a sample that comes just then."""
+        first = path.happenings[position] if position < len(path.happenings) else None
+        return isinstance(first, Step) and first.fresh and first.time == now
+
+    def _straight(
+        self, path: Path, first: int, last: int, now: int, until: int | None, end: list[Action], in_loop: bool = False
+    ) -> Action:
+        """What happens between two positions, a wait until an instant, and what then follows."""
+        steps: list[Action] = []
+        for position in range(first, last):
+            happening = path.happenings[position]
+            if happening.time > now and not (isinstance(happening, Step) and happening.fresh):
+                steps.append(self._wait(happening.time - now))
+            now = happening.time
+            if isinstance(happening, Step):
+                steps.append(happening.action)
+                continue
+            other = path.exits[position]
+            instead = self._from(other, position + 1, now)
+            condition = _opposite(happening.condition) if happening.holds else happening.condition
+            span = happening.condition.span or self._place.span
+            if not _ends_well(other):
+                otherwise: Action = SkipStep(span=span)
+                steps.append(IfElse(span=span, condition=condition, then=instead, otherwise=otherwise))
+                continue
+            if in_loop:
+                value = LiteralValue(type=BOOL, value=True)
+                ended = AssignValue(span=span, target=Target(self._ended), value=value)
+                instead = in_sequence([instead, ended], self._place)
+            otherwise = self._straight(path, position + 1, last, now, until, end, in_loop)
+            steps.append(IfElse(span=span, condition=condition, then=instead, otherwise=otherwise))
+            return in_sequence(steps, self._place)
+        if until is not None and until > now:
+            steps.append(self._wait(until - now))
+        return in_sequence([*steps, *end], self._place)
+
+    def _wait(self, duration: int) -> Action:
+        return WaitStep(span=self._place.span, duration=LiteralValue(type=TIME, value=duration))
+
+
+def _variable(name: str, span: Span, path: Path, initial: Expression | None) -> LocalChannel:
+    return LocalChannel(name=name, span=span, type=path.made[name], kind="var", initial=initial)
+
+
+def _ends_well(path: Path) -> bool:
+    return isinstance(path.outcome, Ends) and path.outcome.failure is None
+
+
+def _opposite(condition: Expression) -> Expression:
+    match condition:
+        case BinaryOperation(operator="=="):
+            return replaced(condition, operator="!=")
+        case BinaryOperation(operator="!="):
+            return replaced(condition, operator="==")
+        case UnaryOperation(operator="not"):
+            return condition.operand
+        case _:
+            return UnaryOperation(type=BOOL, span=condition.span, operator="not", operand=condition)

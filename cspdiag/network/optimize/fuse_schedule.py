@@ -1,0 +1,103 @@
+"""Finds the schedule of a program: what happens first, and what then happens again and again.
+
+Where the program goes on depending on a value, both ways are followed. At most one of them may go on for ever; the other is an exit, after which the
+program ends.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from cspdiag.model.types import Type
+from cspdiag.network.actions import AssignValue, Choice, IfElse, InputEvent, ReadInputs, ReadValue, Repeat, WhileLoop
+from cspdiag.network.expressions import VariableValue
+from cspdiag.network.ir import ExternalPort, ProcessClass
+from cspdiag.network.optimize.fuse_code import Code, NotStaticError
+from cspdiag.network.optimize.fuse_follow import Asks, Ends, Following, Loops
+from cspdiag.network.optimize.fuse_record import Happening, Turn
+from cspdiag.network.walk import parts
+
+MOST_DECISIONS = 60
+
+
+@dataclass(frozen=True)
+class Path:
+    """What happens from the start. ``exits`` has, by the position of a ``Turn``, what happens there instead, from the turn on.
+
+    It ends (by an exception where ``outcome`` has one), or goes back to what happened first at the position that ``outcome`` has; it is
+    then ``now``.
+    """
+
+    happenings: tuple[Happening, ...]
+    outcome: Ends | Loops
+    exits: dict[int, Path]
+    made: dict[str, Type]
+    now: int
+
+
+def schedule(entry: ProcessClass, ports: Sequence[ExternalPort]) -> Path:
+    """The schedule of a class without instances, run from time 0. Raises NotStaticError."""
+    code = Code(entry)
+    counting = counting_variables(entry)
+    try:
+        return _explored(code, ports, counting, ())
+    except NotStaticError:
+        if not counting:
+            raise
+    return _explored(code, ports, frozenset(), ())
+
+
+def _explored(code: Code, ports: Sequence[ExternalPort], counting: frozenset[str], decisions: tuple[bool, ...]) -> Path:
+    following = Following(code, ports, counting, decisions)
+    outcome = following.run()
+    if not isinstance(outcome, Asks):
+        return Path(tuple(following.happenings), outcome, {}, following.made, following.now)
+    if len(decisions) == MOST_DECISIONS:
+        raise NotStaticError("what it does depends on values too often")
+    position = len(following.happenings)
+    holds = _explored(code, ports, counting, (*decisions, True))
+    fails = _explored(code, ports, counting, (*decisions, False))
+    main, other = (fails, holds) if isinstance(holds.outcome, Ends) else (holds, fails)
+    if not isinstance(other.outcome, Ends):
+        turn = main.happenings[position]
+        assert isinstance(turn, Turn)
+        raise NotStaticError("what it does next depends on a value", turn.condition.span)
+    main.exits[position] = other
+    return Path(main.happenings, main.outcome, main.exits, {**main.made, **other.made}, main.now)
+
+
+def counting_variables(entry: ProcessClass) -> frozenset[str]:
+    """Variables that decide where to go on and depend on nothing but such variables and constants, as those that count turns do."""
+    made_from: dict[str, set[str]] = {}
+    unknown: set[str] = set()
+    asked: set[str] = set()
+    for part in parts(entry.body):
+        match part:
+            case AssignValue(target=target) if target.indexes:
+                unknown.add(target.channel)
+            case AssignValue():
+                made_from.setdefault(part.target.channel, set()).update(_variables(part.value))
+            case ReadValue(target=target) | InputEvent(target=target):
+                unknown.add(target.channel)
+            case ReadInputs():
+                unknown.update(read.name for read in part.reads)
+            case IfElse() | WhileLoop():
+                asked |= _variables(part.condition)
+            case Repeat():
+                asked |= _variables(part.until)
+            case Choice():
+                for branch in part.branches:
+                    asked |= _variables(branch.condition)
+            case _:
+                pass
+    pending = set(asked)
+    while pending:
+        needed = set().union(*(made_from.get(name, set()) for name in pending)) - asked
+        asked |= needed
+        pending = needed
+    return frozenset(asked - unknown)
+
+
+def _variables(item: object) -> set[str]:
+    return {part.channel for part in parts(item) if isinstance(part, VariableValue)}
