@@ -1,7 +1,8 @@
 """Literate cases: Markdown files whose sections hold a program and what the compiler says about it.
 
 Each ``##`` section is a case: prose, a fenced ``csp`` block with the program, further ``csp NAME`` blocks with the files it imports,
-then a ``diagnostics`` block, a ``network`` block or both.
+then a ``diagnostics`` block, a ``network`` block or both. ``network -O1`` is the network after all passes of the optimizer,
+``network specialize,variables`` after those, ``network flatten.Main`` the class ``Main`` of it alone.
 """
 
 from __future__ import annotations
@@ -107,9 +108,20 @@ def actual(case: Case, block: Block) -> str:
     if network is None:
         return describe(checked.report.diagnostics)
     from cspdiag.network.dump import dump
+    from cspdiag.network.optimize import PASSES, optimize, pass_named
 
+    passes, _, cls = (block.name or "").partition(".")
+    if passes:
+        network = optimize(network, PASSES if passes == "-O1" else [pass_named(name) for name in passes.split(",")])
     text = dump(network)
-    return text if text.endswith("\n") else f"{text}\n"
+    return text if not cls else _class_alone(text, cls)
+
+
+def _class_alone(listing: str, name: str) -> str:
+    """The lines of one class of a network."""
+    found = re.search(rf"^(///.*\n)*(process|submodel) {re.escape(name)}\b.*?^}}", listing, re.MULTILINE | re.DOTALL)
+    assert found is not None, f"there is no class {name}"
+    return f"{found[0]}\n"
 
 
 def update(path: Path) -> None:

@@ -81,8 +81,11 @@ def _branch(branch: Branch, change: Callable[[Action], Action]) -> Branch:
 
 
 def rebuilt(action: Action, change: Callable[[Action], Action]) -> Action:
-    """The action with every action in it changed, those inside first."""
-    return change(with_inner_actions(action, lambda inner: rebuilt(inner, change)))
+    """The action with every action in it changed, those inside first; sequences that come to stand in sequences are opened."""
+    inside = with_inner_actions(action, lambda inner: rebuilt(inner, change))
+    if inside is not action and isinstance(inside, SequentialSteps):
+        inside = in_sequence(inside.steps, inside)
+    return change(inside)
 
 
 def in_sequence(steps: Iterable[Action], like: Action) -> Action:

@@ -6,16 +6,20 @@ from collections import Counter
 from collections.abc import Iterator, Mapping
 
 from cspdiag.diagnostics.record import replaced
-from cspdiag.network.actions import Action, End, Group, ParallelSteps, RunInstance, Step
+from cspdiag.network.actions import Action, End, Group, ParallelSteps, RunInstance
 from cspdiag.network.ir import CreatedChoice, CreatedInstance, Network, ProcessClass, SubmodelClass
 from cspdiag.network.optimize.changes import with_inner_actions
 from cspdiag.network.optimize.moved import EndNumbers, MovedUp
 from cspdiag.network.optimize.reachable import reachable
 from cspdiag.network.optimize.variables import with_assignments
 from cspdiag.network.walk import instances_run, parts
+from cspdiag.syntax.nesting import DEEPEST
 
-LARGEST = 3000
-"""Actions that a class may have with what is taken into it; without a limit, classes that two others run twice each would grow without bounds."""
+LARGEST = 20_000
+"""Records that a class may have with what is taken into it; without a limit, classes that two others run, each twice, would grow without bounds."""
+
+LONGEST = 8
+"""Elements of an array that are taken in; a longer one is better run by a loop."""
 
 
 def flatten(network: Network) -> Network:
@@ -30,16 +34,18 @@ def flatten(network: Network) -> Network:
 
 
 class _Flattening:
-    """The classes so far, each after those of its instances."""
+    """The classes so far, each after those of its instances, with their sizes in records and the depths of their compositions."""
 
     def __init__(self) -> None:
         self.classes: dict[str, ProcessClass | SubmodelClass] = {}
         self._sizes: dict[str, int] = {}
+        self._depths: dict[str, int] = {}
 
     def add(self, entry: ProcessClass | SubmodelClass) -> None:
         """Flatten one more class."""
         if isinstance(entry, ProcessClass) and entry.body is not None:
-            self._sizes[entry.name] = sum(isinstance(part, Step) for part in parts(entry.body))
+            self._sizes[entry.name] = _size(entry)
+            self._depths[entry.name] = _depth(entry.body)
             entry = self._flattened(entry, entry.body)
         self.classes[entry.name] = entry
 
@@ -61,7 +67,7 @@ class _Flattening:
             instances=(*own, *(instance for part in inner for instance in part.instances)),
             constants=(*entry.constants, *(constant for part in inner for constant in part.constants)),
             states=(*entry.states, *(state for part in inner for state in part.states)),
-            creation=tuple(_creation(entry, moved)),
+            creation=tuple(creation_with(entry, moved)),
             body=opened(body),
         )
         return with_assignments(flat)
@@ -69,16 +75,39 @@ class _Flattening:
     def _moved(self, entry: ProcessClass, body: Action) -> dict[str, MovedUp]:
         """The instances to take in."""
         wanted = _run_in_sequence(body)
+        long = {name for name, count in Counter(i.array for i in entry.instances).items() if count > LONGEST}
         numbers = EndNumbers(entry)
         moved: dict[str, MovedUp] = {}
+        own_depth = self._depths[entry.name]
         for instance in entry.instances:
             inner = self.classes[instance.class_name]
-            if instance.name in wanted and isinstance(inner, ProcessClass) and inner.body is not None:
-                size = self._sizes[entry.name] + self._sizes[inner.name]
-                if size <= LARGEST:
+            if instance.name not in wanted or (instance.array is not None and instance.array in long):
+                continue
+            if isinstance(inner, ProcessClass) and inner.body is not None:
+                part = MovedUp(instance, inner, entry, numbers, self.classes)
+                size = self._sizes[entry.name] + self._sizes[inner.name] + part.size
+                depth = own_depth + self._depths[inner.name] + 1
+                if size <= LARGEST and depth <= DEEPEST:
+                    moved[instance.name] = part
                     self._sizes[entry.name] = size
-                    moved[instance.name] = MovedUp(instance, inner, entry, numbers, self.classes)
+                    self._depths[entry.name] = max(self._depths[entry.name], depth)
         return moved
+
+
+def _size(entry: ProcessClass) -> int:
+    return sum(1 for _ in parts((entry.body, entry.channels, entry.instances, entry.constants, entry.states)))
+
+
+def _depth(action: Action) -> int:
+    deepest = 0
+
+    def inner(part: Action) -> Action:
+        nonlocal deepest
+        deepest = max(deepest, _depth(part))
+        return part
+
+    with_inner_actions(action, inner)
+    return deepest + 1
 
 
 def _run_in_sequence(body: Action) -> set[str]:
@@ -100,7 +129,7 @@ def _without_labels(action: Action) -> Action:
     return action
 
 
-def _creation(entry: ProcessClass, moved: Mapping[str, MovedUp]) -> Iterator[End | CreatedInstance | CreatedChoice]:
+def creation_with(entry: ProcessClass, moved: Mapping[str, MovedUp]) -> Iterator[End | CreatedInstance | CreatedChoice]:
     """The parts of an instance that moved up are made where the instance was."""
     for part in entry.creation:
         if isinstance(part, CreatedInstance) and part.instance in moved:

@@ -102,6 +102,8 @@ class MovedUp:
         self.instances = tuple(map(self._instance, inner.instances))
         self.creation = tuple(map(self._created, inner.creation))
         self._body = inner.body
+        self.size = sum(1 for _ in parts((self.channels, self.instances, self.constants)))
+        """Records besides the body, in which expressions may have grown."""
 
     def scope(self, action: RunInstance) -> ProcessScope:
         """What stands where the instance was run."""

@@ -6,6 +6,7 @@ parts come to be.
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Mapping
 from typing import TypeAlias
 
@@ -104,7 +105,7 @@ class _Specialization:
         self.guards = guards_by_class(network)
         self.names: dict[tuple[str, Media], str] = {}
         self.clones: dict[str, list[ProcessClass]] = {entry.name: [] for entry in network.classes}
-        self._pending: list[tuple[ProcessClass, Media]] = []
+        self._pending: deque[tuple[ProcessClass, Media]] = deque()
         self._met: dict[str, int] = {}
         self._taken = {
             *self.classes,
@@ -121,7 +122,7 @@ class _Specialization:
         assert isinstance(top, ProcessClass)
         self._name(top, self._outside(top))
         while self._pending:
-            self._specialize(*self._pending.pop())
+            self._specialize(*self._pending.popleft())
         submodels = {entry.name: entry for entry in network.classes if isinstance(entry, SubmodelClass)}
         classes: list[ProcessClass | SubmodelClass] = []
         for entry in network.classes:
