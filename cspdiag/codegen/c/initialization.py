@@ -1,0 +1,195 @@
+"""The function that initializes a process: everything comes to be in the order that decides who is served first."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from cspdiag.codegen.c.media import READING_ENDS, access_of_channel, access_of_medium
+from cspdiag.codegen.c.members import SELF, Members
+from cspdiag.codegen.c.port_layout import PortLayout, elements
+from cspdiag.codegen.c.rolling import marked, rolled
+from cspdiag.codegen.c.rows import Row, rows
+from cspdiag.codegen.c.writer import Writer
+from cspdiag.model.types import IntType
+from cspdiag.network.actions import AfterEvent, ChannelEnd, End, PortEnd
+from cspdiag.network.expressions import Expression, LiteralValue, ParameterValue
+from cspdiag.network.ir import (
+    Connection,
+    ConstantEnd,
+    CreatedChoice,
+    CreatedInstance,
+    DiscardEnd,
+    InstanceOf,
+    ProcessClass,
+    SubmodelClass,
+)
+from cspdiag.network.walk import parts
+
+_MAKERS = {"channel": "csp_channel_init", "any": "csp_any_init", "broadcast": "csp_broadcast_init"}
+
+
+def initialize_rows(writer: Writer) -> list[Row]:
+    """The statements of the function."""
+    return _Initialization(writer).rows()
+
+
+class _Initialization:
+    def __init__(self, writer: Writer) -> None:
+        self.writer = writer
+        self.members: Members = writer.members
+        self.process = writer.members.process
+        self.printer = writer.members.initial_printer
+        self.layouts: dict[str, PortLayout] = {}
+
+    def rows(self) -> list[Row]:
+        members, numbers = self.members, len(self.writer.observed) + 1
+        found = rows(f"csp_process_init(&{SELF}process, &{self.writer.struct}_class, numbers->process);")
+        found.append(Row("numbers->process++;" if numbers == 1 else f"numbers->process += {numbers}U;"))
+        stored = set(members.stored_parameters())
+        used = self._used_parameters()
+        for item in self.process.parameters:
+            name = members.parameters[item.name]
+            if item.name in stored:
+                found.append(Row(f"{SELF}{name} = {name};"))
+            elif item.name not in used:
+                found.append(Row(f"(void){name};"))
+        ports = rolled([[text] for text in self._ports()])
+        found += ports
+        found += self._channels()
+        if members.reports:
+            found += rows(f"{SELF}first_report = numbers->channel;", f"numbers->channel += {len(members.reports)}U;")
+        found += self._signals()
+        for member, count in self.writer.offer_arrays().items():
+            found.append(Row(f"csp_offers_init(&{SELF}{member}, {SELF}{member}_made, {count}U);"))
+        found += self._created()
+        found += self.writer.initial
+        if members.port_members() and not any("ports->" in row.text or "(*ports)" in row.text for row in found):
+            found.insert(0, Row("(void)ports;"))
+        return found
+
+    def _used_parameters(self) -> set[str]:
+        """Parameters that the function itself evaluates."""
+        process = self.process
+        evaluated = (
+            process.constants,
+            process.states,
+            tuple(channel.initial for channel in process.channels if channel.initial is not None),
+            tuple(instance.arguments for instance in process.instances),
+            tuple(c.attachment for instance in process.instances for c in instance.connections),
+            tuple(part for part in parts(process.body) if isinstance(part, AfterEvent)),
+        )
+        return {part.name for part in parts(evaluated) if isinstance(part, ParameterValue)}
+
+    def _ports(self) -> Iterator[str]:
+        members = self.members
+        for port, index in members.used_ports():
+            access = access_of_medium(port.media[index or 0])
+            if access != "discard" and not (port.direction == "in" and access in READING_ENDS):
+                member = members.layout.member(port, index)
+                yield f"{SELF}{member} = ports->{member};"
+
+    def _channels(self) -> list[Row]:
+        groups: list[list[str]] = []
+        for channel in self.process.channels:
+            access, lvalue = access_of_channel(channel), SELF + self.members.member(channel.name)
+            if access == "variable":
+                if channel.initial is not None:
+                    groups.append([f"{lvalue} = {self._printed(channel.initial)};"])
+            elif access == "buffer":
+                values = SELF + self.members.storage(channel.name, self.members.arrays.subscript(channel.name))
+                overwrites = "true" if channel.kind == "overwrite" else "false"
+                made = f"csp_buffer_init(&{lvalue}, numbers->channel, {values}, {channel.capacity}U, {overwrites});"
+                groups.append([made, "numbers->channel++;"])
+            else:
+                groups.append([f"{_MAKERS[access]}(&{lvalue}, numbers->channel);", "numbers->channel++;"])
+        return rolled(groups)
+
+    def _signals(self) -> list[Row]:
+        found: list[Row] = []
+        for constant in self.process.constants:
+            found += self._assigned(self.members.signal(constant.name), constant.value)
+        for state in self.process.states:
+            found += self._assigned(self.members.signal(state.name), state.initial)
+        return found
+
+    def _assigned(self, lvalue: str, value: Expression) -> list[Row]:
+        text = f"{lvalue} = {self.printer.print(value)};"
+        return [*rows(*self.printer.take_temporaries()), Row(text)]
+
+    def _printed(self, value: Expression) -> str:
+        match value:
+            case LiteralValue(type=IntType(), value=int(number), name=None) if number >= 0:
+                return marked(number)
+        return str(self.printer.print(value))
+
+    def _created(self) -> list[Row]:
+        """Reading ends, instances and alternatives, in the order in which they come to be."""
+        found: list[Row] = []
+        groups: list[list[str]] = []
+        for item in self.process.creation:
+            match item:
+                case CreatedInstance(instance=name):
+                    groups.append(self._instance(self.members.instances[name]))
+                case CreatedChoice(choice=name):
+                    found += rolled(groups)
+                    groups = []
+                    found += self.members.made_choices[name]
+                case end:
+                    groups.append(self._end(end))
+        return [*found, *rolled(groups)]
+
+    def _end(self, end: End) -> list[str]:
+        access, members = self.members.access(end), self.members
+        if access not in READING_ENDS:
+            return []
+        member = SELF + members.end_member(end)
+        if isinstance(end, ChannelEnd):
+            medium = f"&{SELF}{members.member(end.channel)}"
+        else:
+            medium = f"ports->{members.layout.member(members.ports[end.port], end.index)}"
+        match access:
+            case "sampled":
+                return [f"csp_sampled_end_init(&{member}, {medium}, &{SELF}{members.samples(end)});"]
+            case "broadcast":
+                return [f"csp_broadcast_end_init(&{member}, {medium});"]
+            case _:
+                latch = SELF + members.latch(members.end_member(end))
+                return [f"{member} = csp_event_reader(&{latch}, {medium});"]
+
+    def _instance(self, instance: InstanceOf) -> list[str]:
+        class_ = self.members.classes[instance.class_name]
+        struct = self.writer.names.classes[class_.name]
+        lvalue = SELF + self.members.member(instance.name)
+        given = [self._printed(value) for _, value in instance.arguments]
+        if isinstance(class_, SubmodelClass):
+            return [f"{struct}_initialize({', '.join([f'&{lvalue}', *given])});"]
+        arguments = [f"&{lvalue}", "numbers"]
+        layout = self._layout(class_)
+        if any(layout.designator(port.name, index) for port in class_.ports for index in elements(port)):
+            fields = self._fields(instance.connections, layout)
+            arguments.append(f"&(const struct {struct}_ports){{{', '.join(fields)}}}")
+        return [f"{struct}_initialize({', '.join([*arguments, *given])});"]
+
+    def _layout(self, class_: ProcessClass) -> PortLayout:
+        if class_.name not in self.layouts:
+            self.layouts[class_.name] = PortLayout(class_)
+        return self.layouts[class_.name]
+
+    def _fields(self, connections: Sequence[Connection], layout: PortLayout) -> Iterator[str]:
+        for connection in connections:
+            designator = layout.designator(connection.port, connection.index)
+            if designator is None:
+                continue
+            yield f".{designator} = {self._attached(connection)}"
+
+    def _attached(self, connection: Connection) -> str:
+        members = self.members
+        match connection.attachment:
+            case ConstantEnd(value=value):
+                return self._printed(value)
+            case DiscardEnd():
+                raise AssertionError("what is discarded needs no port")
+            case ChannelEnd(channel=channel):
+                return f"&{SELF}{members.member(channel)}"
+            case PortEnd(port=port, index=index):
+                return f"ports->{members.layout.member(members.ports[port], index)}"
