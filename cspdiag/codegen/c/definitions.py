@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from cspdiag.codegen.c.code import INDENT, LINE_LENGTH, statement
+from cspdiag.codegen.c.code import INDENT, LINE_LENGTH, broken, statement
 from cspdiag.codegen.c.documents import comment, wrapped
 from cspdiag.codegen.c.names import PackageNames
 from cspdiag.codegen.c.types import CTypes, scalars
@@ -20,6 +20,12 @@ def types_header(network: Network, names: PackageNames, types: CTypes) -> str:
     rows += ["#ifndef TYPES_H", "#define TYPES_H", "", "#include <stdbool.h>", "#include <stdint.h>", ""]
     if network.structs or types.arrays:
         rows += ['#include "csp_arithmetic.h"', ""]
+    elif names.exceptions:
+        rows += ['#include "csp_core.h"', ""]
+    if names.exceptions:
+        first, *others = names.exceptions.values()
+        entries = ", ".join([f"{first} = CSP_FIRST_EXCEPTION", *others])
+        rows += ["/* The exceptions that the program declares. */", *broken(f"enum {{ {entries} }};", INDENT), ""]
     for enum in network.enums:
         rows += [*_enum(enum, names), ""]
     for type_ in _in_order(network, types):

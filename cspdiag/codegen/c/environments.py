@@ -332,7 +332,7 @@ class EnvironmentFiles:
 
     def _drivers(self) -> list[str]:
         rows = [f"const struct network_drivers {self.name}_drivers = {{"]
-        for names, ports in _port_groups(self.network.external_ports):
+        for names, ports in port_groups(self.network.external_ports):
             entries = []
             for port in ports:
                 function = self._transfer(port)
@@ -362,7 +362,7 @@ def _is_event(port: ExternalPort) -> bool:
     return port.direction == "in" and port.period is None
 
 
-def _port_groups(ports: Sequence[ExternalPort]) -> list[tuple[str, list[ExternalPort]]]:
+def port_groups(ports: Sequence[ExternalPort]) -> list[tuple[str, list[ExternalPort]]]:
     """The ports by member of `struct network_drivers`: elements of an array together."""
     groups: dict[str, list[ExternalPort]] = {}
     for port in ports:

@@ -9,10 +9,8 @@ from cspdiag.codegen.c.definitions import constants_header, types_header
 from cspdiag.codegen.c.environments import environment_files
 from cspdiag.codegen.c.external import external_files
 from cspdiag.codegen.c.laws import law_files
-from cspdiag.codegen.c.levels import Levels
 from cspdiag.codegen.c.names import PackageNames
 from cspdiag.codegen.c.network import network_files
-from cspdiag.codegen.c.processes import process_files
 from cspdiag.codegen.c.refusals import refuse
 from cspdiag.codegen.c.types import CTypes
 from cspdiag.codegen.python_docs import sentence
@@ -65,21 +63,18 @@ def generate(network: Network, modules: Mapping[str, str] | None = None, *, leve
     refuse(network, texts)
     simulated = tuple(entry for entry in network.environments if not entry.drivers)
     lowered = optimize(network) if level else lower_for_targets(network)
-    names, files = PackageNames(lowered), {}
-    types, levels = CTypes(names), Levels(lowered)
+    names = PackageNames(lowered)
+    files: dict[str, str] = {}
+    types = CTypes(names)
     rows: list[str] = []
     for class_ in lowered.classes:
-        made = (
-            process_files(class_, lowered, names, types, levels)
-            if isinstance(class_, ProcessClass)
-            else law_files(class_, names, types)
-        )
-        if made:
+        made = {} if isinstance(class_, ProcessClass) else law_files(class_, names, types)
+        if made or (isinstance(class_, ProcessClass) and class_.external is None):
             kind = "process" if isinstance(class_, ProcessClass) else "control law"
             rows.append(f"`{names.classes[class_.name]}.c` | the {kind} `{class_.definition}`")
         files.update(made)
     files.update(external_files(network, texts))
-    files.update(network_files(lowered, names, types, levels))
+    files.update(network_files(lowered, names, types))
     program = sorted(path for path in files if path.endswith(".c"))
     render = renderer("c")
     environments = [entry for entry in lowered.environments if entry.name in {item.name for item in simulated}]
@@ -93,7 +88,9 @@ def generate(network: Network, modules: Mapping[str, str] | None = None, *, leve
     files["constants.h"] = constants_header(lowered, names, types)
     files["types.h"] = types_header(lowered, names, types)
     support = support_files()
-    kernel = sorted(path for path in support if path.endswith(".c") and path not in _SIMULATION and "port" not in path)
+    kernel = sorted(
+        path for path in support if path.endswith(".c") and path not in _SIMULATION and not path.startswith("csp_port_")
+    )
     project = CProject(
         package=names.package,
         top=network.top,
