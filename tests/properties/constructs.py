@@ -108,8 +108,9 @@ def _action(network: Network, entry: ProcessClass, action: act.Action, inside: t
     name = _named(network, entry, action)
     yield name
     if isinstance(action, COMPOSED):
-        yield from (f"{name} in {outer}" for outer in dict.fromkeys(inside))
-        inside = (*inside, name)
+        kind = type(action).__name__
+        yield from (f"{kind} in {outer}" for outer in dict.fromkeys(inside))
+        inside = (*inside, kind)
     elif isinstance(action, act.RunInstance) and "ParallelSteps" in inside:
         yield f"{name} in a parallel"
     branches: tuple[act.Branch, ...] = ()

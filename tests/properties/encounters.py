@@ -80,7 +80,7 @@ def connect(draw: st.DrawFn, leaves: Sequence[Leaf]) -> list[Relation]:
     """Channels between leaves, and external ports."""
     relations = []
     for number in range(draw(st.integers(1, 5))):
-        kind = draw(st.sampled_from(["int", "double", draw(st.sampled_from(sorted(INITIAL)))]))
+        kind = draw(st.sampled_from(["int", "double", *sorted(INITIAL)]))
         shape = draw(st.sampled_from(["sync", "sync", "buffer 2", "buffer 1", "overwrite 2", "any", "broadcast"]))
         order = list(draw(st.permutations(range(len(leaves)))))
         readers = writers = 1

@@ -147,6 +147,7 @@ TWO = ("a", "b"), ("p", "q")
 
 LAWS = (
     LawForm("Single", *ONE),
+    LawForm("Mixed", ("a[0]", "a[1]"), ("p[0]", "p[1]")),
     LawForm("Scaled", *ONE),
     LawForm("Scaled(k = 5, low = -1)", *ONE),
     LawForm("Rounded(step_ = 0.25)", *ONE),
@@ -163,5 +164,6 @@ LAWS = (
     LawForm("Double", *TWO),
     LawForm("Offset", *TWO),
     LawForm("Mixed", ("a[0]", "a[1]"), ("p[0]", "p[1]")),
+    LawForm("Mixed", ("a[1]", "a[0]"), ("p[1]", "p[0]")),
 )
 """From the simplest, to which failures shrink."""

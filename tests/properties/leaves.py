@@ -83,7 +83,7 @@ DELAYS = ("0 ms", "1 ms", "2 ms", "3 ms", "300 us", "1500 us", "7 ms")
 
 def guard(draw: st.DrawFn, part: Part, free: list[str], *, watching: bool = False) -> tuple[str, str | None]:
     """A guard, and what the guarded process has to begin with; takes the port that it uses out of ``free``."""
-    condition = f"when {value(draw, part, 'bool', 1)} & " if draw(st.integers(0, 3)) == 0 else ""
+    condition = f"when {value(draw, part, 'bool', 1)} & " if draw(st.integers(0, 2)) == 0 else ""
     if not watching and draw(st.integers(0, 11)) == 0:
         return f"{condition}skip", None
     choice = draw(st.integers(0, 7)) if free else 7
@@ -297,7 +297,7 @@ def leaf_text(draw: st.DrawFn, leaf: Leaf, depth: int = 1) -> str:
     for _ in range(draw(st.integers(0, 2)) if depth > 0 else 0):
         add_processes(draw, leaf, free, depth)
     part = Part(leaf, [*free, *leaf.defaults], list(leaf.units), "", set())
-    steps = [step(draw, part, draw(st.integers(1, 3))) for _ in range(draw(st.integers(1, 3)))]
+    steps = [step(draw, part, draw(st.sampled_from([1, 2, 3, 3]))) for _ in range(draw(st.integers(1, 3)))]
     steps += [f"({access(draw, part, port)})" for port in part.ports if port not in part.used]
     steps += [run_unit(draw, part, unit) for unit in part.units if unit not in part.used]
     body = " ; ".join(draw(st.permutations(steps)))

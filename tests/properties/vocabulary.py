@@ -112,7 +112,7 @@ def literal(draw: st.DrawFn, part: Variables, kind: str) -> str:
 
 def value(draw: st.DrawFn, part: Variables, kind: str, depth: int = 2) -> str:
     """An expression of a type."""
-    if depth == 0 or draw(st.integers(0, 2)) > 0:
+    if depth == 0 or draw(st.booleans()):
         return literal(draw, part, kind)
     form, kinds = draw(st.sampled_from(FORMS[kind]))
     inner = [value(draw, part, k, depth - 1) for k in kinds]
