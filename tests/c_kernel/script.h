@@ -1,0 +1,78 @@
+/* Processes for tests of the kernel: what one does is a list of steps.
+ *
+ * A step function like those that are generated runs the list; the state of the process is the number of the step where it waits, plus 1.
+ * Every communication is printed as it happens, so that a test is a scenario and the trace that it must give. */
+#ifndef SCRIPT_H
+#define SCRIPT_H
+
+#include "csp.h"
+
+enum { SCRIPT_STEPS = 24, SCRIPT_OFFERS = 4 };
+
+typedef enum script_action {
+    END = 0, /* the process comes to its end; or, where `exception` is set, it is raised */
+    READ,    /* from `medium` into the value of the process */
+    WRITE,   /* `value` to `medium`; 0: the value of the process */
+    SELECT,  /* from `alternative`; goes on at step `jump` + index of the guard chosen */
+    JUMP,    /* goes on at step `jump` */
+    REPEAT,  /* goes on at step `jump`, `value` times in all */
+    DELAY,   /* `value` milliseconds */
+    STOP,
+    CALL,      /* `process` in sequence */
+    PARALLEL,  /* `branches` */
+    INTERRUPT, /* body `process`, guard on `medium` of kind `value`; goes on at step `jump` if the guard was taken */
+    OFFER,     /* one of several reads or writes at once: follows others at once, up to a step TOGETHER */
+    TOGETHER,  /* waits for the offers before it */
+    RAISE,     /* `exception` */
+    TRY,       /* from here on `exception` is caught and goes on at step `jump` */
+    SAY        /* prints `text` and the value */
+} script_action;
+
+typedef struct script script;
+
+typedef struct script_step {
+    script_action action;
+    csp_medium *medium;
+    int64_t value;
+    uint16_t jump;
+    uint16_t exception;
+    script *process;
+    csp_alternative *alternative;
+    const csp_branches *branches;
+    uint32_t branch_runs;
+    const char *text;
+    bool writes; /* an offer; or the guard of an interrupt */
+    int rank;    /* a guard with `after`: its milliseconds */
+} script_step;
+
+typedef script_step script_list[SCRIPT_STEPS];
+
+struct script {
+    csp_process process; /* first, as in generated structs */
+    const script_step *steps;
+    const char *name;
+    int64_t value;
+    int64_t written;
+    int64_t repeated;
+    uint16_t handler; /* of the exception `caught` */
+    uint16_t caught;
+    csp_medium *waits_at[SCRIPT_STEPS];
+    csp_ends ends;
+    csp_timer timer;
+    csp_parallel parallel;
+    csp_interrupt interrupt;
+    csp_offers offers;
+    csp_offer offer[SCRIPT_OFFERS];
+    int64_t offered[SCRIPT_OFFERS];
+    csp_place places[SCRIPT_STEPS + 2];
+    csp_class kind;
+};
+
+/* Branches and called processes lie in an array of scripts: offsets count from `parent`. */
+void script_init(script *self, uint32_t number, const char *name, const script_step *steps);
+
+/* Runs the first of `scripts`, and tells how that ends. Names of channels by number. */
+void script_run(script *scripts, const char *const *channel_names, const csp_port *ports, uint32_t port_count,
+                csp_environment *environment, int64_t until);
+
+#endif

@@ -1,0 +1,99 @@
+"""The kernel of the C target: scenarios, each a C program of processes that are lists of steps, and the trace that it must give.
+
+They are compiled with the strict flags of the generated packages by the compilers that there are, with sanitizers, and run under valgrind.
+"""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+
+HERE = Path(__file__).parent
+SUPPORT = Path(__file__).parents[2] / "templates" / "c" / "support"
+PROGRAMS = tuple(sorted((HERE / "programs").glob("*.c")))
+STRICT = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror")
+SCENARIOS = ("-DCSP_TRACE=1", "-DCSP_LEVELS=3U")
+KERNEL = (
+    *("alternative", "any_channel", "arithmetic", "broadcast", "buffer", "cancel", "external", "fault_text", "guards"),
+    *("interrupt", "kernel", "offers", "port_simulation", "process", "report", "run", "timers"),
+)
+
+
+class Variant(NamedTuple):
+    """A way to compile and run the scenarios."""
+
+    compiler: str
+    flags: Sequence[str]
+    runner: Sequence[str] = ()
+
+
+VARIANTS: Mapping[str, Variant] = {
+    "gcc": Variant("gcc", ("-O2",)),
+    "clang": Variant("clang", ("-O2",)),
+    "sanitizers": Variant("gcc", ("-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")),
+    "valgrind": Variant("gcc", ("-g", "-O1"), ("valgrind", "-q", "--error-exitcode=9", "--leak-check=full")),
+}
+
+
+def run(*command: str | Path, cwd: Path | None = None) -> str:
+    completed = subprocess.run([*command], cwd=cwd, capture_output=True, text=True, timeout=120, check=False)
+    assert completed.returncode == 0, f"{completed.stdout}{completed.stderr}"
+    return completed.stdout
+
+
+def need(*tools: str) -> None:
+    missing = [tool for tool in tools if shutil.which(tool) is None]
+    if missing:
+        pytest.skip(f"not installed: {', '.join(missing)}")
+
+
+def kernel_files() -> list[Path]:
+    return [SUPPORT / f"csp_{name}.c" for name in KERNEL]
+
+
+@pytest.fixture(scope="module", params=VARIANTS)
+def built(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> tuple[Variant, Path]:
+    """A variant, and the folder of its objects."""
+    variant = VARIANTS[request.param]
+    need(variant.compiler, *variant.runner[:1])
+    folder = tmp_path_factory.mktemp(request.param)
+    sources = [*kernel_files(), HERE / "script.c"]
+    run(variant.compiler, *STRICT, *variant.flags, *SCENARIOS, f"-I{SUPPORT}", "-c", *sources, cwd=folder)
+    return variant, folder
+
+
+@pytest.mark.parametrize("program", PROGRAMS, ids=lambda program: program.stem)
+def test_scenario(built: tuple[Variant, Path], program: Path) -> None:
+    variant, folder = built
+    executable = folder / program.stem
+    flags = (*STRICT, *variant.flags, *SCENARIOS, f"-I{SUPPORT}", f"-I{HERE}")
+    run(variant.compiler, *flags, program, *sorted(folder.glob("*.o")), "-lm", "-o", executable)
+    assert run(*variant.runner, executable) == program.with_suffix(".txt").read_text()
+
+
+@pytest.mark.parametrize("compiler", ["gcc", "clang"])
+@pytest.mark.parametrize("configuration", ["-DCSP_TRACE=0", "-DCSP_LEVELS=1U"])
+def test_kernel_compiles_in_every_configuration(compiler: str, configuration: str) -> None:
+    need(compiler)
+    run(compiler, *STRICT, "-O2", configuration, f"-I{SUPPORT}", "-fsyntax-only", *kernel_files())
+
+
+def test_static_analysis() -> None:
+    need("cppcheck")
+    run(
+        *("cppcheck", "--quiet", "--std=c99", "--enable=warning,style,performance,portability", "--error-exitcode=1"),
+        *("--suppress=missingIncludeSystem", "--suppress=unusedStructMember", f"-I{SUPPORT}"),
+        *kernel_files(),
+    )
+
+
+def test_kernel_has_no_heap() -> None:
+    calls = ("malloc", "calloc", "realloc", "free(", "alloca")
+    for file in [*kernel_files(), *SUPPORT.glob("*.h")]:
+        text = file.read_text()
+        assert not [call for call in calls if call in text], file.name
