@@ -77,7 +77,7 @@ def report_deadlock(root: Task, now: int) -> DeadlockReport:
     """Why nothing goes on below ``root``."""
     tasks = list(_leaves(root))
     uses = [_used_by(task) for task in tasks]
-    waits = [() if task.waiting is None else task.waiting.waits_for(task) for task in tasks]
+    waits = [task.waits() for task in tasks]
     partners = [
         [other for other in range(len(tasks)) if other != index and _identities(wait) & uses[other]]
         for index, wait in enumerate(waits)
@@ -94,7 +94,7 @@ def report_deadlock(root: Task, now: int) -> DeadlockReport:
         )
         for index, task in enumerate(tasks)
     )
-    return DeadlockReport(now, processes, tuple(processes[index] for index in _cycle(partners)))
+    return DeadlockReport(now, processes, tuple(processes[index] for index in find_cycle(partners)))
 
 
 def _leaves(task: Task) -> Iterator[Task]:
@@ -189,7 +189,7 @@ def _collect(values: Iterable[Any], found: set[int]) -> None:
             pending += [guard.end for guard in getattr(value, "guards", ()) if hasattr(guard, "end")]
 
 
-def _cycle(partners: list[list[int]]) -> list[int]:
+def find_cycle(partners: list[list[int]]) -> list[int]:
     """A cycle of the graph, or nothing; depth first without recursion."""
     state = [0] * len(partners)  # 0: not seen, 1: on the path, 2: leads to no cycle
     for start in range(len(partners)):

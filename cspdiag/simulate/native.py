@@ -1,0 +1,126 @@
+"""Runs a network as a native program: generated as C, built in a cache, its run read back into the same records as one in Python."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from typing import TYPE_CHECKING, Literal
+
+from cspdiag.codegen.c.refusals import refuse_devices
+from cspdiag.model.types import Type
+from cspdiag.network.ir import Environment, Network
+from cspdiag.pipeline import Reader, generate
+from cspdiag.simulate.execute import chosen_environment
+from cspdiag.simulate.native_build import Build, CompilerError
+from cspdiag.simulate.native_deadlock import deadlock_report
+from cspdiag.simulate.native_stream import EndRecord, StreamReader
+from cspdiag.simulate.recorder import Recorder
+from cspdiag.simulate.result import Run
+
+if TYPE_CHECKING:
+    from cspdiag.runtime import Outcome
+    from cspdiag.runtime.outcome import Ending
+
+Observed = Literal["all", "ports", "none"]
+"""Which communications are told: recording a few is much faster than recording all."""
+
+_ENDINGS: tuple[Ending, ...] = ("terminated", "failed", "deadlock", "time limit", "stopped")
+
+
+def simulate(
+    network: Network,
+    read: Reader,
+    *,
+    level: int = 0,
+    environment: str | None = None,
+    until: int | None = None,
+    recorder: Recorder | None = None,
+    on_start: Callable[[StreamReader], None] | None = None,
+    observed: Observed = "all",
+    options: tuple[str, ...] = ("-O2",),
+) -> Run:
+    """Generate, build and run a program; ``until`` is a time limit in nanoseconds.
+
+    ``on_start`` is handed what knows the present instant as ``now``. Ctrl-C and what the program raises end the run with an outcome, not with an
+    exception. Raises NoEnvironmentError, TargetError for what C cannot express, and CompilerError.
+    """
+    chosen = chosen_environment(network, environment)
+    if chosen is not None:
+        refuse_devices(chosen)
+    recorder = recorder if recorder is not None else Recorder()
+    files = generate(network, read, "c", level)
+    sources = [path for path in files if path.endswith(".c")]
+    program = Build(files, _wanted(sources), (*options, "-DCSP_TRACE=1")).executable()
+    command = [str(program), "--observe", observed]
+    if chosen is not None:
+        command += ["--environment", chosen.name]
+    if until is not None:
+        command += ["--for", str(until)]
+    types = {net.path: net.type for net in network.nets}
+    outcome = _run(command, types, recorder, chosen, network, on_start)
+    return Run(network, chosen, outcome, recorder)
+
+
+def _wanted(sources: list[str]) -> list[str]:
+    """The sources of the simulation: of the places to run, only virtual time."""
+    return [path for path in sources if "csp_port_" not in path or path.endswith("csp_port_simulation.c")]
+
+
+def _run(
+    command: list[str],
+    types: Mapping[str, Type],
+    recorder: Recorder,
+    environment: Environment | None,
+    network: Network,
+    on_start: Callable[[StreamReader], None] | None,
+) -> Outcome:
+    # A session of its own: Ctrl-C comes to us, and we hand it on once, so that outputs are released and everything is told.
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True) as running:
+        assert running.stdout is not None
+        reader = StreamReader(running.stdout, types, recorder)
+        if on_start is not None:
+            on_start(reader)
+        try:
+            reader.read()
+        except KeyboardInterrupt:
+            running.send_signal(signal.SIGINT)
+            with suppress(KeyboardInterrupt):
+                reader.read()
+        except BaseException:
+            running.kill()
+            raise
+        _, said = running.communicate()
+    if reader.end is None:
+        text = said.decode("utf-8", "replace").strip() or f"exit code {running.returncode}"
+        raise CompilerError(f"the native program has failed: {text}")
+    return _outcome(reader, reader.end, environment, network)
+
+
+def _outcome(reader: StreamReader, end: EndRecord, environment: Environment | None, network: Network) -> Outcome:
+    from cspdiag.runtime import Outcome
+
+    ended = _ENDINGS[end.ending]
+    outcome = Outcome(ended, end.time, missed=reader.missed, wall_time=end.duration)
+    if ended == "failed":
+        outcome.error = _error(end, environment)
+    if ended == "deadlock":
+        outcome.deadlock = deadlock_report(end.time, reader.waiting, network)
+    return outcome
+
+
+def _error(end: EndRecord, environment: Environment | None) -> BaseException:
+    """The exception that the same program in Python ends with."""
+    from cspdiag.runtime.exceptions import EnvironmentFailure, Fault, ProcessError, Timeout
+
+    place = end.place or None
+    if not end.exception:
+        cause = ZeroDivisionError(end.message) if end.message == "float division by zero" else Fault(end.message)
+        return EnvironmentFailure(environment.name if environment is not None else "", cause, place)
+    if end.exception == "Fault":
+        return Fault(end.message, place)
+    kind: type[ProcessError] = Timeout if end.exception == "Timeout" else type(end.exception, (ProcessError,), {})
+    error = kind(*([end.message] if end.message else []))
+    error.place = place
+    return error

@@ -1,0 +1,250 @@
+"""Builds native programs: every file once, kept in a cache by its content, its headers, the compiler and its options."""
+
+from __future__ import annotations
+
+import os
+import re
+import shlex
+import shutil
+import subprocess
+from collections.abc import Iterable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import cache, cached_property
+from hashlib import sha256
+from pathlib import Path
+
+REQUIRED = ("-std=c99", "-ffp-contract=off")
+"""Whatever else is asked for: the values of a program are defined to the last bit."""
+
+_LARGEST_CACHE = 256 * 1024 * 1024
+_INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.MULTILINE)
+_PLACE = re.compile(r"/\*.*?([^\s/*(]+\.csp:\d+)")
+
+
+class CompilerError(Exception):
+    """There is no C compiler, or it has refused a file; the message is for people."""
+
+
+@dataclass(frozen=True)
+class Compiler:
+    """A C compiler: the command and how its version describes itself."""
+
+    command: tuple[str, ...]
+    version: str
+
+
+def compiler() -> Compiler:
+    """The compiler of the environment variable CC, or else the first of cc, gcc and clang. Raises CompilerError."""
+    wanted = os.environ.get("CC")
+    commands = [wanted] if wanted else ["cc", "gcc", "clang"]
+    for text in commands:
+        command = tuple(shlex.split(text))
+        if command and shutil.which(command[0]) is not None:
+            return Compiler(command, _version(command))
+    if wanted:
+        raise CompilerError(f"CC says {wanted}, and there is no such command")
+    raise CompilerError(
+        "--target c needs a C compiler: install gcc or clang (Debian, Ubuntu: apt install gcc; macOS: xcode-select --install), "
+        "or name one by the environment variable CC"
+    )
+
+
+@cache
+def _version(command: tuple[str, ...]) -> str:
+    try:
+        told = subprocess.run([*command, "--version"], capture_output=True, text=True, check=False)
+    except OSError as problem:
+        raise CompilerError(f"{' '.join(command)} cannot be run: {problem.strerror}") from problem
+    return told.stdout.partition("\n")[0]
+
+
+def cache_folder() -> Path:
+    """Where built files are kept: ``cspdiag`` in XDG_CACHE_HOME, or in ``~/.cache``."""
+    base = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
+    return Path(base) / "cspdiag" / "c"
+
+
+@dataclass(frozen=True)
+class Build:
+    """A program to be built from ``files`` (texts by path); ``sources`` are the paths that are compiled and linked."""
+
+    files: Mapping[str, str]
+    sources: Sequence[str]
+    options: tuple[str, ...] = ("-O2",)
+    folder: Path | None = None
+    """The cache; None for the usual one."""
+
+    @cached_property
+    def _compiler(self) -> Compiler:
+        return compiler()
+
+    @cached_property
+    def _cache(self) -> Path:
+        return self.folder if self.folder is not None else cache_folder()
+
+    @cached_property
+    def _flags(self) -> tuple[str, ...]:
+        return (*self.options, *shlex.split(os.environ.get("CFLAGS", "")), *REQUIRED)
+
+    @cached_property
+    def _folders(self) -> tuple[str, ...]:
+        return tuple(dict.fromkeys(os.path.dirname(path) for path in self.files))
+
+    def executable(self) -> Path:
+        """The program, built as far as it is not in the cache. Raises CompilerError."""
+        digests = {path: self._digest(path) for path in self.sources}
+        target = self._cache / "programs" / _hash([*digests.values(), *self._identity])
+        if _touched(target):
+            return target
+        objects = self._objects(digests)
+        with _Scratch(self._cache) as scratch:
+            linked = scratch / "program"
+            self._run([*objects, "-lm", "-o", str(linked)], None)
+            _keep(linked, target)
+        _bound(self._cache)
+        return target
+
+    @cached_property
+    def _identity(self) -> tuple[str, ...]:
+        compiler_ = self._compiler
+        return (*compiler_.command, compiler_.version, *self._flags)
+
+    def _digest(self, path: str) -> str:
+        """Of what the object of a file depends on: its text, all headers that it includes, the compiler and its options."""
+        return _hash([path, *(f"{name}\n{self.files[name]}" for name in self._included(path)), *self._identity])
+
+    def _included(self, path: str) -> Iterable[str]:
+        seen: dict[str, None] = {}
+        pending = [path]
+        while pending:
+            present = pending.pop()
+            if present in seen:
+                continue
+            seen[present] = None
+            for name in self._includes[present]:
+                pending += [found for folder in self._folders if (found := os.path.join(folder, name)) in self.files]
+        return sorted(seen)
+
+    @cached_property
+    def _includes(self) -> Mapping[str, list[str]]:
+        return {path: _INCLUDE.findall(text) for path, text in self.files.items()}
+
+    def _objects(self, digests: Mapping[str, str]) -> list[str]:
+        """The objects of all sources; what is missing is compiled, as many at once as there are processors."""
+        places = {path: self._cache / "objects" / f"{digest}.o" for path, digest in digests.items()}
+        missing = [path for path, place in places.items() if not _touched(place)]
+        if missing:
+            with _Scratch(self._cache) as scratch:
+                _write(scratch, self.files)
+                with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
+                    list(pool.map(lambda path: self._compile(scratch, path, places[path]), missing))
+        return [str(place) for place in places.values()]
+
+    def _compile(self, scratch: Path, path: str, place: Path) -> None:
+        made = scratch / f"{path}.o"
+        folders = [option for folder in self._folders for option in ("-I", str(scratch / folder))]
+        self._run([*folders, "-c", str(scratch / path), "-o", str(made)], scratch)
+        _keep(made, place)
+
+    def _run(self, arguments: list[str], scratch: Path | None) -> None:
+        command = [*self._compiler.command, *self._flags, *arguments]
+        try:
+            done = subprocess.run(command, capture_output=True, text=True, check=False)
+        except OSError as problem:
+            raise CompilerError(f"{command[0]} cannot be run: {problem.strerror}") from problem
+        if done.returncode != 0:
+            said = done.stderr.strip() or f"exit code {done.returncode}"
+            raise CompilerError(f"{command[0]} failed:\n{explained(said, self.files, scratch)}")
+
+
+def explained(said: str, files: Mapping[str, str], scratch: Path | None) -> str:
+    """What a compiler said, with the paths of the package, and behind each place in generated code that in the program."""
+    text = said if scratch is None else said.replace(f"{scratch}{os.sep}", "")
+    rows = []
+    for row in text.splitlines():
+        found = re.match(r"([^\s:]+):(\d+):", row)
+        place = _source_place(files.get(found[1], ""), int(found[2])) if found else None
+        rows.append(f"{row} [{place}]" if place is not None else row)
+    return "\n".join(rows)
+
+
+def _source_place(text: str, line: int) -> str | None:
+    """The place in the comment on the line or the nearest above it."""
+    for row in reversed(text.split("\n")[:line]):
+        found = _PLACE.search(row)
+        if found is not None:
+            return found[1]
+        if row == "}":
+            return None
+    return None
+
+
+def _hash(parts: Iterable[str]) -> str:
+    digest = sha256()
+    for part in parts:
+        digest.update(part.encode())
+        digest.update(b"\0")
+    return digest.hexdigest()[:40]
+
+
+class _Scratch:
+    """A folder of its own beside the cache, so that files can be moved into it whole."""
+
+    def __init__(self, folder: Path) -> None:
+        self._parent = folder
+
+    def __enter__(self) -> Path:
+        from tempfile import mkdtemp
+
+        try:
+            self._parent.mkdir(parents=True, exist_ok=True)
+            self._path = Path(mkdtemp(prefix="building-", dir=self._parent))
+        except OSError as problem:
+            raise CompilerError(
+                f"{self._parent} cannot be written: {problem.strerror}; XDG_CACHE_HOME names another place"
+            ) from problem
+        return self._path
+
+    def __exit__(self, *_: object) -> None:
+        shutil.rmtree(self._path, ignore_errors=True)
+
+
+def _write(folder: Path, files: Mapping[str, str]) -> None:
+    for path, text in files.items():
+        target = folder / path
+        target.parent.mkdir(parents=True, exist_ok=True)
+        target.write_text(text, encoding="utf-8", newline="\n")
+
+
+def _keep(made: Path, place: Path) -> None:
+    place.parent.mkdir(parents=True, exist_ok=True)
+    os.replace(made, place)
+
+
+def _touched(place: Path) -> bool:
+    """Whether a file is in the cache, which is noted as its last use."""
+    try:
+        os.utime(place)
+    except OSError:
+        return False
+    return True
+
+
+def _bound(folder: Path) -> None:
+    """Removes what was not used for the longest time from a cache that has become too large."""
+    entries: list[tuple[float, int, Path]] = []
+    for part in ("objects", "programs"):
+        with suppress(OSError):
+            for entry in os.scandir(folder / part):
+                with suppress(OSError):
+                    facts = entry.stat()
+                    entries.append((facts.st_mtime, facts.st_size, Path(entry.path)))
+    size = sum(entry[1] for entry in entries)
+    for _, freed, path in sorted(entries):
+        if size <= _LARGEST_CACHE:
+            return
+        with suppress(OSError):
+            path.unlink()
+        size -= freed

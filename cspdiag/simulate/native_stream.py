@@ -1,0 +1,148 @@
+"""Reads what a native program tells of its run: the records of ``csp_stream.h``."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import IO
+
+from cspdiag.model.types import Type
+from cspdiag.simulate.native_values import Decoder, decoder, layout
+from cspdiag.simulate.recorder import Recorder
+
+_CHUNK = 1 << 16
+
+_CHANNEL = struct.Struct("=IH")
+_NUMBER = struct.Struct("=I")
+_LENGTH = struct.Struct("=H")
+_COMMUNICATION = struct.Struct("=qIII")
+_EVENT = struct.Struct("=qI")
+_TIME = struct.Struct("=q")
+_PAIR = struct.Struct("=II")
+_END = struct.Struct("=Bqd")
+
+
+@dataclass
+class WaitingRecord:
+    """A process that waits when nothing goes on any more."""
+
+    path: str
+    source: str
+    place: str
+    words: str
+    channels: tuple[str, ...]
+
+
+@dataclass
+class EndRecord:
+    """How the run ended: the number of a ``csp_ending``, the time in nanoseconds, how many seconds it took."""
+
+    ending: int
+    time: int
+    duration: float
+    exception: str
+    message: str
+    place: str
+
+
+@dataclass
+class StreamReader:
+    """Hands the records of one run to a recorder. ``types`` are the types of the channels by name."""
+
+    stream: IO[bytes]
+    types: Mapping[str, Type]
+    recorder: Recorder
+    now: int = 0
+    end: EndRecord | None = None
+    missed: dict[str, int] = field(default_factory=dict)
+    waiting: list[WaitingRecord] = field(default_factory=list)
+    _data: bytes = b""
+    _position: int = 0
+    _channels: dict[int, tuple[str, int, Decoder]] = field(default_factory=dict)
+    _processes: dict[int, tuple[str, str]] = field(default_factory=lambda: {0: ("", "")})
+
+    def read(self) -> None:
+        """All records, to the end of the stream."""
+        handlers: dict[int, Callable[[], None]] = {
+            1: self._channel, 2: self._process, 3: self._communication, 4: self._begin, 5: self._end_of, 6: self._release,
+            7: self._time, 8: self._waiting, 9: self._missed, 10: self._ended,
+        }  # fmt: skip
+        while self._has(1):
+            kind = self._data[self._position]
+            self._position += 1
+            handlers[kind]()
+
+    def _has(self, size: int) -> bool:
+        """Whether there are so many bytes from here, which are then in memory."""
+        while len(self._data) - self._position < size:
+            more = self.stream.read(_CHUNK)
+            if not more:
+                return False
+            self._data = self._data[self._position :] + more
+            self._position = 0
+        return True
+
+    def _bytes(self, size: int) -> bytes:
+        if not self._has(size):
+            raise EOFError("the program ended in the middle of a record")
+        self._position += size
+        return self._data[self._position - size : self._position]
+
+    def _text(self) -> str:
+        (length,) = _LENGTH.unpack(self._bytes(2))
+        return self._bytes(length).decode("utf-8", "replace")
+
+    def _channel(self) -> None:
+        number, size = _CHANNEL.unpack(self._bytes(6))
+        name = self._text()
+        type_ = self.types[name]
+        if layout(type_)[0] != size:
+            raise ValueError(f"{name} has values of {size} bytes, and {type_} has {layout(type_)[0]}")
+        self._channels[number] = (name, size, decoder(type_))
+
+    def _process(self) -> None:
+        (number,) = _NUMBER.unpack(self._bytes(4))
+        self._processes[number] = (self._text(), self._text())
+
+    def _communication(self) -> None:
+        time, channel, writer, reader = _COMMUNICATION.unpack(self._bytes(20))
+        name, size, decode = self._channels[channel]
+        value = decode(self._bytes(size))
+        self.now = time
+        processes = self._processes
+        self.recorder.communication(time, name, value, processes[writer][0], processes[reader][0])
+
+    def _begin(self) -> None:
+        self.now, number = _EVENT.unpack(self._bytes(12))
+        path, kind = self._processes[number]
+        self.recorder.process_started(self.now, path, kind)
+
+    def _end_of(self) -> None:
+        self.now, number = _EVENT.unpack(self._bytes(12))
+        self.recorder.process_ended(self.now, self._processes[number][0])
+
+    def _release(self) -> None:
+        time, channel = _EVENT.unpack(self._bytes(12))
+        name, size, decode = self._channels[channel]
+        self.recorder.released(time, name, decode(self._bytes(size)))
+
+    def _time(self) -> None:
+        (self.now,) = _TIME.unpack(self._bytes(8))
+
+    def _waiting(self) -> None:
+        self._bytes(4)
+        path, source, place, words = self._text(), self._text(), self._text(), self._text()
+        (count,) = _LENGTH.unpack(self._bytes(2))
+        numbers = [_NUMBER.unpack(self._bytes(4))[0] for _ in range(count)]
+        names = tuple(self._channels[number][0] for number in numbers if number in self._channels)
+        self.waiting.append(WaitingRecord(path, source, place, words, names))
+
+    def _missed(self) -> None:
+        channel, count = _PAIR.unpack(self._bytes(8))
+        self.missed[self._channels[channel][0]] = count
+
+    def _ended(self) -> None:
+        ending, time, duration = _END.unpack(self._bytes(17))
+        self.now = time
+        self.end = EndRecord(ending, time, duration, self._text(), self._text(), self._text())

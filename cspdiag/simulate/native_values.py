@@ -1,0 +1,78 @@
+"""Values of C programs as Python values: the layout of the types in the memory of this machine."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Callable
+from typing import assert_never
+
+from cspdiag.model.types import (
+    ArrayType,
+    BoolType,
+    EnumType,
+    IntType,
+    RealType,
+    StructType,
+    TextType,
+    TimeType,
+    Type,
+    UnknownType,
+)
+
+Decoder = Callable[[bytes], object]
+
+
+def layout(type_: Type) -> tuple[int, int]:
+    """Size and alignment in bytes, of this machine's C compilers."""
+    match type_:
+        case StructType() | ArrayType():
+            size, alignment = 0, 1
+            for part in _parts(type_):
+                inner, aligned = layout(part)
+                size, alignment = -(-size // aligned) * aligned + inner, max(alignment, aligned)
+            return -(-size // alignment) * alignment, alignment
+        case _:
+            size = struct.calcsize(_letter(type_))
+            return size, size
+
+
+def decoder(type_: Type) -> Decoder:
+    """What makes a value of its bytes: bool, int, float, and tuples for structs and arrays."""
+    if not isinstance(type_, StructType | ArrayType):
+        single = struct.Struct(f"={_letter(type_)}")
+        if isinstance(type_, BoolType):
+            return lambda data: data != b"\0"
+        return lambda data: single.unpack(data)[0]
+    pieces: list[tuple[slice, Decoder]] = []
+    position = 0
+    for part in _parts(type_):
+        size, alignment = layout(part)
+        position = -(-position // alignment) * alignment
+        pieces.append((slice(position, position + size), decoder(part)))
+        position += size
+    return lambda data: tuple(decode(data[place]) for place, decode in pieces)
+
+
+def _parts(type_: StructType | ArrayType) -> list[Type]:
+    if isinstance(type_, StructType):
+        return [field for _, field in type_.fields]
+    return [type_.element] * (type_.size or 0)
+
+
+def _letter(type_: Type) -> str:
+    """The letter of the module ``struct`` for a type that is one number."""
+    match type_:
+        case BoolType():
+            return "?"
+        case IntType():
+            letter = {8: "b", 16: "h", 32: "i", 64: "q"}[type_.bits]
+            return letter if type_.signed else letter.upper()
+        case TimeType():
+            return "q"
+        case RealType():
+            return "d" if type_.bits == 64 else "f"
+        case EnumType():
+            return "i"
+        case StructType() | ArrayType() | TextType() | UnknownType():
+            raise ValueError(f"{type_} is not one number")
+    assert_never(type_)
