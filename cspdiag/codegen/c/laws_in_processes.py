@@ -170,14 +170,14 @@ def _reading(writer: Writer, step: Step, name: str, reads: Sequence[_Read]) -> l
         source = waiting[0].source
         assert source is not None
         return [*at_once, *receive_rows(writer, step, source, waiting[0].into)]
-    offers = _Offers(writer, step, len(waiting))
+    offers = _Offers(writer, step, len(waiting), f"reads_{name}")
     found = offers.begin()
     for read in reads:
         if read in waiting and read.source is not None:
             found += offers.offer(READS[read.source.access], read.source, read.into)
         else:
             found.append(_had(read))
-    return [*found, *offers.wait(f"reads_{name}")]
+    return [*found, *offers.wait()]
 
 
 def _had(read: _Read) -> Row:
@@ -199,14 +199,14 @@ def _writing(writer: Writer, step: Step, name: str, writes: Sequence[_Write]) ->
             if write not in waiting:
                 found += _at_once(writer, step, write)
         return [*found, *(send_rows(writer, step, waiting[0].sink, waiting[0].value) if waiting else [])]
-    offers = _Offers(writer, step, len(waiting))
+    offers = _Offers(writer, step, len(waiting), f"writes_{name}")
     found = offers.begin()
     for write in writes:
         if write in waiting:
             found += offers.offer(WRITES[write.sink.access], write.sink, write.value)
         else:
             found += _at_once(writer, step, write, offers)
-    return [*found, *offers.wait(f"writes_{name}")]
+    return [*found, *offers.wait()]
 
 
 def _at_once(writer: Writer, step: Step, write: _Write, offers: _Offers | None = None) -> list[Row]:
@@ -227,10 +227,11 @@ def _at_once(writer: Writer, step: Step, write: _Write, offers: _Offers | None =
 class _Offers:
     """The offers of one step function, which are made one law after the other."""
 
-    def __init__(self, writer: Writer, step: Step, count: int) -> None:
+    def __init__(self, writer: Writer, step: Step, count: int, state: str) -> None:
         self.writer = writer
         self.step = step
         self.member = writer.offers(count)
+        self.place = writer.place(step, state, "OFFERS", self.member)
 
     def begin(self) -> list[Row]:
         """Cancelled processes go no further."""
@@ -240,14 +241,11 @@ class _Offers:
 
     def offer(self, operation: str, end: Spelling, value: str) -> list[Row]:
         """One communication begins."""
-        party = f"csp_offer_next(&{SELF}{self.member})"
-        made = f"{operation}({party}, {end.pointer}, &{value}, sizeof({value}))"
-        text = f"if (csp_offer_made(&{SELF}{self.member}, {end.medium}, {made}) == CSP_FAILS)"
-        return block(text, rows(f"goto {self.writer.failing()};"))
+        given = f"&{SELF}{self.member}, {operation}, {end.pointer}, {value}, {self.place}, {self.writer.failing()}"
+        return rows(f"CSP_OFFER({given})")
 
-    def wait(self, state: str) -> list[Row]:
+    def wait(self) -> list[Row]:
         """Until all are done."""
-        place = self.writer.place(self.step, state, "OFFERS", self.member)
         again = f"csp_offers_again(party, &{SELF}{self.member})"
-        waited = self.writer.await_rows(self.step, f"csp_offers_wait(&{SELF}{self.member})", again, place)
+        waited = self.writer.await_rows(self.step, f"csp_offers_wait(&{SELF}{self.member})", again, self.place)
         return [Row(waited[0].text), *waited[1:]]

@@ -82,7 +82,7 @@ class _NetworkFiles:
         told = [f"The network of {self.network.top}: its processes, its channels, and what stands behind its ports."]
         found = [*comment(told), "#ifndef NETWORK_H", "#define NETWORK_H", "", '#include "csp.h"', ""]
         found += ["/* A device or a simulated one for every port. */"]
-        members = [Row(f"csp_driver {member};") for member in _driver_members(self.network, self.types)]
+        members = [Row(f"{member};") for member in _driver_members(self.network, self.types)]
         found += [*lines(block("struct network_drivers", members or [Row("char unused;")], "};")), ""]
         found += ["/* Builds the network, before it runs. */"]
         found += ["void network_initialize(const struct network_drivers *drivers);", ""]
