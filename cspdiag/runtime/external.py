@@ -6,11 +6,11 @@ communicates; any other output communicates when it is written. Inputs: see ``in
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from math import isfinite
 from typing import Any, Generic, TypeAlias
 
-from .drivers import Driver, write_to
+from .drivers import Driver, Signal, write_to
 from .exceptions import Fault
 from .inputs import EventInput, SampledInput
 from .ports import Out, T
@@ -55,7 +55,7 @@ class _ExternalOutput(Out[T]):
 class SampledOutput(_ExternalOutput[T], Generic[T]):
     """A sampled output: the last value written in a period is handed over at its tick, or at once if ``immediate``."""
 
-    __slots__ = ("_latched", "_writer", "immediate", "period", "written")
+    __slots__ = ("immediate", "latched", "period", "writer", "written")
 
     def __init__(
         self,
@@ -70,8 +70,8 @@ class SampledOutput(_ExternalOutput[T], Generic[T]):
         self.period = period
         self.immediate = immediate
         self.written = False
-        self._latched: Any = None
-        self._writer: Party | None = None
+        self.latched: Any = None
+        self.writer: Party | None = None
 
     def offer(self, party: Party, value: T, /) -> bool:
         """See ``Out.offer``. Raises Fault for a NaN or an infinity."""
@@ -80,8 +80,8 @@ class SampledOutput(_ExternalOutput[T], Generic[T]):
         if self.immediate:
             self._hand_over(value, party)
         else:
-            self._latched = value
-            self._writer = party
+            self.latched = value
+            self.writer = party
             self.written = True
         return True
 
@@ -90,11 +90,27 @@ class SampledOutput(_ExternalOutput[T], Generic[T]):
         """Whether a value will be handed over at a tick."""
         return self.written
 
+    def at_tick(self) -> Callable[[], None]:
+        """What to do at a tick of this run."""
+        return self._ticking(self.line) if type(self.line) is Signal else self.tick
+
+    def _ticking(self, signal: Signal[T]) -> Callable[[], None]:
+        """``tick`` in one step for a signal of an environment."""
+
+        def tick() -> None:
+            if self.written:
+                self.written = False
+                signal.value = value = self.latched
+                if scheduler.observe is not None:
+                    scheduler.observe(self.name, value, self.writer, None)
+
+        return tick
+
     def tick(self) -> None:
         """Hands over what was written since the last tick."""
         if self.written:
             self.written = False
-            self._hand_over(self._latched, self._writer)
+            self._hand_over(self.latched, self.writer)
 
 
 class EventOutput(_ExternalOutput[T], Generic[T]):

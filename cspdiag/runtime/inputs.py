@@ -8,10 +8,10 @@ A value from outside communicates when a reader takes it.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Literal
 
-from .drivers import NO_SAMPLE, Driver, read_from
+from .drivers import NO_SAMPLE, Driver, Signal, read_from
 from .exceptions import ChannelMisuse, Timeout
 from .latched import LatchedEnd, refuse_cancelled
 from .ports import In, T
@@ -21,6 +21,7 @@ from .selector import Selector, raise_bits
 if TYPE_CHECKING:
     from .choice import Choice
     from .process import Process
+    from .routine import Part
 
 
 class _Pace:
@@ -40,64 +41,59 @@ class SampledEnd(LatchedEnd[T]):
     holds the sample of the present tick, so that a first read belongs to the same instant as the reads beside it.
     """
 
-    __slots__ = ("_begun", "_overdue", "_pace", "_port", "_reader")
+    __slots__ = ("_port", "begun", "overdue", "pace", "waiter")
 
     def __init__(self, port: SampledInput[T], pace: _Pace) -> None:
         super().__init__(port.name)
         self._port = port
-        self._pace = pace
-        self._begun = False
-        self._overdue = False
-        self._reader: Party | None = None
+        self.pace = pace
+        self.begun = False
+        self.overdue = False
+        self.waiter: Party | None = None
         pace.ends.append(self)
 
     @property
     def listens(self) -> bool:
         """Whether it wants the next sample: its session has begun, or its process follows the period."""
-        return self._begun or self._pace.followed
-
-    @property
-    def awaited(self) -> bool:
-        """Whether somebody waits for the next sample."""
-        return self._reader is not None or self._alternative_waits()
+        return self.begun or self.pace.followed
 
     def sample(self, value: T) -> None:
         """The tick: a new sample, for an end that listens."""
-        if not self._begun:
+        if not self.begun:
             self._hold(value)
             return
-        if not self._pace.followed:
-            self._pace.followed = True
-            for end in self._pace.ends:
-                if not end._begun and end._port.sampled:
+        if not self.pace.followed:
+            self.pace.followed = True
+            for end in self.pace.ends:
+                if not end.begun and end._port.sampled:
                     end._hold(end._port.latest)
                 end._port.sessions_changed()
-        if self._fresh:
+        if self.fresh:
             self._port.missed += 1
-            self._overdue = self._port.on_miss == "timeout"
-        self._value = value
-        self._fresh = True
-        if self._reader is not None:
-            scheduler.enqueue(self._reader)
-            self._reader = None
-        if self._inputs:
-            raise_bits(self._inputs)
+            self.overdue = self._port.on_miss == "timeout"
+        self.value = value
+        self.fresh = True
+        if self.waiter is not None:
+            scheduler.enqueue(self.waiter)
+            self.waiter = None
+        if self.inputs:
+            raise_bits(self.inputs)
 
     def _hold(self, value: T) -> None:
         """Keeps the sample of the present tick for a first read; to overwrite it is no miss."""
-        self._value = value
-        self._fresh = True
-        raise_bits(self._inputs)
+        self.value = value
+        self.fresh = True
+        raise_bits(self.inputs)
 
     def request(self, party: Party) -> bool:
         """See ``In.request``. Raises Timeout if a sample was overwritten since the last read."""
-        if self._fresh:
+        if self.fresh:
             party.received = self._taken(party)
             return True
-        if self._reader is not None:
+        if self.waiter is not None:
             raise ChannelMisuse(f"one end of {self.name} is read by two processes at the same time")
-        self._reader = party
-        if not self._begun:
+        self.waiter = party
+        if not self.begun:
             self._begin()
         return False
 
@@ -107,43 +103,43 @@ class SampledEnd(LatchedEnd[T]):
         return self.request(party)
 
     def _taken(self, reader: Party) -> T:
-        if self._overdue:
-            self._overdue = False
+        if self.overdue:
+            self.overdue = False
             raise Timeout(f"a sample of {self.name} was overwritten before it had been taken")
-        if not self._begun:
+        if not self.begun:
             self._begin()
         return self._communicated(reader)
 
     def _begin(self) -> None:
-        self._begun = True
+        self.begun = True
         self._port.sessions_changed()
-        for selector, bit in self._inputs:
+        for selector, bit in self.inputs:
             selector.attend &= ~bit
 
     def close(self) -> None:
         """The session is over: the next read waits for the next tick again."""
-        self._begun = self._fresh = self._overdue = self._pace.followed = False
+        self.begun = self.fresh = self.overdue = self.pace.followed = False
         self._port.sessions_changed()
-        for selector, bit in self._inputs:
+        for selector, bit in self.inputs:
             selector.attend |= bit
             selector.ready &= ~bit
 
     def withdraw(self, party: Party) -> bool:
         """See ``In.withdraw``."""
-        if self._reader is not party:
+        if self.waiter is not party:
             return False
-        self._reader = None
+        self.waiter = None
         return True
 
     def watch_input(self, selector: Selector, bit: int) -> None:
         """See ``In.watch_input``."""
         super().watch_input(selector, bit)
-        if not self._begun:
+        if not self.begun:
             selector.attend |= bit
 
     def enroll_input(self, choice: Choice, index: int) -> None:
         """An alternative waits for the first sample: the session begins."""
-        if not self._begun:
+        if not self.begun:
             self._begin()
 
 
@@ -165,16 +161,16 @@ class SampledInput(In[T]):
         self.sampled = False
         """Whether there has been a sample, which is then ``latest``."""
 
-    def reader(self, owner: Process | None = None) -> SampledEnd[T]:
+    def reader(self, owner: Process | Part | None = None) -> SampledEnd[T]:
         """The end of a process, whose session lasts until the process ends."""
         end: SampledEnd[T] = SampledEnd(self, _Pace() if owner is None else self._pace_of(owner))
         self.ends.append(end)
         return end if owner is None else owner.owns(end)
 
-    def _pace_of(self, owner: Process) -> _Pace:
+    def _pace_of(self, owner: Process | Part) -> _Pace:
         for end in owner.ends:
             if isinstance(end, SampledEnd) and end._port.period == self.period:
-                return end._pace
+                return end.pace
         return _Pace()
 
     def sessions_changed(self) -> None:
@@ -186,6 +182,31 @@ class SampledInput(In[T]):
         if listening is None:
             listening = self._listening = [end for end in self.ends if end.listens]
         return listening
+
+    def at_tick(self) -> Callable[[], None]:
+        """What to do at a tick of this run."""
+        return self._sampling(self.line) if type(self.line) is Signal else self.sample
+
+    def _sampling(self, signal: Signal[T]) -> Callable[[], None]:
+        """``sample`` in one step for a signal of an environment; ends that wait for a sample after others are served in place."""
+
+        def sample() -> None:
+            self.latest = value = signal.value
+            self.sampled = True
+            for end in self._listening or self._ends_that_listen():
+                if end.begun and end.pace.followed and not end.fresh:
+                    end.value = value
+                    end.fresh = True
+                    waiter = end.waiter
+                    if waiter is not None:
+                        end.waiter = None
+                        scheduler.enqueue(waiter)
+                    if end.inputs:
+                        raise_bits(end.inputs)
+                else:
+                    end.sample(value)
+
+        return sample
 
     def sample(self) -> None:
         """The tick: takes the new sample for all readers."""
@@ -202,7 +223,12 @@ class SampledInput(In[T]):
     @property
     def can_come(self) -> bool:
         """Whether a tick can make a process ready: a reader waits for the next sample."""
-        return self.driver is not None and _some_awaited(self._ends_that_listen())
+        if self.driver is None:
+            return False
+        for end in self._listening or self._ends_that_listen():
+            if end.waiter is not None or (end.inputs and end.alternative_waits()):
+                return True
+        return False
 
 
 class EventEnd(LatchedEnd[T]):
@@ -217,19 +243,19 @@ class EventEnd(LatchedEnd[T]):
     @property
     def awaited(self) -> bool:
         """Whether somebody waits for an event."""
-        return bool(self._readers) or self._alternative_waits()
+        return bool(self._readers) or self.alternative_waits()
 
     def occur(self, value: T) -> None:
         """The environment offers a new value."""
-        self._value = value
-        self._fresh = True
+        self.value = value
+        self.fresh = True
         if self._readers:
             scheduler.enqueue(self._readers.popleft())
-        raise_bits(self._inputs)
+        raise_bits(self.inputs)
 
     def request(self, party: Party) -> bool:
         """See ``In.request``."""
-        if self._fresh:
+        if self.fresh:
             party.received = self._taken(party)
             return True
         self._readers.append(party)
@@ -237,10 +263,10 @@ class EventEnd(LatchedEnd[T]):
 
     def collect(self, party: Party) -> bool:
         """See ``In.collect``."""
-        if scheduler.current.cancelled and self._fresh and self._readers:
+        if scheduler.current.cancelled and self.fresh and self._readers:
             scheduler.enqueue(self._readers.popleft())
         refuse_cancelled()
-        if self._fresh:
+        if self.fresh:
             party.received = self._taken(party)
             return True
         self._readers.appendleft(party)
@@ -273,7 +299,7 @@ class EventInput(In[T]):
         self.ends: list[EventEnd[T]] = [] if kind == "broadcast" else [EventEnd(name)]
         self._last: Any = None
 
-    def reader(self, owner: Process | None = None) -> EventEnd[T]:
+    def reader(self, owner: Process | Part | None = None) -> EventEnd[T]:
         """The end of a process."""
         if self.kind == "broadcast":
             self.ends.append(EventEnd(self.name))
@@ -282,6 +308,21 @@ class EventInput(In[T]):
     def start(self) -> None:
         """The value at the beginning is no event."""
         self._last = read_from(self.line, self.name)
+
+    def at_grid(self) -> Callable[[], None]:
+        """What to do at an instant of the grid of this run."""
+        return self._polling(self.line) if type(self.line) is Signal else self.poll
+
+    def _polling(self, signal: Signal[T]) -> Callable[[], None]:
+        """``poll`` in one step for a signal of an environment."""
+
+        def poll() -> None:
+            value = signal.value
+            if value != self._last:
+                self._last = value
+                self.occur(value)
+
+        return poll
 
     def poll(self) -> None:
         """A grid instant: offers the value if it has changed."""
@@ -298,11 +339,9 @@ class EventInput(In[T]):
     @property
     def can_come(self) -> bool:
         """Whether an event can make a process ready: a reader waits for it."""
-        return self.driver is not None and _some_awaited(self.ends)
-
-
-def _some_awaited(ends: Sequence[SampledEnd[Any]] | Sequence[EventEnd[Any]]) -> bool:
-    for end in ends:  # noqa: SIM110 - as above
-        if end.awaited:
-            return True
-    return False
+        if self.driver is None:
+            return False
+        for end in self.ends:  # noqa: SIM110 - asked at every instant, and a generator takes three times as long
+            if end.awaited:
+                return True
+        return False

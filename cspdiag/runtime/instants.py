@@ -70,6 +70,8 @@ class Instants:
         """From an instant to the next one, by the phase of the hyperperiod."""
         self._plans: dict[int, Plan | None] = {}
         """What happens at an instant, by the phase of the hyperperiod; None where nothing does."""
+        self._hopeful: Port | None = None
+        """The port that could make a process ready when it was asked last."""
 
     def _grid_of(self, environment: Environment | None) -> int:
         if environment is not None:
@@ -119,13 +121,13 @@ class Instants:
             match port:
                 case SampledInput():
                     if phase % port.period == 0:
-                        inputs.append(port.sample)
+                        inputs.append(port.at_tick())
                 case EventInput():
                     if port.polled and phase % self._grid == 0:
-                        inputs.append(port.poll)
+                        inputs.append(port.at_grid())
                 case SampledOutput():
                     if phase % port.period == 0 and not port.immediate:
-                        outputs.append(port.tick)
+                        outputs.append(port.at_tick())
                 case EventOutput():
                     pass
         return (*inputs, *outputs)
@@ -134,7 +136,10 @@ class Instants:
         """Whether anything at a later instant can make a process ready or hand over a value."""
         if scheduler.timers.next_instant() is not None:
             return True
-        for port in self._ports:  # noqa: SIM110 - asked at every instant, and a generator takes three times as long
+        if self._hopeful is not None and self._hopeful.can_come:
+            return True
+        for port in self._ports:
             if port.can_come:
+                self._hopeful = port
                 return True
         return False

@@ -11,20 +11,23 @@ from .selector import Selector, Watchers, lower_bits, without
 
 
 class LatchedEnd(In[T]):
-    """An end that keeps the latest value until it is taken: *fresh* until then."""
+    """An end that keeps the latest value until it is taken: *fresh* until then.
 
-    __slots__ = ("_fresh", "_inputs", "_value", "name")
+    ``inputs`` are the alternatives that have the end as a guard.
+    """
+
+    __slots__ = ("fresh", "inputs", "name", "value")
 
     def __init__(self, name: str) -> None:
         self.name = name
-        self._fresh = False
-        self._value: Any = None
-        self._inputs: Watchers = ()
+        self.fresh = False
+        self.value: Any = None
+        self.inputs: Watchers = ()
 
     @property
     def collectable(self) -> bool:
         """See ``In.collectable``."""
-        return self._fresh
+        return self.fresh
 
     def take(self) -> T:
         """See ``In.take``."""
@@ -35,25 +38,26 @@ class LatchedEnd(In[T]):
         return self._communicated(reader)
 
     def _communicated(self, reader: Party) -> T:
-        self._fresh = False
-        if self._inputs:
-            lower_bits(self._inputs)
+        self.fresh = False
+        if self.inputs:
+            lower_bits(self.inputs)
         if scheduler.observe is not None:
-            scheduler.observe(self.name, self._value, None, reader)
-        return self._value  # type: ignore[no-any-return]
+            scheduler.observe(self.name, self.value, None, reader)
+        return self.value  # type: ignore[no-any-return]
 
     def watch_input(self, selector: Selector, bit: int) -> None:
         """See ``In.watch_input``."""
-        self._inputs = (*self._inputs, (selector, bit))
-        if self._fresh:
+        self.inputs = (*self.inputs, (selector, bit))
+        if self.fresh:
             selector.ready |= bit
 
     def unwatch_input(self, selector: Selector) -> None:
         """See ``In.unwatch_input``."""
-        self._inputs = without(self._inputs, selector)
+        self.inputs = without(self.inputs, selector)
 
-    def _alternative_waits(self) -> bool:
-        for selector, bit in self._inputs:  # noqa: SIM110 - asked at every instant, and a generator takes three times as long
+    def alternative_waits(self) -> bool:
+        """Whether an alternative waits for the end to become ready."""
+        for selector, bit in self.inputs:  # noqa: SIM110 - asked at every instant, and a generator takes three times as long
             if selector.armed & bit:
                 return True
         return False

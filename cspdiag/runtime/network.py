@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from typing import Any, Literal
 
 from .clock import Clock, RealClock, VirtualClock
-from .composition import as_coroutine, end_all
+from .composition import end_all, task_for
 from .deadlock import report_deadlock
 from .devices import Devices
 from .drivers import DriverFailed
@@ -21,6 +21,7 @@ from .instants import Environment, Instants, start
 from .observer import Observer
 from .outcome import Jitter, Outcome
 from .process import Process
+from .routine import Routine
 from .scheduler import Party, Task, scheduler
 
 _REAL_TIME_STEPS = 16
@@ -30,7 +31,7 @@ _REAL_TIME_STEPS = 16
 class Network:
     """A program that can be run: its outermost process and its external ports, in the order of their declaration."""
 
-    def __init__(self, process: Process, ports: Sequence[Port] = ()) -> None:
+    def __init__(self, process: Process | Routine, ports: Sequence[Port] = ()) -> None:
         self.process = process
         self.ports = tuple(ports)
 
@@ -88,7 +89,7 @@ class _Run:
                 port.missed = 0
                 port.sampled = False
         self._root_error: BaseException | None = None
-        self._root = Task(as_coroutine(network.process), self, None)
+        self._root = task_for(network.process, self, None)
 
     def branch_ended(self, branch: Task, error: BaseException | None) -> None:
         """The outermost process has ended."""
@@ -122,15 +123,16 @@ class _Run:
         timers = scheduler.timers
         instants = self._instants
         until = self._until
+        root = self._root
+        tick = instants.after(0)
         while True:
             while run_ready():
                 pass
-            if self._root.ended:
+            if root.ended:
                 return self._ended_by_itself()
             timer = timers.next_instant()
             if timer is None and not instants.can_come():
                 return self._deadlocked()
-            tick = instants.after(scheduler.now)
             instant = tick if timer is None or (tick is not None and tick < timer) else timer
             assert instant is not None
             if until is not None and instant > until:
@@ -138,6 +140,7 @@ class _Run:
             scheduler.now = instant
             if instant == tick:
                 instants.meet(instant)
+                tick = instants.after(instant)
             if instant == timer:
                 timers.fall_due(instant)
 
