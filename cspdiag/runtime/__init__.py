@@ -58,17 +58,21 @@ from .exceptions import (
 from .external import EventOutput, SampledOutput
 from .inputs import EventInput, SampledInput
 from .instants import Environment
-from .interrupt import interrupt
+from .interrupt import interrupt, interrupted
 from .network import Network
 from .observer import Observer
 from .outcome import Jitter, Outcome
 from .ports import In, Out
 from .process import Process, Submodel
+from .rendezvous import Alternated, Rendezvous
+from .routine import Part, Routine, Steps, end_group, push, start_group
+from .scheduler import Task, scheduler
 from .together import read_all, write_all
 from .variable import Constant, Discard, Variable
 
 __all__ = [
     "After",
+    "Alternated",
     "Alternative",
     "AnyChannel",
     "Broadcast",
@@ -97,14 +101,19 @@ __all__ = [
     "Outcome",
     "Output",
     "Overwriting",
+    "Part",
     "Process",
     "ProcessError",
     "Ready",
+    "Rendezvous",
+    "Routine",
     "SampledInput",
     "SampledOutput",
     "Signal",
     "Skip",
+    "Steps",
     "Submodel",
+    "Task",
     "Timeout",
     "Variable",
     "WaitingProcess",
@@ -113,6 +122,7 @@ __all__ = [
     "cos",
     "deadzone",
     "element",
+    "end_group",
     "exp",
     "float32",
     "floor",
@@ -122,6 +132,7 @@ __all__ = [
     "int32",
     "int64",
     "interrupt",
+    "interrupted",
     "limit",
     "log",
     "ms",
@@ -131,16 +142,19 @@ __all__ = [
     "parallel",
     "power",
     "prioritized_parallel",
+    "push",
     "quantize",
     "quotient",
     "read_all",
     "remainder",
     "replaced",
     "s",
+    "scheduler",
     "seconds",
     "sign",
     "sin",
     "sqrt",
+    "start_group",
     "stop",
     "tan",
     "uint8",

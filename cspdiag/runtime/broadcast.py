@@ -15,6 +15,7 @@ from .selector import Selector, Watchers, attend, lower_bits, raise_bits, withou
 if TYPE_CHECKING:
     from .choice import Choice
     from .process import Process
+    from .routine import Part
 
 
 class Broadcast(In[T], Out[T]):
@@ -29,7 +30,7 @@ class Broadcast(In[T], Out[T]):
         self._value: Any = None
         self._outputs: Watchers = ()
 
-    def reader(self, owner: Process | None = None) -> BroadcastEnd[T]:
+    def reader(self, owner: Process | Part | None = None) -> BroadcastEnd[T]:
         """A reading end of its own."""
         end = BroadcastEnd(self)
         self._ends.append(end)

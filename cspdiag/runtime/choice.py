@@ -17,6 +17,7 @@ from .selector import Selector, raise_bits
 
 if TYPE_CHECKING:
     from .process import Process
+    from .routine import Part
 
 
 class Ready:
@@ -117,7 +118,7 @@ class _Pledge:
         self.received: Any = None
 
     @property
-    def process(self) -> Process | None:
+    def process(self) -> Process | Part | None:
         return self._choice.task.process
 
     @property

@@ -8,15 +8,19 @@ from __future__ import annotations
 
 from collections.abc import Awaitable, Coroutine, Generator
 from contextlib import suppress
-from inspect import iscoroutine
+from inspect import iscoroutine, isfunction
 from types import coroutine
-from typing import Any, TypeVar
+from typing import Any, TypeAlias, TypeVar, cast
 
 from .exceptions import Cancelled
 from .process import Process
-from .scheduler import Party, Task, Waits, scheduler
+from .routine import Branch, Routine, RoutineTask
+from .scheduler import Join, Party, Task, Waits, scheduler
 
 T = TypeVar("T")
+
+Body: TypeAlias = "Awaitable[object] | Branch"
+"""What can run beside others."""
 
 
 class Branches:
@@ -35,10 +39,10 @@ class Branches:
         self._abandoned = False
         self.cancelled = False
 
-    def start(self, bodies: tuple[Awaitable[object], ...], *, prioritized: bool = False) -> None:
+    def start(self, bodies: tuple[Body, ...], *, prioritized: bool = False) -> None:
         """Makes the branches and puts them into the ready queue."""
         parent = self._parent
-        self.tasks = [Task(as_coroutine(body), self, parent) for body in bodies]
+        self.tasks = [task_for(body, self, parent) for body in bodies]
         self.pending = len(self.tasks)
         if prioritized:
             for rank, task in enumerate(self.tasks):
@@ -103,6 +107,13 @@ async def _awaited(body: Awaitable[T]) -> T:
     return await body
 
 
+def task_for(body: Body, join: Join, parent: Task | None) -> Task:
+    """What executes ``body``."""
+    if isinstance(body, Routine) or isfunction(body):
+        return RoutineTask(body, join, parent)
+    return Task(as_coroutine(cast("Awaitable[object]", body)), join, parent)
+
+
 def as_coroutine(body: Awaitable[T]) -> Coroutine[Any, Any, T]:
     """What a task can execute."""
     if iscoroutine(body):
@@ -113,7 +124,7 @@ def as_coroutine(body: Awaitable[T]) -> Coroutine[Any, Any, T]:
 
 
 @coroutine
-def parallel(*bodies: Awaitable[object]) -> Generator[None, None, None]:
+def parallel(*bodies: Body) -> Generator[None, None, None]:
     """Runs processes or coroutines at the same time; ends when all have ended.
 
     If one raises an exception, the others are cancelled at their next communication, and it is raised here when they have
@@ -126,7 +137,7 @@ def parallel(*bodies: Awaitable[object]) -> Generator[None, None, None]:
 
 
 @coroutine
-def prioritized_parallel(*bodies: Awaitable[object]) -> Generator[None, None, None]:
+def prioritized_parallel(*bodies: Body) -> Generator[None, None, None]:
     """As ``parallel``; each branch has a higher priority than those after it.
 
     The first keeps the priority of the parent. A branch of rank r comes after all branches of lower rank, and their inner branches, and
@@ -138,7 +149,7 @@ def prioritized_parallel(*bodies: Awaitable[object]) -> Generator[None, None, No
     yield from branches.wait()
 
 
-def _parent_of(bodies: tuple[Awaitable[object], ...]) -> Task:
+def _parent_of(bodies: tuple[Body, ...]) -> Task:
     task = scheduler.current
     if task.cancelled:
         for body in bodies:

@@ -8,7 +8,7 @@ from typing import Any
 
 from .alternative import Alternative
 from .choice import Choice, Guard, Input, Output, waits_of_guard
-from .composition import Branches
+from .composition import Body, Branches
 from .exceptions import Cancelled
 from .scheduler import Party, Task, Waits, scheduler
 
@@ -77,7 +77,14 @@ class _Body(Branches):
 def interrupt(
     body: Awaitable[object], guard: Guard, handler: Callable[[], Awaitable[object]]
 ) -> Generator[None, None, None]:
-    """Runs ``body``; once ``guard`` is ready, abandons it at its next communication, and then runs ``handler``.
+    """Runs ``body``; once ``guard`` is ready, abandons it at its next communication, and then runs ``handler``; see ``interrupted``."""
+    taken = yield from interrupted(body, guard)
+    if taken:
+        yield from handler().__await__()
+
+
+def interrupted(body: Body, guard: Guard) -> Generator[None, None, bool]:
+    """Runs ``body``; once ``guard`` is ready, abandons it at its next communication. Whether it did.
 
     The communication of the guard is made when the body has ended. If the body ends by itself, nothing else happens. An ``Input`` guard keeps
     what it read as its ``value``.
@@ -106,10 +113,10 @@ def interrupt(
     elif interruption.woken and branches.cancelled:
         value = yield from _communication(guard)
     else:
-        return  # The body came to its end before its next communication.
+        return False  # The body came to its end before its next communication.
     if isinstance(guard, Input):
         guard.value = value
-    yield from handler().__await__()
+    return True
 
 
 def _communication(guard: Guard) -> Generator[None, None, Any]:

@@ -12,12 +12,13 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from .process import Process
+    from .routine import Part
 
 _PLACE = re.compile(r"#\s*([^\s#]+\.csp:\d+)")
 _RUNTIME = __package__
 
 
-def place_of(error: BaseException, process: Process) -> str:
+def place_of(error: BaseException, process: Process | Part) -> str:
     """The process, with the source line of the statement that raised ``error``, or else that of the process."""
     place = statement_of(error) or process.source
     return process.name if place is None else f"{process.name} ({place})"

@@ -16,6 +16,7 @@ from .scheduler import Party, Waits, scheduler
 if TYPE_CHECKING:
     from .choice import Choice
     from .process import Process
+    from .routine import Part
     from .selector import Selector
 
 T = TypeVar("T")
@@ -48,7 +49,7 @@ class In(Generic[T_co]):
                 yield
         return task.received  # type: ignore[no-any-return]
 
-    def reader(self, owner: Process | None = None) -> In[T_co]:
+    def reader(self, owner: Process | Part | None = None) -> In[T_co]:
         """The end that ``owner`` reads from; it is closed when ``owner`` ends.
 
         Ends of broadcasts and of external ports keep books for their reader, so every process makes its own.

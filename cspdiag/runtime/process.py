@@ -11,6 +11,7 @@ from .scheduler import scheduler
 
 if TYPE_CHECKING:
     from .ports import In
+    from .routine import Part
 
 E = TypeVar("E", bound="In[Any]")
 
@@ -26,7 +27,7 @@ class Process:
         self.name = name
         self.source = source
         self.runs_now = False
-        self.enclosing: Process | None = None
+        self.enclosing: Process | Part | None = None
         self.ends: list[In[Any]] = []
         """Reading ends of this process, closed when it ends."""
 

@@ -16,7 +16,7 @@ Invariants:
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Coroutine
+from collections.abc import Callable, Coroutine, Generator
 from itertools import islice
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
@@ -25,6 +25,7 @@ from .timers import Timers
 
 if TYPE_CHECKING:
     from .process import Process
+    from .routine import Part
 
 Priority: TypeAlias = tuple[int, ...]
 """Ranks from the outermost prioritized parallel inwards; the smallest is the most urgent."""
@@ -51,7 +52,7 @@ class Party(Protocol):
         ...
 
     @property
-    def process(self) -> Process | None:
+    def process(self) -> Process | Part | None:
         """The process on whose behalf it waits."""
         ...
 
@@ -92,11 +93,13 @@ class Task:
         "waiting",
     )
 
-    def __init__(self, body: Coroutine[Any, Any, object], join: Join, parent: Task | None) -> None:
+    def __init__(
+        self, body: Coroutine[Any, Any, object] | Generator[None, None, None], join: Join, parent: Task | None
+    ) -> None:
         self.coroutine = body
         self.resume: Callable[[None], object] = body.send
         self.join = join
-        self.process: Process | None
+        self.process: Process | Part | None
         self.priority: Priority
         self.ready_queue: list[Party] | deque[Party]
         self.received: Any = None
@@ -115,11 +118,19 @@ class Task:
         self.cancelled = True
         if self is scheduler.current:
             self._cancel_running()
-        elif self.waiting is not None and self.waiting.withdraw(self):
+        elif self.withdraw():
             self.resume = self._abandon
             scheduler.enqueue(self)
         else:
             self.resume = self._go_on_until_communication
+
+    def withdraw(self) -> bool:
+        """Takes it back from where it waits; False if it does not wait."""
+        return self.waiting is not None and self.waiting.withdraw(self)
+
+    def waits(self) -> Waits:
+        """What it waits for."""
+        return () if self.waiting is None else self.waiting.waits_for(self)
 
     def _cancel_running(self) -> None:
         """It has itself made the guard ready that interrupts it, and may be about to park in that very communication.
@@ -132,7 +143,7 @@ class Task:
 
     def _abandon_if_parked(self, _: None) -> None:
         self.resume = self._go_on_until_communication
-        if not self.ended and self.waiting is not None and self.waiting.withdraw(self):
+        if not self.ended and self.withdraw():
             self._abandon(None)
 
     def _abandon(self, _: None) -> None:
@@ -191,12 +202,14 @@ class Scheduler:
 
     def __init__(self) -> None:
         self.running = False
+        self.queue: list[Party] = []
+        """That of the highest level, one list for all runs."""
         self.reset()
 
     def reset(self) -> None:
         """Forgets everything, for a new run."""
         self.now = 0
-        self.queue: list[Party] = []
+        self.queue.clear()
         self._levels: list[tuple[Priority, deque[Party]]] = []
         self.enqueue: Callable[[Party], None] = self.queue.append
         self.push: Callable[[Party], None] = self.enqueue

@@ -39,6 +39,12 @@ class Selector:
         self.attend = 0
         self.waiting: Waker | None = None
 
+    def wake(self) -> None:
+        """An armed guard has become ready."""
+        self.armed = 0
+        assert self.waiting is not None
+        self.waiting.wake()
+
 
 Watchers: TypeAlias = "tuple[tuple[Selector, int], ...]"
 
@@ -48,9 +54,7 @@ def raise_bits(watchers: Watchers) -> None:
     for selector, bit in watchers:
         selector.ready |= bit
         if selector.armed & bit:
-            selector.armed = 0
-            assert selector.waiting is not None
-            selector.waiting.wake()
+            selector.wake()
 
 
 def lower_bits(watchers: Watchers) -> None:

@@ -12,12 +12,14 @@ from typing import TYPE_CHECKING, Any, TypeVar, overload
 
 from .exceptions import Cancelled
 from .ports import AnyIn, AnyOut, In, Out
+from .rendezvous import Rendezvous
 from .scheduler import Party, Task, Waits, scheduler
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable
 
     from .process import Process
+    from .routine import Part
 
 A = TypeVar("A")
 B = TypeVar("B")
@@ -53,7 +55,7 @@ class _Offered:
         together.waiting.append(self)
 
     @property
-    def process(self) -> Process | None:
+    def process(self) -> Process | Part | None:
         return self.task.process
 
     @property
@@ -66,6 +68,8 @@ class _Offered:
         if self not in together.waiting:
             return
         scheduler.current = self.task
+        if self.received is _NOTHING and isinstance(self.end, Rendezvous):
+            self.received = self.end.value
         if self.received is not _NOTHING:
             together.done(self)
             return
