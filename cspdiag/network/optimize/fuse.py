@@ -22,13 +22,20 @@ When that can be done, and why nothing else can be seen from outside:
 
 from __future__ import annotations
 
+from collections.abc import Container, Iterator
+
 from cspdiag.diagnostics.record import replaced
-from cspdiag.network.ir import Network, ProcessClass
+from cspdiag.network.actions import End, ParallelSteps, PortEnd, ReadValue
+from cspdiag.network.ir import CreatedChoice, Network, Port, ProcessClass, SubmodelClass
 from cspdiag.network.optimize.dead import remove_dead_parts
-from cspdiag.network.optimize.fuse_actions import Composition
+from cspdiag.network.optimize.fuse_actions import FIRST_SAMPLE, Composition
+from cspdiag.network.optimize.fuse_check import same_schedule
 from cspdiag.network.optimize.fuse_code import NotStaticError
+from cspdiag.network.optimize.fuse_follow import Loops
 from cspdiag.network.optimize.fuse_open import opened
-from cspdiag.network.optimize.fuse_schedule import schedule
+from cspdiag.network.optimize.fuse_record import Step
+from cspdiag.network.optimize.fuse_schedule import Path, schedule, schedule_like, with_loop_begun
+from cspdiag.network.walk import parts
 
 
 def fuse(network: Network) -> Network:
@@ -43,11 +50,60 @@ def fused(network: Network) -> Network:
     """The network as one process. Raises NotStaticError."""
     top = network.class_named(network.top)
     assert isinstance(top, ProcessClass)
-    if not top.instances:
+    if not any(isinstance(part, ParallelSteps) for entry in network.classes for part in _steps(entry)):
         raise NotStaticError("it is one process already")
     entry = opened(network)
     path = schedule(entry, network.external_ports)
+    for followed in _ways_to_follow(path):
+        single = _single(entry, path, followed)
+        if _does_the_same(single, path, network):
+            return remove_dead_parts(replaced(network, classes=(single,)))
+    raise NotStaticError("one process would take its samples at other instants")
+
+
+def _steps(entry: ProcessClass | SubmodelClass) -> Iterator[object]:
+    return parts(entry.body) if isinstance(entry, ProcessClass) else iter(())
+
+
+def _ways_to_follow(path: Path) -> Iterator[tuple[End, ...]]:
+    """The ends that one process may have to begin to follow together: none, or all that were followed when the first sample came."""
+    yield ()
+    first = next((step for step in path.happenings if isinstance(step, Step) and step.fresh), None)
+    if first is not None and isinstance(first.action, ReadValue):
+        others = [end for end, since in path.followed.items() if since < first.time and end != first.action.source]
+        if others:
+            yield first.action.source, *others
+
+
+def _single(entry: ProcessClass, path: Path, followed: tuple[End, ...]) -> ProcessClass:
+    """The class of the one process."""
     assert entry.body is not None
-    composition = Composition(path, entry.body, {channel.name for channel in entry.channels})
-    single = replaced(entry, body=composition.body, channels=(*entry.channels, *composition.variables))
-    return remove_dead_parts(replaced(network, classes=(single,)))
+    if followed and isinstance(path.outcome, Loops):
+        path = with_loop_begun(path)
+    composition = Composition(path, entry.body, {channel.name for channel in entry.channels}, followed=followed)
+    guarded = {(end.port, end.index or 0) for end in followed if isinstance(end, PortEnd)}
+    return replaced(
+        entry,
+        body=composition.body,
+        channels=(*entry.channels, *composition.variables),
+        ports=tuple(_guarded(port, guarded) for port in entry.ports),
+        creation=(*entry.creation, CreatedChoice(FIRST_SAMPLE)) if followed else entry.creation,
+    )
+
+
+def _guarded(port: Port, guarded: Container[tuple[str, int]]) -> Port:
+    media = (
+        replaced(medium, guarded_reads=True) if (port.name, index) in guarded else medium
+        for index, medium in enumerate(port.media)
+    )
+    return replaced(port, media=tuple(media))
+
+
+def _does_the_same(single: ProcessClass, path: Path, network: Network) -> bool:
+    """Follows the one process as the many were followed."""
+    made = frozenset(channel.name for channel in single.channels if channel.name.startswith("ended"))
+    try:
+        again = schedule_like(single, network.external_ports, path, made)
+    except NotStaticError:
+        return False
+    return same_schedule(path, again, made)
