@@ -10,8 +10,12 @@ from cspdiag.model.types import BOOL, TIME
 from cspdiag.network.actions import (
     Action,
     AssignValue,
+    Branch,
+    Choice,
+    End,
     IfElse,
     RaiseException,
+    ReadyEvent,
     Repeat,
     SkipStep,
     Target,
@@ -25,12 +29,21 @@ from cspdiag.network.optimize.fuse_follow import Ends, Loops
 from cspdiag.network.optimize.fuse_record import Step, Turn
 from cspdiag.network.optimize.fuse_schedule import Path
 
+FIRST_SAMPLE = "samples"
+"""The alternative that waits for the first sample."""
+
 
 class Composition:
-    """Writes it as ``body``; ``place`` is where what nobody wrote stands. ``variables`` are those that it needs besides."""
+    """Writes it as ``body``; ``place`` is where what nobody wrote stands. ``variables`` are those that it needs besides.
 
-    def __init__(self, path: Path, place: Action, taken: Container[str]) -> None:
+    Before it takes its first sample, it begins to follow the ends in ``followed``; they begin with the one that has the first sample.
+    """
+
+    def __init__(self, path: Path, place: Action, taken: Container[str], *, followed: tuple[End, ...] = ()) -> None:
         self._place = place
+        self._followed = followed
+        fresh = (n for n, happening in enumerate(path.happenings) if isinstance(happening, Step) and happening.fresh)
+        self._first = next(fresh, None)
         self._ended = "ended"
         while self._ended in taken:
             self._ended += "_"
@@ -76,7 +89,7 @@ class Composition:
         waits_itself = self._waits_itself(path, start, loops.since)
         first_part = self._straight(path, start, leave, loops.since, turn.time, [])
         second_part = self._straight(path, leave + 1, end, turn.time, None if waits_itself else path.now, [])
-        condition = turn.condition if turn.holds else _opposite(turn.condition)
+        condition = turn.condition if turn.holds else opposite(turn.condition)
         body = in_sequence([second_part, first_part], self._place)
         loop = WhileLoop(span=self._place.span, condition=condition, body=body)
         after = self._from(path.exits[leave], leave + 1, turn.time)
@@ -99,11 +112,13 @@ class Composition:
                 steps.append(self._wait(happening.time - now))
             now = happening.time
             if isinstance(happening, Step):
+                if position == self._first and self._followed:
+                    steps.append(self._first_sample())
                 steps.append(happening.action)
                 continue
             other = path.exits[position]
             instead = self._from(other, position + 1, now)
-            condition = _opposite(happening.condition) if happening.holds else happening.condition
+            condition = opposite(happening.condition) if happening.holds else happening.condition
             span = happening.condition.span or self._place.span
             if not _ends_well(other):
                 otherwise: Action = SkipStep(span=span)
@@ -120,6 +135,16 @@ class Composition:
             steps.append(self._wait(until - now))
         return in_sequence([*steps, *end], self._place)
 
+    def _first_sample(self) -> Action:
+        """Waits for the first sample, and so begins to follow other inputs with it."""
+        span = self._place.span
+        skip = SkipStep(span=span)
+        branches = (
+            Branch(span=span, condition=None, event=ReadyEvent(span=span, source=end), body=skip)
+            for end in self._followed
+        )
+        return Choice(span=span, branches=tuple(branches), prioritized=True, name=FIRST_SAMPLE)
+
     def _wait(self, duration: int) -> Action:
         return WaitStep(span=self._place.span, duration=LiteralValue(type=TIME, value=duration))
 
@@ -132,7 +157,8 @@ def _ends_well(path: Path) -> bool:
     return isinstance(path.outcome, Ends) and path.outcome.failure is None
 
 
-def _opposite(condition: Expression) -> Expression:
+def opposite(condition: Expression) -> Expression:
+    """A condition that holds where this one does not."""
     match condition:
         case BinaryOperation(operator="=="):
             return replaced(condition, operator="!=")

@@ -6,7 +6,7 @@ decision where to go on. What only computes is one instruction, however large; o
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Container
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -23,7 +23,6 @@ from cspdiag.network.actions import (
     InputRead,
     InterruptOn,
     ParallelSteps,
-    PortEnd,
     ProcessScope,
     RaiseException,
     ReadInputs,
@@ -45,7 +44,6 @@ from cspdiag.network.actions import (
 )
 from cspdiag.network.expressions import Expression
 from cspdiag.network.ir import MediumKind, ProcessClass
-from cspdiag.network.walk import parts
 
 
 class NotStaticError(Exception):
@@ -154,20 +152,21 @@ Around: TypeAlias = tuple[Handler | Scope, ...]
 
 
 class Code:
-    """The instructions of a process class whose composition runs no instances any more."""
+    """The instructions of a process class whose composition runs no instances any more.
 
-    def __init__(self, entry: ProcessClass) -> None:
+    ``whole`` are the conditions and loops that may be computed as a whole; None: all that only compute.
+    """
+
+    def __init__(self, entry: ProcessClass, whole: Container[Action] | None = None) -> None:
         assert entry.body is not None
         self.entry = entry
+        self._whole = whole
         self.instructions: list[Instruction] = []
         self.around: list[Around] = []
         self.kinds: dict[str, MediumKind] = {channel.name: channel.kind for channel in entry.channels}
         self._media = {port.name: port.media for port in entry.ports}
         self._add_action(entry.body, ())
         self._add(Finish(), ())
-
-    def __deepcopy__(self, memo: object) -> Code:
-        return self
 
     def medium(self, end: End) -> MediumKind:
         """What an end belongs to."""
@@ -188,7 +187,7 @@ class Code:
         return len(self.instructions)
 
     def _add_action(self, action: Action, around: Around) -> None:
-        if self.computes(action):
+        if not isinstance(action, SequentialSteps | Group) and self.computes(action):
             if not isinstance(action, SkipStep):
                 self._add(Compute(action), around)
             return
@@ -300,6 +299,8 @@ class Code:
                 return True
             case SequentialSteps(steps=steps):
                 return all(map(self.computes, steps))
+            case IfElse() | WhileLoop() | Repeat() if self._whole is not None and action not in self._whole:
+                return False
             case IfElse():
                 return self.computes(action.then) and self.computes(action.otherwise)
             case WhileLoop(body=body) | Group(body=body):
@@ -316,8 +317,3 @@ class Code:
 
 def _target(read: InputRead) -> tuple[End, Target]:
     return read.source, Target(read.name)
-
-
-def ports_used(entry: ProcessClass) -> Iterable[PortEnd]:
-    """The ends of ports in a composition."""
-    return (part for part in parts(entry.body) if isinstance(part, PortEnd))

@@ -76,10 +76,10 @@ class Asks:
 Outcome: TypeAlias = Ends | Loops | Asks
 
 
-class _QuestionError(Exception):
-    def __init__(self, condition: Expression) -> None:
+class _FoundError(Exception):
+    def __init__(self, outcome: Outcome) -> None:
         super().__init__()
-        self.condition = condition
+        self.outcome = outcome
 
 
 class Following(Recorder):
@@ -135,19 +135,21 @@ class Following(Recorder):
         self.make_ready(main)
         try:
             while True:
-                loops = self._run_all_ready()
-                if loops is not None:
-                    return loops
+                self._run_all_ready()
                 if main.ended:
                     return Ends(self.failure)
                 self._instant(self._next_instant())
-        except _QuestionError as question:
-            return Asks(question.condition)
+        except _FoundError as found:
+            return found.outcome
 
     def _task(self, key: tuple[int, ...], position: int, priority: tuple[int, ...], parent: Branches | None) -> Task:
         task = Task(key, position, priority, parent)
         self._tasks.append(task)
         return task
+
+    def followed_since(self) -> dict[End, int]:
+        """When the ends of sampled inputs were read, or waited at, for the first time."""
+        return {end: since for port in self.inputs for end, since in port.since.items()}
 
     def make_ready(self, task: Task) -> None:
         """Put into the ready queue, where it is not there yet."""
@@ -181,18 +183,9 @@ class Following(Recorder):
             if self._owners.get(other) == owner
         )
 
-    def _run_all_ready(self) -> Loops | None:
+    def _run_all_ready(self) -> None:
         while self.ready:
-            state = self._state()
-            before = self._seen.get(state)
-            if before is not None:
-                position, since = before
-                if since == self.now and position == len(self.happenings):
-                    raise NotStaticError("it goes on for ever without doing anything")
-                return Loops(position, since)
-            if len(self._seen) > LONGEST:
-                raise NotStaticError(f"it takes more than {LONGEST} turns until it repeats")
-            self._seen[state] = (len(self.happenings), self.now)
+            self._remember()
             task = min(self.ready, key=Task.rank)
             self.ready.remove(task)
             self.running = task
@@ -200,10 +193,23 @@ class Following(Recorder):
             self.running = None
             self.notice()
             self._tasks = [task for task in self._tasks if not task.ended]
-        return None
+
+    def _remember(self) -> None:
+        """Stops where the program is in a state for the second time."""
+        state = self._state()
+        before = self._seen.get(state)
+        if before is not None:
+            position, since = before
+            if since == self.now and position == len(self.happenings):
+                raise NotStaticError("it goes on for ever without doing anything")
+            raise _FoundError(Loops(position, since))
+        if len(self._seen) > LONGEST:
+            raise NotStaticError(f"it takes more than {LONGEST} turns until it repeats")
+        self._seen[state] = (len(self.happenings), self.now)
 
     def _state(self) -> object:
         return (
+            None if self.running is None else self.running.key,
             self.now % self.period,
             tuple(task.key for task in self.ready),
             tuple(task.state() for task in self._tasks),
@@ -257,9 +263,9 @@ class Following(Recorder):
                 task.position += 1
             case Decide():
                 holds = self._holds(instruction)
-                task.position = task.position + 1 if holds else instruction.otherwise
+                self._jump(task, task.position + 1 if holds else instruction.otherwise)
             case Jump(to=to):
-                task.position = to
+                self._jump(task, to)
             case Raise(exception=exception):
                 return self._raise(task, exception)
             case Close(instance=instance):
@@ -278,12 +284,18 @@ class Following(Recorder):
                 return self._begin(task, self._selection(task, instruction.choice))
         return True
 
+    def _jump(self, task: Task, to: int) -> None:
+        back = to <= task.position
+        task.position = to
+        if back:
+            self._remember()
+
     def _holds(self, decide: Decide) -> bool:
         value = self.folded(decide.condition)
         if isinstance(value, LiteralValue):
             return value.value is True
         if self._asked == len(self._decisions):
-            raise _QuestionError(decide.condition)
+            raise _FoundError(Asks(decide.condition))
         taken = self._decisions[self._asked]
         self._asked += 1
         self.turn(decide.condition, taken)

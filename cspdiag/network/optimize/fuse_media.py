@@ -320,6 +320,8 @@ class SampledInput(Medium):
         self.period = period
         self.ends = ends
         self.sessions: dict[End, Session] = {}
+        self.since: dict[End, int] = {}
+        """When each end was waited at for the first time."""
 
     def state(self) -> tuple[object, ...]:
         """See ``Medium.state``."""
@@ -351,6 +353,7 @@ class SampledInput(Medium):
     def begin(self, offer: Offer, available: bool) -> None:
         """A first read, which waits or takes the present tick's sample."""
         self.sessions[offer.end] = Session(self.world.now, available, self._tick())
+        self.since.setdefault(offer.end, self.world.now)
 
     def arrive(self, offer: Offer) -> None:
         """See ``Medium.arrive``."""

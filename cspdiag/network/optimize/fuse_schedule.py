@@ -7,15 +7,26 @@ program ends.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from cspdiag.model.types import Type
-from cspdiag.network.actions import AssignValue, Choice, IfElse, InputEvent, ReadInputs, ReadValue, Repeat, WhileLoop
+from cspdiag.network.actions import (
+    Action,
+    AssignValue,
+    Choice,
+    End,
+    IfElse,
+    InputEvent,
+    ReadInputs,
+    ReadValue,
+    Repeat,
+    WhileLoop,
+)
 from cspdiag.network.expressions import VariableValue
 from cspdiag.network.ir import ExternalPort, ProcessClass
 from cspdiag.network.optimize.fuse_code import Code, NotStaticError
 from cspdiag.network.optimize.fuse_follow import Asks, Ends, Following, Loops
-from cspdiag.network.optimize.fuse_record import Happening, Turn
+from cspdiag.network.optimize.fuse_record import Happening, Step, Turn
 from cspdiag.network.walk import parts
 
 MOST_DECISIONS = 60
@@ -34,6 +45,20 @@ class Path:
     exits: dict[int, Path]
     made: dict[str, Type]
     now: int
+    counting: frozenset[str]
+    """The variables whose values were known."""
+    followed: dict[End, int]
+    """Since when the ends of sampled inputs are read."""
+
+
+def schedule_like(entry: ProcessClass, ports: Sequence[ExternalPort], path: Path, made: frozenset[str]) -> Path:
+    """The schedule of a class that was written from a path, with ``made`` as variables that count. Raises NotStaticError."""
+    return _explored(Code(entry, whole=_computations(path)), ports, path.counting | made, ())
+
+
+def _computations(path: Path) -> set[Action]:
+    found = {step.action for step in path.happenings if isinstance(step, Step)}
+    return found.union(*map(_computations, path.exits.values()))
 
 
 def schedule(entry: ProcessClass, ports: Sequence[ExternalPort]) -> Path:
@@ -52,7 +77,15 @@ def _explored(code: Code, ports: Sequence[ExternalPort], counting: frozenset[str
     following = Following(code, ports, counting, decisions)
     outcome = following.run()
     if not isinstance(outcome, Asks):
-        return Path(tuple(following.happenings), outcome, {}, following.made, following.now)
+        return Path(
+            tuple(following.happenings),
+            outcome,
+            {},
+            following.made,
+            following.now,
+            counting,
+            following.followed_since(),
+        )
     if len(decisions) == MOST_DECISIONS:
         raise NotStaticError("what it does depends on values too often")
     position = len(following.happenings)
@@ -64,7 +97,37 @@ def _explored(code: Code, ports: Sequence[ExternalPort], counting: frozenset[str
         assert isinstance(turn, Turn)
         raise NotStaticError("what it does next depends on a value", turn.condition.span)
     main.exits[position] = other
-    return Path(main.happenings, main.outcome, main.exits, {**main.made, **other.made}, main.now)
+    return replace(main, made={**main.made, **other.made})
+
+
+def with_loop_begun(path: Path) -> Path:
+    """The same schedule, with the first turn of its loop before the loop."""
+    outcome = path.outcome
+    assert isinstance(outcome, Loops)
+    count = len(path.happenings)
+    offset, later = count - outcome.position, path.now - outcome.since
+    happenings = (*path.happenings, *_later(path.happenings[outcome.position :], later))
+    exits = dict(path.exits)
+    for position, other in path.exits.items():
+        if position >= outcome.position:
+            exits[position + offset] = _moved(other, position, happenings[: position + offset + 1], later)
+    return replace(path, happenings=happenings, outcome=Loops(count, path.now), exits=exits, now=path.now + later)
+
+
+def _moved(path: Path, turn: int, before: tuple[Happening, ...], later: int) -> Path:
+    """An exit that follows ``before``, the last of which is its turn."""
+    offset = len(before) - turn - 1
+    happenings = (*before, *_later(path.happenings[turn + 1 :], later))
+    exits = {
+        position + offset: _moved(other, position, happenings[: position + offset + 1], later)
+        for position, other in path.exits.items()
+        if position > turn
+    }
+    return replace(path, happenings=happenings, exits=exits, now=path.now + later)
+
+
+def _later(happenings: tuple[Happening, ...], time: int) -> tuple[Happening, ...]:
+    return tuple(replace(happening, time=happening.time + time) for happening in happenings)
 
 
 def counting_variables(entry: ProcessClass) -> frozenset[str]:
