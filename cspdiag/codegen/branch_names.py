@@ -9,6 +9,7 @@ from cspdiag.network.actions import (
     PortEnd,
     ReadValue,
     Repeat,
+    RunLaw,
     SequentialSteps,
     WaitStep,
     WriteValue,
@@ -34,6 +35,8 @@ def branch_name(action: Action) -> str:
                 return "choose"
             case WaitStep():
                 return "wait"
+            case RunLaw(law=law):
+                return f"run_{law.rpartition('.')[2]}"
     return "branch"
 
 

@@ -21,6 +21,7 @@ from cspdiag.network.actions import (
     Step,
     WriteOutputs,
 )
+from cspdiag.network.expressions import SignalValue
 from cspdiag.network.ir import Connection, ConstantEnd, Declared, DiscardEnd, SubmodelClass
 
 EXTERNAL = ("latched", "direct")
@@ -106,9 +107,12 @@ def write_outputs_rows(writer: Writer, step: WriteOutputs) -> list[Row]:
     """The outputs of an inlined law: all values first, for they may fault, then the communications."""
     found: list[Row] = []
     writes: list[_Write] = []
-    for number, write in enumerate(step.writes):
+    for number, write in enumerate(step.writes, 1):
         sink = writer.members.sink(write.sink)
-        slot = writer.slot(f"{sink.name}_{number}" if number else sink.name, sink.type)
+        if isinstance(write.value, SignalValue):
+            writes.append(_Write(sink, writer.printer.signal(write.value.name)))
+            continue
+        slot = writer.slot(sink.name, sink.type, "sent" if number == 1 else f"sent_{number}")
         found += writer.evaluated(f"{slot} = ", write.value, ";", writer.where(step))
         writes.append(_Write(sink, slot))
     return [*found, *_writing(writer, step, "outputs", writes)]

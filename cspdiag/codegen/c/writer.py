@@ -100,7 +100,7 @@ class Writer:
         if isinstance(action, RunInstance) and isinstance(self.class_of(action.instance), ProcessClass):
             return f"{self.members.member(action.instance)}.process"
         wanted = hint or branch_name(action)
-        member = self.members.names.fresh(f"{wanted} branch")
+        member = self.members.names.fresh(wanted if wanted == "branch" else f"{wanted} branch")
         self.members.work.append(Member(f"csp_process {member}"))
         name = self.states.fresh(f"{self.struct}_{identifier(snake_case(wanted))}")
         self._routine(name, member, action)
