@@ -104,7 +104,8 @@ class _SubmodelWriter:
             tuple(equation.value for equation in class_.derivative_equations),
             tuple(part for equation in class_.equations for part in values(equation)),
         )
-        return {*signals(late), *parameters(late)}
+        period = {"sample"} if class_.derivatives and class_.step is None else set()
+        return {*signals(late), *parameters(late), *period}
 
     def _printer(self, *, local: Iterable[str] = (), constructing: bool = False) -> Printer:
         """Names in ``local`` are local variables, the others attributes."""
