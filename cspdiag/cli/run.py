@@ -15,7 +15,9 @@ from cspdiag.cli.terminal import show_diagnostics
 from cspdiag.sources import read_source
 
 if TYPE_CHECKING:
+    from cspdiag.cli.progress import Progress
     from cspdiag.network.ir import Network
+    from cspdiag.simulate.recorder import Recorder
     from cspdiag.simulate.result import Run
 
 EXAMPLE = (
@@ -40,7 +42,9 @@ def add_arguments(parser: ArgumentParser) -> None:
         "--set", action="append", default=[], metavar="NAME=VALUE", dest="settings",
         help="a constant (Tsh=10ms) or an instance's parameter (pan.inertia=2e-3); may be given again",
     )  # fmt: skip
-    parser.add_argument("--target", choices=("python",), default="python", help="what to run it on (default: python)")
+    parser.add_argument(
+        "--target", choices=("python", "c"), default="python", help="what to run it on (default: python)"
+    )
     level = parser.add_mutually_exclusive_group()
     level.add_argument("-O0", dest="level", action="store_const", const=0, default=1, help="run readable code")
     level.add_argument("-O1", dest="level", action="store_const", const=1, help="run fast code (default)")
@@ -104,17 +108,14 @@ def _network(arguments: Namespace) -> Network | None:
 
 
 def _simulate(arguments: Namespace, network: Network, until: int | None) -> Run:
-    from cspdiag import pipeline
     from cspdiag.cli.progress import Progress
     from cspdiag.codegen import target_errors
-    from cspdiag.simulate.execute import BodyError, NoEnvironmentError, simulate
+    from cspdiag.simulate.execute import BodyError, NoEnvironmentError
     from cspdiag.simulate.modes import mode_groups
+    from cspdiag.simulate.native_build import CompilerError
     from cspdiag.simulate.recorder import Recorder
 
-    try:
-        files = pipeline.generate(network, read_source, level=arguments.level, traced=arguments.trace is not None)
-    except target_errors() as problem:
-        raise NoResultError(str(problem)) from None
+    simulate = _simulate_native if arguments.target == "c" else _simulate_in_python
     # What ends a service ends a run as Ctrl-C does: with its outputs released.
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     recorder = Recorder()
@@ -123,20 +124,55 @@ def _simulate(arguments: Namespace, network: Network, until: int | None) -> Run:
         progress = Progress(recorder, mode_groups(network))
     try:
         with progress or nullcontext():
-            return simulate(
-                network,
-                files,
-                environment=arguments.environment,
-                until=until,
-                real_time=arguments.real_time,
-                recorder=recorder,
-                probe_variables=arguments.plot is not None,
-                on_start=progress.attach if progress is not None else None,
-            )
+            return simulate(arguments, network, until, recorder, progress)
     except NoEnvironmentError as problem:
         raise UsageError(str(problem)) from None
-    except BodyError as problem:
+    except (BodyError, CompilerError, target_errors()) as problem:
         raise NoResultError(str(problem)) from None
+
+
+def _simulate_in_python(
+    arguments: Namespace, network: Network, until: int | None, recorder: Recorder, progress: Progress | None
+) -> Run:
+    from cspdiag import pipeline
+    from cspdiag.simulate.execute import simulate
+
+    files = pipeline.generate(
+        network,
+        read_source,
+        level=arguments.level,
+        traced=arguments.trace is not None,
+        probed=arguments.plot is not None,
+    )
+    return simulate(
+        network,
+        files,
+        environment=arguments.environment,
+        until=until,
+        real_time=arguments.real_time,
+        recorder=recorder,
+        probe_variables=arguments.plot is not None,
+        on_start=progress.attach if progress is not None else None,
+    )
+
+
+def _simulate_native(
+    arguments: Namespace, network: Network, until: int | None, recorder: Recorder, progress: Progress | None
+) -> Run:
+    from cspdiag.simulate.native import simulate
+
+    ports = arguments.record is not None or arguments.plot is not None
+    return simulate(
+        network,
+        read_source,
+        level=arguments.level,
+        environment=arguments.environment,
+        until=until,
+        real_time=arguments.real_time,
+        recorder=recorder,
+        on_start=progress.attach if progress is not None else None,
+        observed="all" if arguments.trace is not None else "ports" if ports else "none",
+    )
 
 
 def _conclude(arguments: Namespace, result: Run) -> int:

@@ -1,0 +1,76 @@
+"""Runs of fast code write what runs of readable code write: recordings, traces, figures, summaries, reports."""
+
+from __future__ import annotations
+
+import pytest
+
+from cspdiag import pipeline
+from cspdiag.network.ir import Network
+from cspdiag.runtime.exceptions import described
+from cspdiag.simulate.chrome_trace import chrome_trace_text
+from cspdiag.simulate.execute import simulate
+from cspdiag.simulate.files import csv_text, plain_trace_text
+from cspdiag.simulate.result import Run
+from tests.codegen.packages import MODELS, network, read
+
+MS = 1_000_000
+
+
+def run(program: Network, level: int, environment: str | None, until: int | None, *, traced: bool, probed: bool) -> Run:
+    """A run of the code of a level."""
+    files = pipeline.generate(program, read, level=level, traced=traced, probed=probed)
+    return simulate(program, files, environment=environment, until=until, probe_variables=probed)
+
+
+def both(name: str, *, traced: bool = False, probed: bool = False, until: int = 400 * MS) -> tuple[Run, Run]:
+    """A model in its first environment, by readable and by fast code."""
+    program = network(name)
+    environment = program.environments[0].name if program.environments else None
+    plain, fast = (run(program, level, environment, until, traced=traced, probed=probed) for level in (0, 1))
+    return plain, fast
+
+
+def account(result: Run) -> list[str]:
+    """The summary without what depends on the machine."""
+    return [
+        line for line in result.summary().splitlines() if " times real time" not in line and "simulated" not in line
+    ]
+
+
+def drawn(result: Run) -> list[tuple[str, object]]:
+    """The lines of the figure, by panel."""
+    pytest.importorskip("matplotlib")
+    return [
+        (str(line.get_label()), line.get_xydata().tolist()) for axes in result.plot().axes for line in axes.get_lines()
+    ]
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_traces_are_equal(name: str) -> None:
+    plain, fast = both(name, traced=True)
+    assert plain_trace_text(fast) == plain_trace_text(plain)
+    assert chrome_trace_text(fast) == chrome_trace_text(plain)
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_recordings_and_accounts_are_equal(name: str) -> None:
+    plain, fast = both(name)
+    assert csv_text(fast) == csv_text(plain)
+    assert account(fast) == account(plain)
+    assert fast.releases == plain.releases
+    assert fast.activities == plain.activities
+    assert (fast.outcome.ended, fast.outcome.time, fast.outcome.missed) == (
+        plain.outcome.ended, plain.outcome.time, plain.outcome.missed
+    )  # fmt: skip
+    for one, other in ((fast.outcome, plain.outcome), (plain.outcome, fast.outcome)):
+        assert (one.error is None) or (described(one.error) == described(other.error or one.error))
+        assert (one.error is None) == (other.error is None)
+    text = plain.outcome.deadlock.text if plain.outcome.deadlock is not None else None
+    assert (fast.outcome.deadlock.text if fast.outcome.deadlock is not None else None) == text
+
+
+@pytest.mark.parametrize("name", ["jiwy", "cascade"])
+def test_figures_are_equal(name: str) -> None:
+    plain, fast = both(name, probed=True)
+    assert plain.variables == fast.variables
+    assert drawn(fast) == drawn(plain)
