@@ -13,6 +13,7 @@ from cspdiag.network.optimize.bookkeeping import drop_bookkeeping
 from cspdiag.network.optimize.constants import fold_constants
 from cspdiag.network.optimize.dead import remove_dead_parts
 from cspdiag.network.optimize.flatten import flatten
+from cspdiag.network.optimize.fuse import fuse
 from cspdiag.network.optimize.inline_laws import inline_laws
 from cspdiag.network.optimize.specialize import specialize
 from cspdiag.network.optimize.variables import variables
@@ -63,6 +64,11 @@ PASSES: tuple[Pass, ...] = (
         name="bookkeeping",
         description="Alternatives that need no memory take the first guard, parallels that need no priorities keep none.",
         apply=drop_bookkeeping,
+    ),
+    Pass(
+        name="fuse",
+        description="A program whose schedule is known becomes one process: what happens first, and a loop of what happens again and again.",
+        apply=fuse,
     ),
 )
 """In their order; a pass may rely on those before it."""
