@@ -7,14 +7,22 @@ import threading
 import time
 from collections.abc import Sequence
 from types import TracebackType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 if TYPE_CHECKING:
-    from cspdiag.runtime import Network as RunningNetwork
     from cspdiag.simulate.modes import ModeGroup
     from cspdiag.simulate.recorder import Recorder
 
 _INTERVAL = 0.2
+
+
+class Running(Protocol):
+    """A program that runs."""
+
+    @property
+    def now(self) -> int:
+        """The present instant in nanoseconds."""
+        ...
 
 
 class Progress:
@@ -26,12 +34,12 @@ class Progress:
     def __init__(self, recorder: Recorder, groups: Sequence[ModeGroup]) -> None:
         self._recorder = recorder
         self._groups = groups
-        self._network: RunningNetwork | None = None
+        self._network: Running | None = None
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._show, name="progress", daemon=True)
         self._begin = time.monotonic()
 
-    def attach(self, network: RunningNetwork) -> None:
+    def attach(self, network: Running) -> None:
         """Tell what runs; its clock begins now."""
         self._network = network
         self._begin = time.monotonic()

@@ -36,6 +36,7 @@ def simulate(
     level: int = 0,
     environment: str | None = None,
     until: int | None = None,
+    real_time: bool = False,
     recorder: Recorder | None = None,
     on_start: Callable[[StreamReader], None] | None = None,
     observed: Observed = "all",
@@ -47,6 +48,8 @@ def simulate(
     exception. Raises NoEnvironmentError, TargetError for what C cannot express, and CompilerError.
     """
     chosen = chosen_environment(network, environment)
+    if real_time:
+        raise CompilerError("--real-time runs in Python: leave out --target c")
     if chosen is not None:
         refuse_devices(chosen)
     recorder = recorder if recorder is not None else Recorder()
