@@ -252,10 +252,25 @@ double csp_tan(double x);
 double csp_atan2(double y, double x);
 double csp_pow(double base, double exponent);
 
+/* Up to 2^53 a double has every whole number. */
+#define CSP_EXACT (INT64_C(1) << 53)
+double csp_many_seconds(int64_t nanoseconds);
+
 /* A duration in seconds, rounded once. */
-double csp_seconds(int64_t nanoseconds);
+static inline double csp_seconds(int64_t nanoseconds)
+{
+    const bool exact = (nanoseconds >= -CSP_EXACT) && (nanoseconds <= CSP_EXACT);
+    return exact ? (double)nanoseconds / 1e9 : csp_many_seconds(nanoseconds);
+}
+
+void csp_finite_fails(double value, const char *port);
 
 /* Notes a fault unless the value that is written to a port is finite. */
-void csp_finite(double value, const char *port);
+static inline void csp_finite(double value, const char *port)
+{
+    if (!isfinite(value)) {
+        csp_finite_fails(value, port);
+    }
+}
 
 #endif

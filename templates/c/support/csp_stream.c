@@ -2,6 +2,7 @@
 #include "csp_stream.h"
 
 #include <stdio.h>
+#include <time.h>
 
 #include "csp_arithmetic.h"
 
@@ -65,16 +66,21 @@ static void put_text(const char *text)
 
 static const csp_names *known;
 static uint32_t observed_channels;
-static uint32_t quiet; /* observations since the time was last told */
+static uint32_t quiet; /* observations since the clock was last looked at */
+static clock_t last_told;
 
 static void tell_time(void)
 {
     quiet++;
     if (quiet >= (uint32_t)BETWEEN_TIMES) {
         quiet = 0;
-        put_kind(7);
-        put_time(csp.now);
-        flush();
+        const clock_t present = clock();
+        if (present - last_told > CLOCKS_PER_SEC / 10) {
+            last_told = present;
+            put_kind(7);
+            put_time(csp.now);
+            flush();
+        }
     }
 }
 
