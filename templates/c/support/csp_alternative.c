@@ -5,21 +5,6 @@
  */
 #include "csp_internal.h"
 
-static inline uint32_t lowest_bit(csp_word word)
-{
-#if defined(__GNUC__) && (UINTPTR_MAX > 0xFFFFFFFFU)
-    return (uint32_t)__builtin_ctzll(word);
-#elif defined(__GNUC__)
-    return (uint32_t)__builtin_ctzl(word);
-#else
-    uint32_t bit = 0U;
-    while (((word >> bit) & 1U) == 0U) {
-        bit++;
-    }
-    return bit;
-#endif
-}
-
 static inline csp_word bit_of(uint32_t index)
 {
     return (csp_word)1U << (index % CSP_WORD_BITS);
@@ -29,32 +14,6 @@ static inline csp_word bit_of(uint32_t index)
 static inline csp_word bits_from(uint32_t index)
 {
     return (index < CSP_WORD_BITS) ? (csp_word)(~(csp_word)0U << index) : (csp_word)0U;
-}
-
-void csp_set_bit(csp_guard *guard)
-{
-    csp_alternative *const alternative = guard->alternative;
-    const uint32_t index = guard->index;
-    if (alternative->more_ready == NULL) {
-        alternative->ready |= bit_of(index);
-    } else {
-        alternative->more_ready[index / CSP_WORD_BITS] |= bit_of(index);
-        alternative->ready |= bit_of(index / CSP_WORD_BITS);
-    }
-}
-
-void csp_clear_bit(csp_guard *guard)
-{
-    csp_alternative *const alternative = guard->alternative;
-    const uint32_t index = guard->index;
-    if (alternative->more_ready == NULL) {
-        alternative->ready &= ~bit_of(index);
-    } else {
-        alternative->more_ready[index / CSP_WORD_BITS] &= ~bit_of(index);
-        if (alternative->more_ready[index / CSP_WORD_BITS] == 0U) {
-            alternative->ready &= ~bit_of(index / CSP_WORD_BITS);
-        }
-    }
 }
 
 bool csp_is_enabled(const csp_guard *guard)
@@ -79,10 +38,9 @@ static void wake(csp_alternative *alternative)
     }
 }
 
-void csp_raise_bit(csp_guard *guard)
+void csp_wake(csp_guard *guard)
 {
-    csp_set_bit(guard);
-    if (guard->alternative->armed && csp_is_enabled(guard)) {
+    if (csp_is_enabled(guard)) {
         guard->alternative->armed = false;
         wake(guard->alternative);
     }
@@ -97,13 +55,9 @@ bool csp_awaited(const csp_guard *watchers)
     return guard != NULL;
 }
 
-/* The first enabled guard that is ready, from `from` on; `count` if there is none. */
-static uint32_t first_ready(const csp_alternative *alternative, uint32_t from)
+/* The first enabled guard that is ready, from `from` on, of an alternative of several words; `count` if there is none. */
+static uint32_t first_of_words(const csp_alternative *alternative, uint32_t from)
 {
-    if (alternative->more_ready == NULL) {
-        const csp_word ready = alternative->ready & alternative->enabled & bits_from(from);
-        return (ready != 0U) ? lowest_bit(ready) : alternative->count;
-    }
     uint32_t word = from / CSP_WORD_BITS;
     if (word >= CSP_WORDS(alternative->count)) {
         return alternative->count;
@@ -112,11 +66,11 @@ static uint32_t first_ready(const csp_alternative *alternative, uint32_t from)
         alternative->more_ready[word] & alternative->more_enabled[word] & bits_from(from % CSP_WORD_BITS);
     csp_word words = alternative->ready & bits_from(word + 1U);
     while ((ready == 0U) && (words != 0U)) {
-        word = lowest_bit(words);
+        word = csp_lowest_bit(words);
         words &= words - 1U;
         ready = alternative->more_ready[word] & alternative->more_enabled[word];
     }
-    return (ready != 0U) ? ((word * CSP_WORD_BITS) + lowest_bit(ready)) : alternative->count;
+    return (ready != 0U) ? ((word * CSP_WORD_BITS) + csp_lowest_bit(ready)) : alternative->count;
 }
 
 static void clear_time_outs(csp_alternative *alternative)
@@ -242,14 +196,11 @@ bool csp_alternative_withdraw(csp_alternative *alternative, csp_party *party)
     return !alternative->woken;
 }
 
-static csp_progress choose(csp_party *party, csp_alternative *alternative, uint32_t index)
+static csp_progress communicate(csp_party *party, csp_alternative *alternative, csp_guard *guard)
 {
-    csp_guard *const guard = &alternative->guard[index];
     if (alternative->time_outs > 0U) {
         clear_time_outs(alternative);
     }
-    alternative->chosen = (uint16_t)index;
-    alternative->after_last = alternative->prioritized ? 0U : (uint16_t)(index + 1U);
     switch (guard->kind) {
     case CSP_GUARD_INPUT:
         return csp_take(party, guard);
@@ -266,16 +217,40 @@ static csp_progress choose(csp_party *party, csp_alternative *alternative, uint3
     }
 }
 
-static uint32_t fair_choice(const csp_alternative *alternative)
+/* A fair choice begins after the guard that was chosen last. */
+static inline void remember(csp_alternative *alternative, uint32_t index)
 {
-    uint32_t index = first_ready(alternative, alternative->after_last);
-    if ((index == alternative->count) && (alternative->after_last > 0U)) {
-        index = first_ready(alternative, 0U);
+    alternative->chosen = (uint16_t)index;
+    if (!alternative->prioritized) {
+        alternative->after_last = (uint16_t)(index + 1U);
+        alternative->after = bits_from(index + 1U);
     }
-    return index;
 }
 
-csp_progress csp_select(csp_party *party, csp_alternative *alternative)
+static uint32_t first_choice(const csp_alternative *alternative)
+{
+    if (alternative->more_ready == NULL) {
+        const csp_word ready = alternative->ready & alternative->enabled;
+        const csp_word after = ready & alternative->after;
+        return (ready == 0U) ? alternative->count : csp_lowest_bit((after != 0U) ? after : ready);
+    }
+    const uint32_t index = first_of_words(alternative, alternative->after_last);
+    return ((index < alternative->count) || (alternative->after_last == 0U)) ? index : first_of_words(alternative, 0U);
+}
+
+csp_progress csp_choose(csp_party *party, csp_alternative *alternative, uint32_t index)
+{
+    csp_guard *const guard = &alternative->guard[index];
+    csp_any_channel *const channel = guard->channel;
+    remember(alternative, index);
+    if ((channel != NULL) && (channel->writers.first != NULL) && (alternative->time_outs == 0U)) {
+        csp_any_from_writer(party, channel, guard->slot, guard->size);
+        return CSP_DONE;
+    }
+    return communicate(party, alternative, guard);
+}
+
+csp_progress csp_select_any(csp_party *party, csp_alternative *alternative)
 {
     if (csp_is_cancelled(party)) {
         return csp_refuse(party);
@@ -283,12 +258,12 @@ csp_progress csp_select(csp_party *party, csp_alternative *alternative)
     if (alternative->time_outs > 0U) {
         (void)csp_time_outs_passed(alternative);
     }
-    const uint32_t index = fair_choice(alternative);
+    const uint32_t index = first_choice(alternative);
     if (index == alternative->count) {
         csp_begin_waiting(party, alternative);
         return CSP_WAITS;
     }
-    return choose(party, alternative, index);
+    return csp_choose(party, alternative, index);
 }
 
 csp_progress csp_select_again(csp_party *party, csp_alternative *alternative)
@@ -303,19 +278,19 @@ csp_progress csp_select_again(csp_party *party, csp_alternative *alternative)
     }
     if (alternative->solved) {
         alternative->solved = false;
-        alternative->after_last = alternative->prioritized ? 0U : (uint16_t)(alternative->chosen + 1U);
+        remember(alternative, alternative->chosen);
         return CSP_DONE;
     }
     if (csp_is_cancelled(party)) {
         return csp_refuse(party);
     }
-    const uint32_t index = fair_choice(alternative);
+    const uint32_t index = first_choice(alternative);
     if (index == alternative->count) {
         alternative->armed = true;
         return CSP_WAITS;
     }
     csp_end_waiting(alternative);
-    return choose(party, alternative, index);
+    return csp_choose(party, alternative, index);
 }
 
 /* ---- Before the program starts ---- */
@@ -326,11 +301,20 @@ void csp_alternative_init(csp_alternative *alternative, csp_guard *guard, uint16
     alternative->guard = guard;
     alternative->count = count;
     alternative->prioritized = prioritized;
+    alternative->fair = prioritized ? 0U : ~(csp_word)0U;
+    alternative->quick = words == NULL;
     alternative->more_ready = words;
     alternative->more_enabled = (words == NULL) ? NULL : &words[CSP_WORDS(count)];
     for (uint16_t index = 0U; index < count; index++) {
         guard[index].alternative = alternative;
         guard[index].index = index;
+        guard[index].bit = bit_of(index);
+        guard[index].word = &alternative->ready;
+        guard[index].word_bit = 0U;
+        if (words != NULL) {
+            guard[index].word = &words[index / CSP_WORD_BITS];
+            guard[index].word_bit = bit_of(index / CSP_WORD_BITS);
+        }
     }
 }
 
@@ -339,6 +323,7 @@ void csp_guard_read(csp_alternative *alternative, uint16_t index, csp_medium *me
     csp_guard *const guard = &alternative->guard[index];
     guard->kind = (uint8_t)CSP_GUARD_INPUT;
     guard->medium = medium;
+    guard->channel = (medium->kind == (uint8_t)CSP_ANY) ? (csp_any_channel *)(void *)medium : NULL;
     guard->slot = value;
     guard->size = (uint32_t)size;
     csp_watch_input(guard);
@@ -348,6 +333,7 @@ void csp_guard_ready(csp_alternative *alternative, uint16_t index, csp_medium *m
 {
     csp_guard *const guard = &alternative->guard[index];
     guard->kind = (uint8_t)CSP_GUARD_READY;
+    guard->channel = NULL;
     guard->medium = medium;
     csp_watch_input(guard);
 }
@@ -356,6 +342,7 @@ void csp_guard_write(csp_alternative *alternative, uint16_t index, csp_medium *m
 {
     csp_guard *const guard = &alternative->guard[index];
     guard->kind = (uint8_t)CSP_GUARD_OUTPUT;
+    guard->channel = NULL;
     guard->medium = medium;
     guard->slot = value;
     guard->size = (uint32_t)size;
@@ -366,15 +353,18 @@ void csp_guard_after(csp_alternative *alternative, uint16_t index, csp_timer *ti
 {
     csp_guard *const guard = &alternative->guard[index];
     guard->kind = (uint8_t)CSP_GUARD_AFTER;
+    guard->channel = NULL;
     guard->medium = NULL;
     guard->timer = timer;
     alternative->time_outs++;
+    alternative->quick = false;
 }
 
 void csp_guard_skip(csp_alternative *alternative, uint16_t index)
 {
     csp_guard *const guard = &alternative->guard[index];
     guard->kind = (uint8_t)CSP_GUARD_SKIP;
+    guard->channel = NULL;
     guard->medium = NULL;
     csp_set_bit(guard);
 }

@@ -17,6 +17,21 @@ typedef uint32_t csp_word;
 #define CSP_WORD_BITS 32U
 #endif
 
+static inline uint32_t csp_lowest_bit(csp_word word)
+{
+#if defined(__GNUC__) && (UINTPTR_MAX > 0xFFFFFFFFU)
+    return (uint32_t)__builtin_ctzll(word);
+#elif defined(__GNUC__)
+    return (uint32_t)__builtin_ctzl(word);
+#else
+    uint32_t bit = 0U;
+    while (((word >> bit) & 1U) == 0U) {
+        bit++;
+    }
+    return bit;
+#endif
+}
+
 /* Two levels of words: 4096 guards on 64 bits, 1024 on 32. */
 #define CSP_GUARDS_MAX (CSP_WORD_BITS * CSP_WORD_BITS)
 
@@ -28,11 +43,17 @@ typedef enum csp_guard_kind {
     CSP_GUARD_SKIP /* also for what never waits: variables, constants, outputs to the outside; generated code does what follows */
 } csp_guard_kind;
 
+typedef struct csp_any_channel csp_any_channel;
+
 struct csp_guard {
     csp_guard *next;     /* that watches the same channel */
     csp_guard *enrolled; /* the next that waits there, where both sides alternate */
     csp_alternative *alternative;
+    csp_word *word;      /* of the alternative that has the bit of the guard */
+    csp_word bit;
+    csp_word word_bit;   /* of that word among the words that are not 0; 0 where there is only one */
     csp_medium *medium;
+    csp_any_channel *channel; /* the medium, where this is an input guard on a rendezvous */
     csp_timer *timer;
     void *slot;
     int64_t duration; /* of a time-out */
@@ -49,16 +70,19 @@ struct csp_guard {
 struct csp_alternative {
     csp_word ready;   /* bits of the guards, or of the words of `more_ready` that are not 0 */
     csp_word enabled; /* bits of the guards, or not used */
+    csp_word after;   /* bits of the guards after the one that was chosen last */
+    csp_word fair;    /* all bits, or none: prioritized */
     csp_word *more_ready;
     csp_word *more_enabled;
     csp_guard *guard;
     csp_party *process; /* while it waits */
     uint16_t count;
-    uint16_t after_last; /* where a fair choice begins */
+    uint16_t after_last; /* as `after`, where there are more words */
     uint16_t chosen;     /* the guard */
     uint16_t time_outs;  /* number of guards with `after` */
     uint16_t attending;  /* number of guards that attend */
     bool prioritized;
+    bool quick;  /* one word, no time-outs */
     bool waits;  /* registered */
     bool enrolls; /* some guards are enrolled */
     bool armed;  /* the first guard that becomes ready wakes it */
@@ -69,6 +93,40 @@ struct csp_alternative {
     csp_party pledge; /* waits in the channel */
     struct csp_interrupt *interrupt; /* whose guard this is, or NULL */
 };
+
+static inline void csp_set_bit(const csp_guard *guard)
+{
+    *guard->word |= guard->bit;
+    guard->alternative->ready |= guard->word_bit;
+}
+
+static inline void csp_clear_bit(const csp_guard *guard)
+{
+    *guard->word &= ~guard->bit;
+    if (*guard->word == 0U) {
+        guard->alternative->ready &= ~guard->word_bit;
+    }
+}
+
+/* The guard has become ready, and its alternative waits: wakes it if the guard is enabled. */
+void csp_wake(csp_guard *guard);
+
+static inline void csp_raise_bits(csp_guard *watchers)
+{
+    for (csp_guard *guard = watchers; guard != NULL; guard = guard->next) {
+        csp_set_bit(guard);
+        if (guard->alternative->armed) {
+            csp_wake(guard);
+        }
+    }
+}
+
+static inline void csp_lower_bits(csp_guard *watchers)
+{
+    for (csp_guard *guard = watchers; guard != NULL; guard = guard->next) {
+        csp_clear_bit(guard);
+    }
+}
 
 /* ---- Before the program starts, in the order of ProcessClass.creation ---- */
 
@@ -96,7 +154,7 @@ static inline void csp_delay(csp_alternative *alternative, uint16_t index, int64
 
 /* CSP_AWAIT(csp_select(party, a), csp_select_again(party, a), ...): then `a->chosen` is the index of the guard, and its communication was
  * made. */
-csp_progress csp_select(csp_party *party, csp_alternative *alternative);
+static inline csp_progress csp_select(csp_party *party, csp_alternative *alternative);
 csp_progress csp_select_again(csp_party *party, csp_alternative *alternative);
 
 /* ---- Interrupt ---- */

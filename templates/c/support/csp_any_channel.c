@@ -29,61 +29,14 @@ void csp_any_left(csp_any_channel *channel)
     }
 }
 
-/* The first waiting writer, whose value is read. */
-static void take_from_writer(const csp_party *party, csp_any_channel *channel, void *value, size_t size)
-{
-    csp_party *const writer = csp_leave(&channel->writers);
-    if ((channel->writers.first == NULL) && (channel->writing == NULL)) {
-        csp_lower_bits(channel->inputs);
-    }
-    (void)memcpy(value, writer->slot, size);
-    csp_ready(writer);
-    csp_observe(channel->medium.number, value, writer->number, party->number);
-}
-
-static void hand_over(const csp_party *party, csp_any_channel *channel, const void *value, size_t size)
-{
-    csp_party *const reader = csp_leave(&channel->readers);
-    if ((channel->readers.first == NULL) && (channel->reading == NULL)) {
-        csp_lower_bits(channel->outputs);
-    }
-    (void)memcpy(reader->slot, value, size);
-    csp_ready(reader);
-    csp_observe(channel->medium.number, value, party->number, reader->number);
-}
-
-csp_progress csp_any_read(csp_party *party, csp_any_channel *channel, void *value, size_t size)
-{
-    if (channel->writers.first != NULL) {
-        take_from_writer(party, channel, value, size);
-        return CSP_DONE;
-    }
-    party->slot = value;
-    csp_enter(&channel->readers, party);
-    csp_raise_bits(channel->outputs);
-    return CSP_WAITS;
-}
-
-csp_progress csp_any_write(csp_party *party, csp_any_channel *channel, void *value, size_t size)
-{
-    if (channel->readers.first != NULL) {
-        hand_over(party, channel, value, size);
-        return CSP_DONE;
-    }
-    party->slot = value;
-    csp_enter(&channel->writers, party);
-    csp_raise_bits(channel->inputs);
-    return CSP_WAITS;
-}
-
 csp_progress csp_any_take(csp_party *party, csp_any_channel *channel, void *value, size_t size)
 {
     if (channel->writers.first != NULL) {
-        take_from_writer(party, channel, value, size);
+        csp_any_from_writer(party, channel, value, size);
         return CSP_DONE;
     }
     csp_guard *const writing = channel->writing;
-    (void)memcpy(value, writing->slot, size);
+    csp_copy(value, writing->slot, size);
     csp_observe(channel->medium.number, value, writing->alternative->process->number, party->number);
     csp_resolve(writing);
     return CSP_DONE;
@@ -101,7 +54,7 @@ void csp_any_settle(csp_any_channel *channel)
 csp_progress csp_any_choose_output(csp_party *party, csp_any_channel *channel, void *value, size_t size)
 {
     if (channel->readers.first != NULL) {
-        hand_over(party, channel, value, size);
+        csp_any_to_reader(party, channel, value, size);
         return CSP_DONE;
     }
     csp_guard *const reading = channel->reading;
@@ -109,7 +62,7 @@ csp_progress csp_any_choose_output(csp_party *party, csp_any_channel *channel, v
         csp_resolve(reading);
         return csp_any_write(party, channel, value, size);
     }
-    (void)memcpy(reading->slot, value, size);
+    csp_copy(reading->slot, value, size);
     csp_observe(channel->medium.number, value, party->number, reading->alternative->process->number);
     csp_resolve(reading);
     return CSP_DONE;

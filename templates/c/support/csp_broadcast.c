@@ -75,7 +75,7 @@ static void receive(const csp_party *party, csp_broadcast_end *end, const void *
     } else if (end->reader != NULL) {
         csp_party *const reader = end->reader;
         end->reader = NULL;
-        (void)memcpy(reader->slot, value, size);
+        csp_copy(reader->slot, value, size);
         csp_ready(reader);
         csp_broadcast_readers_changed(end->channel);
         csp_observe(end->medium.number, value, party->number, reader->number);
@@ -105,7 +105,7 @@ csp_progress csp_broadcast_choose_output(csp_party *party, csp_broadcast *channe
         csp_guard *const guard = end->waiting;
         if (guard != NULL) {
             if (guard->kind != (uint8_t)CSP_GUARD_READY) {
-                (void)memcpy(guard->slot, value, size);
+                csp_copy(guard->slot, value, size);
                 end->resolved = true;
                 csp_observe(channel->medium.number, value, party->number, guard->alternative->process->number);
             }
@@ -119,7 +119,7 @@ void csp_broadcast_taken(csp_party *party, csp_broadcast_end *end, void *value, 
 {
     csp_broadcast *const channel = end->channel;
     csp_party *const writer = channel->writer;
-    (void)memcpy(value, writer->slot, size);
+    csp_copy(value, writer->slot, size);
     if (!any_fresh(channel, end)) {
         csp_ready(writer);
         channel->writer = NULL;

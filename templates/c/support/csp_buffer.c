@@ -16,7 +16,7 @@ void csp_buffer_init(csp_buffer *buffer, uint32_t number, void *values, uint32_t
 static void enter(uint32_t writer, csp_buffer *buffer, const void *value, size_t size)
 {
     if (buffer->reader != NULL) {
-        (void)memcpy(buffer->reader->slot, value, size);
+        csp_copy(buffer->reader->slot, value, size);
         csp_ready(buffer->reader);
         buffer->reader = NULL;
     } else {
@@ -24,7 +24,7 @@ static void enter(uint32_t writer, csp_buffer *buffer, const void *value, size_t
         if (place >= buffer->capacity) {
             place -= buffer->capacity;
         }
-        (void)memcpy(&buffer->values[place * size], value, size);
+        csp_copy(&buffer->values[place * size], value, size);
         buffer->stored++;
         csp_raise_bits(buffer->inputs);
         if ((buffer->stored == buffer->capacity) && !buffer->overwrites) {
@@ -46,7 +46,7 @@ static void drop_first(csp_buffer *buffer)
 void csp_buffer_take(csp_party *party, csp_buffer *buffer, void *value, size_t size)
 {
     (void)party;
-    (void)memcpy(value, &buffer->values[buffer->first * size], size);
+    csp_copy(value, &buffer->values[buffer->first * size], size);
     drop_first(buffer);
     if (buffer->writer != NULL) {
         csp_party *const writer = buffer->writer;

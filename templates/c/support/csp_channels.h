@@ -2,8 +2,8 @@
 #ifndef CSP_CHANNELS_H
 #define CSP_CHANNELS_H
 
+#include "csp_alternative.h"
 #include "csp_core.h"
-#include "csp_offers.h"
 
 /* All operations: `party` is the process, or the csp_offer's; the result is CSP_DONE or CSP_WAITS. A process asks csp_is_cancelled before
  * (the macro CSP_COMMUNICATE does), and goes on as done when it runs again. `value` is the variable to read into, or to write from:
@@ -11,7 +11,7 @@
 
 /* ---- Rendezvous: `any`, and `sync` where a guard is on the channel ---- */
 
-typedef struct csp_any_channel {
+struct csp_any_channel {
     csp_medium medium;
     csp_queue readers; /* of them and the writers at most one is not empty */
     csp_queue writers;
@@ -19,10 +19,96 @@ typedef struct csp_any_channel {
     csp_guard *outputs;
     csp_guard *reading; /* guards of alternatives that wait, where the other side alternates too */
     csp_guard *writing;
-} csp_any_channel;
+};
 
-csp_progress csp_any_read(csp_party *party, csp_any_channel *channel, void *value, size_t size);
-csp_progress csp_any_write(csp_party *party, csp_any_channel *channel, void *value, size_t size);
+/* The party that has waited longest at the end of a queue that is not empty, taken out of it. */
+static inline csp_party *csp_leave(csp_queue *queue)
+{
+    csp_party *const party = queue->first;
+    queue->first = party->next;
+    return party;
+}
+
+/* The communication with the first waiting writer, or reader. */
+static inline void csp_any_from_writer(const csp_party *party, csp_any_channel *channel, void *value, size_t size)
+{
+    csp_party *const writer = csp_leave(&channel->writers);
+    if ((channel->writers.first == NULL) && (channel->writing == NULL)) {
+        csp_lower_bits(channel->inputs);
+    }
+    csp_copy(value, writer->slot, size);
+    csp_ready(writer);
+    csp_observe(channel->medium.number, value, writer->number, party->number);
+}
+
+static inline void csp_any_to_reader(const csp_party *party, csp_any_channel *channel, const void *value, size_t size)
+{
+    csp_party *const reader = csp_leave(&channel->readers);
+    if ((channel->readers.first == NULL) && (channel->reading == NULL)) {
+        csp_lower_bits(channel->outputs);
+    }
+    csp_copy(reader->slot, value, size);
+    csp_ready(reader);
+    csp_observe(channel->medium.number, value, party->number, reader->number);
+}
+
+static inline csp_progress csp_any_read(csp_party *party, csp_any_channel *channel, void *value, size_t size)
+{
+    if (channel->writers.first != NULL) {
+        csp_any_from_writer(party, channel, value, size);
+        return CSP_DONE;
+    }
+    party->slot = value;
+    csp_enter(&channel->readers, party);
+    csp_raise_bits(channel->outputs);
+    return CSP_WAITS;
+}
+
+static inline csp_progress csp_any_write(csp_party *party, csp_any_channel *channel, void *value, size_t size)
+{
+    if (channel->readers.first != NULL) {
+        csp_any_to_reader(party, channel, value, size);
+        return CSP_DONE;
+    }
+    party->slot = value;
+    csp_enter(&channel->writers, party);
+    csp_raise_bits(channel->inputs);
+    return CSP_WAITS;
+}
+
+/* ---- Selection (csp_alternative.h) ---- */
+
+/* In general; and the communication of a guard that is ready. */
+csp_progress csp_select_any(csp_party *party, csp_alternative *alternative);
+csp_progress csp_choose(csp_party *party, csp_alternative *alternative, uint32_t index);
+
+/* The common case at once: an alternative of one word takes from a waiting writer, whom nobody else watches. */
+static inline csp_progress csp_select(csp_party *party, csp_alternative *alternative)
+{
+    const csp_word ready = alternative->ready & alternative->enabled;
+    const csp_word after = ready & alternative->after;
+    const csp_word candidates = (after != 0U) ? after : ready;
+    if ((candidates == 0U) || !alternative->quick || csp_is_cancelled(party)) {
+        return csp_select_any(party, alternative);
+    }
+    const csp_word bit = candidates & (csp_word)(0U - candidates);
+    const uint32_t index = csp_lowest_bit(bit);
+    const csp_guard *const guard = &alternative->guard[index];
+    csp_any_channel *const channel = guard->channel;
+    if ((channel == NULL) || (channel->inputs != guard) || (guard->next != NULL) || (channel->writers.first == NULL)) {
+        return csp_choose(party, alternative, index);
+    }
+    csp_party *const writer = csp_leave(&channel->writers);
+    alternative->after = (csp_word)(0U - (bit << 1U)) & alternative->fair;
+    alternative->chosen = (uint16_t)index;
+    if ((channel->writers.first == NULL) && (channel->writing == NULL)) {
+        alternative->ready &= ~bit;
+    }
+    csp_copy(guard->slot, writer->slot, guard->size);
+    csp_ready(writer);
+    csp_observe(channel->medium.number, guard->slot, writer->number, party->number);
+    return CSP_DONE;
+}
 
 /* ---- Memory ---- */
 

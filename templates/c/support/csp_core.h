@@ -149,10 +149,8 @@ void csp_observe_end(uint32_t number);
 #define csp_observe_end(number) ((void)(number))
 #endif
 
-/* Puts a party that is registered nowhere into the ready queue of its level. */
-static inline void csp_ready(csp_party *party)
+static inline void csp_enter(csp_queue *queue, csp_party *party)
 {
-    csp_queue *const queue = &csp.ready[(CSP_LEVELS > 1) ? party->level : 0U];
     party->next = NULL;
     if (queue->first != NULL) {
         queue->last->next = party;
@@ -160,6 +158,22 @@ static inline void csp_ready(csp_party *party)
         queue->first = party;
     }
     queue->last = party;
+}
+
+/* Puts a party that is registered nowhere into the ready queue of its level. */
+static inline void csp_ready(csp_party *party)
+{
+    csp_enter(&csp.ready[(CSP_LEVELS > 1) ? party->level : 0U], party);
+}
+
+/* Copies a value; most have one word. */
+static inline void csp_copy(void *to, const void *from, size_t size)
+{
+    if (size == sizeof(uint64_t)) {
+        (void)memcpy(to, from, sizeof(uint64_t));
+    } else {
+        (void)memcpy(to, from, size);
+    }
 }
 
 static inline bool csp_is_cancelled(const csp_party *party)

@@ -116,7 +116,7 @@ csp_progress csp_sampled_take(csp_party *party, csp_sampled_end *end, void *valu
     csp_sampled_begin(end);
     end->fresh = false;
     csp_lower_bits(end->inputs);
-    (void)memcpy(value, end->port->value, size);
+    csp_copy(value, end->port->value, size);
     csp_observe(end->medium.number, value, 0U, party->number);
     return CSP_DONE;
 }
@@ -220,7 +220,7 @@ void csp_event_take(csp_party *party, csp_event_end *end, void *value, size_t si
 {
     end->fresh = false;
     csp_lower_bits(end->inputs);
-    (void)memcpy(value, end->port->value, size);
+    csp_copy(value, end->port->value, size);
     csp_observe(end->medium.number, value, 0U, party->number);
 }
 
@@ -291,7 +291,7 @@ void csp_direct_output_init(csp_direct_output *output, uint32_t number, csp_driv
 
 csp_progress csp_latched_write(csp_party *party, csp_latched_output *output, void *value, size_t size)
 {
-    (void)memcpy(output->value, value, size);
+    csp_copy(output->value, value, size);
     output->written = true;
     output->writer = party->number;
     return CSP_DONE;

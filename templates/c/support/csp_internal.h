@@ -13,9 +13,7 @@ void csp_unready(csp_party *party);
 
 /* ---- Queues of parties in channels ---- */
 
-void csp_enter(csp_queue *queue, csp_party *party);
 void csp_enter_front(csp_queue *queue, csp_party *party);
-csp_party *csp_leave(csp_queue *queue);
 /* False: it was not there. */
 bool csp_remove(csp_queue *queue, const csp_party *party);
 bool csp_contains(const csp_queue *queue, const csp_party *party);
@@ -64,25 +62,6 @@ void csp_unwatch(csp_guard **watchers, csp_guard *guard);
 void csp_attend(csp_guard *watchers);
 void csp_set_attends(csp_guard *guard, bool attends);
 bool csp_is_enabled(const csp_guard *guard);
-void csp_set_bit(csp_guard *guard);
-void csp_clear_bit(csp_guard *guard);
-/* Some guard has become ready: wakes who waits for it. */
-void csp_raise_bit(csp_guard *guard);
-
-static inline void csp_raise_bits(csp_guard *watchers)
-{
-    for (csp_guard *guard = watchers; guard != NULL; guard = guard->next) {
-        csp_raise_bit(guard);
-    }
-}
-
-static inline void csp_lower_bits(csp_guard *watchers)
-{
-    for (csp_guard *guard = watchers; guard != NULL; guard = guard->next) {
-        csp_clear_bit(guard);
-    }
-}
-
 /* Whether an alternative waits for one of these guards. */
 bool csp_awaited(const csp_guard *watchers);
 /* The other side has chosen the guard, and made its communication. */

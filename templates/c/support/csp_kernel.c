@@ -39,17 +39,6 @@ void csp_unready(csp_party *party)
     (void)csp_remove(&csp.ready[(CSP_LEVELS > 1U) ? party->level : 0U], party);
 }
 
-void csp_enter(csp_queue *queue, csp_party *party)
-{
-    party->next = NULL;
-    if (queue->first != NULL) {
-        queue->last->next = party;
-    } else {
-        queue->first = party;
-    }
-    queue->last = party;
-}
-
 void csp_enter_front(csp_queue *queue, csp_party *party)
 {
     if (queue->first == NULL) {
@@ -57,13 +46,6 @@ void csp_enter_front(csp_queue *queue, csp_party *party)
     }
     party->next = queue->first;
     queue->first = party;
-}
-
-csp_party *csp_leave(csp_queue *queue)
-{
-    csp_party *const party = queue->first;
-    queue->first = party->next;
-    return party;
 }
 
 bool csp_remove(csp_queue *queue, const csp_party *party)

@@ -91,67 +91,84 @@ csp_party *csp_call(csp_party *party, csp_process *callee)
     return &callee->party;
 }
 
-static void branch_ended(csp_process *parent, csp_parallel *parallel, const csp_error *error)
+/* The first exception of a branch cancels the others, and is what the parallel raises. */
+static void branch_failed(csp_process *parent, csp_parallel *parallel)
+{
+    if (csp.error.exception == (uint16_t)CSP_CANCELLATION) {
+        parallel->cancelled = true;
+    } else if (parallel->error.exception == (uint16_t)CSP_NO_EXCEPTION) {
+        parallel->error = csp.error;
+        parallel->run = 0U;
+        parallel->index = 0U;
+        csp_process *branch = csp_next_branch(parent, parallel);
+        while (branch != NULL) {
+            csp_cancel(branch, NULL);
+            branch = csp_next_branch(parent, parallel);
+        }
+    } else {
+        /* A later one is not told. */
+    }
+}
+
+static inline void branch_ended(csp_process *parent, csp_parallel *parallel)
 {
     parallel->pending--;
-    if (error != NULL) {
-        if (error->exception == (uint16_t)CSP_CANCELLATION) {
-            parallel->cancelled = true;
-        } else if (parallel->error.exception == (uint16_t)CSP_NO_EXCEPTION) {
-            parallel->error = *error;
-            parallel->run = 0U;
-            parallel->index = 0U;
-            csp_process *branch = csp_next_branch(parent, parallel);
-            while (branch != NULL) {
-                csp_cancel(branch, NULL);
-                branch = csp_next_branch(parent, parallel);
-            }
-        } else {
-            /* The first exception is the one that the parallel raises. */
-        }
-    }
     if (parallel->pending == 0U) {
         csp_ready(&parent->party);
     }
 }
 
-static csp_party *ended(csp_process *process, const csp_error *error)
+static csp_parallel *parallel_at(csp_process *parent, const csp_place *place)
 {
-    csp_process *const caller = process->caller;
-    process->party.flags |= (uint8_t)CSP_ENDED;
-    if (caller == NULL) {
-        return NULL;
-    }
-    const csp_place *const place = csp_place_of(caller);
-    switch (place->waiting) {
-    case CSP_AT_CALL:
-        if (error != NULL) {
-            caller->party.state = place->failed;
-        }
-        return &caller->party;
-    case CSP_AT_PARALLEL:
-        branch_ended(caller, (csp_parallel *)csp_object_at(caller, place), error);
-        return NULL;
-    default: {
-        csp_interrupt *const interrupt = (csp_interrupt *)csp_object_at(caller, place);
-        branch_ended(caller, &interrupt->body, error);
-        csp_body_ended(interrupt, (error != NULL) && (error->exception == (uint16_t)CSP_CANCELLATION));
-        return NULL;
-    }
-    }
+    return (csp_parallel *)(void *)(((char *)parent - parent->kind->offset) + place->offset);
 }
 
 csp_party *csp_end(csp_party *party)
 {
-    if (((csp_process *)(void *)party)->caller == NULL) {
+    csp_process *const process = (csp_process *)(void *)party;
+    csp_process *const caller = process->caller;
+    party->flags |= (uint8_t)CSP_ENDED;
+    if (caller == NULL) {
         csp.error = no_error;
+        return NULL;
     }
-    return ended((csp_process *)(void *)party, NULL);
+    const csp_place *const place = csp_place_of(caller);
+    if (place->waiting == (uint8_t)CSP_AT_CALL) {
+        return &caller->party;
+    }
+    if (place->waiting == (uint8_t)CSP_AT_PARALLEL) {
+        branch_ended(caller, parallel_at(caller, place));
+    } else {
+        csp_interrupt *const interrupt = (csp_interrupt *)csp_object_at(caller, place);
+        branch_ended(caller, &interrupt->body);
+        csp_body_ended(interrupt, false);
+    }
+    return NULL;
 }
 
 csp_party *csp_fail(csp_party *party)
 {
-    return ended((csp_process *)(void *)party, &csp.error);
+    csp_process *const process = (csp_process *)(void *)party;
+    csp_process *const caller = process->caller;
+    party->flags |= (uint8_t)CSP_ENDED;
+    if (caller == NULL) {
+        return NULL;
+    }
+    const csp_place *const place = csp_place_of(caller);
+    if (place->waiting == (uint8_t)CSP_AT_CALL) {
+        caller->party.state = place->failed;
+        return &caller->party;
+    }
+    if (place->waiting == (uint8_t)CSP_AT_PARALLEL) {
+        branch_failed(caller, parallel_at(caller, place));
+        branch_ended(caller, parallel_at(caller, place));
+    } else {
+        csp_interrupt *const interrupt = (csp_interrupt *)csp_object_at(caller, place);
+        branch_failed(caller, &interrupt->body);
+        branch_ended(caller, &interrupt->body);
+        csp_body_ended(interrupt, csp.error.exception == (uint16_t)CSP_CANCELLATION);
+    }
+    return NULL;
 }
 
 void csp_start(csp_process *parent, csp_process *branch, uint8_t level)

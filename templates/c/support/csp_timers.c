@@ -113,7 +113,10 @@ void csp_timers_fall_due(int64_t instant)
         if (timer->party != NULL) {
             csp_ready(timer->party);
         } else {
-            csp_raise_bit(timer->guard);
+            csp_set_bit(timer->guard);
+            if (timer->guard->alternative->armed) {
+                csp_wake(timer->guard);
+            }
         }
     }
 }
