@@ -206,13 +206,17 @@ class _Run:
         if observer is None:
             return
         communication = observer.communication
+        log: Any = getattr(observer, "communication_log", None)
 
         def observe(channel: str, value: Any, writer: Party | None, reader: Party | None) -> None:
-            source = "" if writer is None or writer.process is None else writer.process.name
-            sink = "" if reader is None or reader.process is None else reader.process.name
-            communication(scheduler.now, channel, value, source, sink)
+            communication(scheduler.now, channel, value, _name_of(writer), _name_of(reader))
 
-        scheduler.observe = observe
+        def note(channel: str, value: Any, writer: Party | None, reader: Party | None) -> None:
+            source = "" if writer is None or (process := writer.process) is None else process.name
+            sink = "" if reader is None or (process := reader.process) is None else process.name
+            log.extend((scheduler.now, channel, value, source, sink))
+
+        scheduler.observe = observe if log is None else note
         scheduler.watcher = observer
 
     def _take_over(self, instant: int | None) -> None:
@@ -247,3 +251,8 @@ class _Run:
                 tell(scheduler.now, port, value)
         end_all(self._root)
         return errors
+
+
+def _name_of(party: Party | None) -> str:
+    """The process on whose behalf a party communicates; empty for the environment."""
+    return "" if party is None or party.process is None else party.process.name

@@ -11,6 +11,9 @@ class Observer:
     Times are nanoseconds, channels and paths are hierarchical names; ``writer`` and ``reader`` are ``""`` for the environment.
     """
 
+    communication_log: list[Any] | None = None
+    """Where an observer gives a list, it is extended by the arguments of ``communication`` instead of a call, which is faster."""
+
     def communication(self, time: int, channel: str, value: Any, writer: str, reader: str) -> None:
         """A value has passed through an external port or a channel that is not a variable."""
 

@@ -10,7 +10,7 @@ from cspdiag.network.ir import Network
 
 if TYPE_CHECKING:
     from cspdiag.runtime import Network as RunningNetwork
-    from cspdiag.runtime import Process, Variable
+    from cspdiag.runtime import Variable
     from cspdiag.simulate.recorder import Recorder
 
 
@@ -36,7 +36,7 @@ def probe(running: RunningNetwork, network: Network, recorder: Recorder) -> None
             variable.__class__ = ProbedVariable
 
 
-def _variables(process: Process) -> Iterator[Variable[float]]:
+def _variables(process: object) -> Iterator[Variable[float]]:
     from cspdiag.runtime import Process, Variable
 
     pending: list[object] = [process]

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Iterator
+from typing import Any, NamedTuple
 
 
 class Communication(NamedTuple):
@@ -28,8 +29,8 @@ class Recorder:
     """Observer of a run: communications, processes and groups, in the order in which they happen."""
 
     def __init__(self) -> None:
-        self.communications: list[tuple[int, str, object, str, str]] = []
-        """As ``Communication``, which takes longer to make than a process takes to communicate."""
+        self.communication_log: list[Any] = []
+        """Five entries a communication, as ``Communication`` has them: a tuple for each would take longer to make than a process takes to communicate."""
         self.releases: list[tuple[int, str, object]] = []
         self.variables: dict[str, list[tuple[int, float]]] = {}
         self.activities: list[Activity] = []
@@ -37,9 +38,15 @@ class Recorder:
         self.running: dict[str, int] = {}
         """Paths of what runs now, with their positions in ``activities``."""
 
+    @property
+    def communications(self) -> Iterator[tuple[int, str, object, str, str]]:
+        """All communications in order, each as the fields of ``Communication``."""
+        log = iter(self.communication_log)
+        return zip(log, log, log, log, log, strict=True)
+
     def communication(self, time: int, channel: str, value: object, writer: str, reader: str) -> None:
         """A value passed through a channel or an external port."""
-        self.communications.append((time, channel, value, writer, reader))
+        self.communication_log += (time, channel, value, writer, reader)
 
     def released(self, time: int, port: str, value: object) -> None:
         """An output was handed its safe value at the end of the run; that is no communication."""

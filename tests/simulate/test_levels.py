@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy
 import pytest
 
 from cspdiag import pipeline
@@ -41,7 +42,7 @@ def drawn(result: Run) -> list[tuple[str, object]]:
     """The lines of the figure, by panel."""
     pytest.importorskip("matplotlib")
     return [
-        (str(line.get_label()), line.get_xydata().tolist()) for axes in result.plot().axes for line in axes.get_lines()
+        (str(line.get_label()), numpy.asarray(line.get_xydata()).tolist()) for axes in result.plot().axes for line in axes.get_lines()
     ]
 
 
