@@ -199,10 +199,17 @@ class _Sketch:
             index=instance.index,
             arguments=tuple(self._arguments(instance)),
             connections=tuple(
-                Connection(port=port.name, index=element[1], attachment=self._attachment(instance, port, element))
-                for port, element, _ in instance.shape.port_elements()
+                self._connection(instance, port, element) for port, element, _ in instance.shape.port_elements()
             ),
         )
+
+    def _connection(self, instance: InstanceShape, port: PortShape, element: PortElement) -> Connection:
+        """The elements of a control law's arrays are ports of their own."""
+        name, index = element
+        attachment = self._attachment(instance, port, element)
+        if index is not None and instance.shape.is_submodel and not instance.shape.is_external:
+            return Connection(port=f"{name}[{index}]", index=None, attachment=attachment)
+        return Connection(port=port.name, index=index, attachment=attachment)
 
     def _arguments(self, instance: InstanceShape) -> Iterator[tuple[str, Expression]]:
         """Over the parameters of the enclosing class; a default may use parameters before it."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 from cspdiag.diagnostics import Report
-from cspdiag.diagnostics.record import node
+from cspdiag.diagnostics.record import node, replaced
 from cspdiag.model.program import BuiltinSymbol, Program
 from cspdiag.network.expressions import Value
 from cspdiag.network.ir import ClassParameter, Direction, Port, SubmodelClass
@@ -75,22 +75,25 @@ def _inlined(
 
 
 def _ports(inlining: Inlining) -> tuple[Port, ...]:
-    """The ports in text order, an array of ports as one."""
+    """The ports in text order. The elements of an array are ports of their own, for a body in another language the array is one."""
     ports = []
     for symbol in inlining.scope.ports.values():
         direction: Direction = symbol.declaration.direction
         period = symbol.declaration.period
-        ports.append(
-            Port(
-                name=symbol.name,
-                doc=symbol.declaration.doc,
-                span=symbol.port.span,
-                direction=direction,
-                type=inlining.declared(symbol.declaration.type, symbol.type),
-                size=len(inlining.elements(symbol)) if symbol.port.dimensions else None,
-                period=lower_expression(inlining.program, period, inlining.context) if period else None,
-            )
+        size = len(inlining.elements(symbol)) if symbol.port.dimensions else None
+        port = Port(
+            name=symbol.name,
+            doc=symbol.declaration.doc,
+            span=symbol.port.span,
+            direction=direction,
+            type=inlining.declared(symbol.declaration.type, symbol.type),
+            size=size,
+            period=lower_expression(inlining.program, period, inlining.context) if period else None,
         )
+        if size is None or inlining.definition.external is not None:
+            ports.append(port)
+        else:
+            ports += [replaced(port, name=f"{symbol.name}[{index}]", size=None) for index in range(size)]
     return tuple(ports)
 
 

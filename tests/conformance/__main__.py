@@ -39,15 +39,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def show(verdicts: Iterable[Verdict]) -> int:
-    """A line a program as they come, and what differs below it; 1 where anything does."""
-    different = 0
+    """A line a program as they come, and what is wrong below it; 1 where anything is."""
+    failed = 0
     for verdict in verdicts:
         where = f" in {verdict.environment}" if verdict.environment else ""
         print(f"{verdict.result:8} {verdict.communications:8} {verdict.program}{where}", flush=True)
         if verdict.details:
             print("\n".join(f"    {line}" for line in verdict.details.splitlines()))
-        different += verdict.result == "differs"
-    return int(different > 0)
+        failed += verdict.result not in ("equal", "refused")
+    return int(failed > 0)
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -45,4 +45,4 @@ def difference_of(target: Target, text: str) -> str:
     """How a program differs; empty where it does not, or where the target takes no such program."""
     network = network_of(SourceFile(name="random.csp", text=text))
     verdict = judge(target, network, None, LIMIT)
-    return verdict.details if verdict.result == "differs" else ""
+    return verdict.details if verdict.result in ("differs", "crashed") else ""

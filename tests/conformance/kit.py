@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import traceback
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -11,7 +12,7 @@ from typing import Literal
 from cspdiag.network import expressions as ex
 from cspdiag.network.ir import Network
 from cspdiag.network.walk import parts
-from tests.conformance.sources import JUST_AFTER, environments, network_of, programs_in, read
+from tests.conformance.sources import JUST_AFTER, InvalidProgramError, environments, network_of, programs_in, read
 from tests.conformance.targets import REFERENCE, RefusedError, Target
 from tests.conformance.traces import Communication, Execution, compare, shown
 
@@ -19,7 +20,8 @@ LIBRARY_FUNCTIONS = frozenset({"sin", "cos", "tan", "atan2", "exp", "log", "^"})
 """The functions that the C standard leaves to the library's accuracy. A target that brings another library than this machine's may be one unit in
 the last place off in programs that use them; everything else (``+ - * /``, ``sqrt``, ``fmod``, rounding) is exact everywhere."""
 
-Result = Literal["equal", "differs", "refused"]
+Result = Literal["equal", "differs", "crashed", "refused", "invalid"]
+"""``crashed``: the implementation failed, not the program; ``invalid``: it is no correct program."""
 
 
 @dataclass(frozen=True)
@@ -36,7 +38,11 @@ class Verdict:
 def certify(target: Target, folder: Path, limit: int = 1_200_000_000) -> Iterator[Verdict]:
     """The verdicts on every program below a folder, in each of its environments, up to ``limit`` nanoseconds."""
     for name in programs_in(folder):
-        network = parsed(name)
+        try:
+            network = parsed(name)
+        except InvalidProgramError as problem:
+            yield Verdict(name, None, "invalid", details=str(problem))
+            continue
         for environment in environments(network):
             yield judge(target, network, environment, limit + JUST_AFTER, name)
 
@@ -58,6 +64,8 @@ def judge(target: Target, network: Network, environment: str | None, until: int,
         done = target.run(network, environment, until)
     except RefusedError as refusal:
         return Verdict(name, environment, "refused", details=str(refusal))
+    except Exception as crash:
+        return Verdict(name, environment, "crashed", details="".join(traceback.format_exception(crash)[-6:]))
     wanted = _done_by_reference(name, environment, until) if name else REFERENCE.run(network, environment, until)
     details = "\n".join(_differences(target, network, environment, until, wanted, done))
     return Verdict(name, environment, "differs" if details else "equal", len(wanted.trace), details)

@@ -14,6 +14,10 @@ LIBRARIES = {"models/jiwy/laws.csp", "models/jiwy/plant.csp", "models/dining/tab
 """Files without a program of their own."""
 
 
+class InvalidProgramError(Exception):
+    """A program with errors."""
+
+
 def programs_in(folder: Path) -> list[str]:
     """The programs at any depth below a folder, as paths of the checkout where they are inside it."""
     paths = sorted(path.resolve() for path in folder.rglob("*.csp"))
@@ -34,9 +38,10 @@ def read(path: str) -> SourceFile:
 
 
 def network_of(source: SourceFile) -> Network:
-    """The network of a program without errors."""
+    """The network of a program; InvalidProgramError, with the diagnostics, where it has errors."""
     built = pipeline.build(source, read)
-    assert built.network is not None, render(built.checked.report.diagnostics)
+    if built.network is None:
+        raise InvalidProgramError(render(built.checked.report.diagnostics))
     return built.network
 
 

@@ -130,7 +130,7 @@ def test_arrays_of_ports_and_of_instances() -> None:
     }"""
     )
     cls, _ = submodel(text, "Both")
-    assert [(p.name, p.size) for p in cls.ports] == [("x", 2), ("y", 2)]
+    assert [p.name for p in cls.ports] == ["x[0]", "x[1]", "y[0]", "y[1]"]
     found = instance(text, "Both").evaluate(**{"x[0]": 10.0, "x[1]": 20.0})
     assert (found["y[0]"], found["y[1]"]) == (42.0, 11.0)
 
