@@ -1,0 +1,141 @@
+"""What moves up with a process that runs in sequence, and what does not move."""
+
+from __future__ import annotations
+
+from cspdiag.network.actions import PortEnd, ProcessScope, RunInstance
+from cspdiag.network.expressions import ParameterValue
+from cspdiag.network.ir import Network, ProcessClass
+from cspdiag.network.optimize import optimize, pass_named
+from cspdiag.network.optimize.flatten import LARGEST, LONGEST
+from cspdiag.network.walk import parts
+from tests.network import programs
+
+
+def flattened(text: str) -> Network:
+    return optimize(programs.network(text), [pass_named("specialize"), pass_named("flatten")])
+
+
+def scopes(entry: ProcessClass) -> list[str]:
+    return [part.instance for part in parts(entry.body) if isinstance(part, ProcessScope)]
+
+
+def runs(entry: ProcessClass) -> list[str]:
+    return [part.instance for part in parts(entry.body) if isinstance(part, RunInstance)]
+
+
+CELL = """
+process Cell { out y : int  communication { var n : int = 0 }  composition { n := n + 1 ; y ! n } }
+"""
+
+
+def test_levels_of_processes_become_one() -> None:
+    network = flattened(
+        CELL
+        + """
+process Pair {
+  out y : int
+  communication { left : Cell  right : Cell  left.y, right.y -> y }
+  composition { left ; right }
+}
+process Main { out y : int  communication { pair : Pair  pair.y -> y }  composition { mu (pair ; wait 1 ms) } }
+"""
+    )
+    (main,) = network.classes
+    assert isinstance(main, ProcessClass)
+    assert scopes(main) == ["pair", "pair.left", "pair.right"]
+    assert [channel.name for channel in main.channels] == ["pair.left.n", "pair.right.n"]
+    assert [instance.path for instance in network.instances] == ["Main"]
+
+
+def test_a_long_array_stays_an_array() -> None:
+    text = (
+        CELL
+        + """
+process Main {
+  out y : int
+  communication { cell[COUNT] : Cell  for i < COUNT { cell[i].y -> y } }
+  composition { mu ((seq i < COUNT : cell[i]) ; wait 1 ms) }
+}
+"""
+    )
+    short = programs.process(flattened(text.replace("COUNT", str(LONGEST))), "Main")
+    assert scopes(short) == [f"cell[{index}]" for index in range(LONGEST)]
+    long = programs.process(flattened(text.replace("COUNT", str(LONGEST + 1))), "Main")
+    assert scopes(long) == []
+    assert runs(long) == [f"cell[{index}]" for index in range(LONGEST + 1)]
+
+
+def test_classes_that_share_classes_do_not_grow_without_bounds() -> None:
+    levels = 14
+    text = "process P0(n: int) { out y : int  composition { y ! n } }\n"
+    for level in range(1, levels):
+        text += f"""
+process P{level}(n: int) {{
+  out y : int
+  communication {{ var k : int = n + n  a : P{level - 1}(n = n + n)  b : P{level - 1}(n = n)  a.y, b.y -> y }}
+  composition {{ a ; y ! k ; b }}
+}}
+"""
+    text += (
+        f"process Main {{ out y : int  communication {{ p : P{levels - 1}(n = 0)  p.y -> y }}  composition {{ p }} }}\n"
+    )
+    network = flattened(text)
+    assert len(network.classes) > 1
+    assert all(
+        sum(1 for _ in parts(entry.body)) <= LARGEST for entry in network.classes if isinstance(entry, ProcessClass)
+    )
+
+
+def test_what_is_made_with_the_process_depends_on_its_parameters_only() -> None:
+    """Arguments of instances and initial values of variables; what a run computes is a constant of the class."""
+    network = flattened("""
+process Other(size: int) { out y : int  composition { mu (y ! size ; wait 1 ms) } }
+process Inner(size: int) {
+  out y : int
+  out z : int
+  communication { var x : int = size + 1  other : Other(size = size * size)  other.y -> y }
+  composition { (z ! size + x) ; (other || wait 5 ms) }
+}
+process Main(size: int = 4) {
+  out y : int
+  out z : int
+  communication { inner : Inner(size = size + 2)  inner.y -> y  inner.z -> z }
+  composition { inner }
+}
+""")
+    main = programs.process(network, "Main")
+    (other,) = main.instances
+    at_creation = [part for part in parts((other.arguments, main.channels)) if isinstance(part, ParameterValue)]
+    assert {part.name for part in at_creation} == {"size"}
+    assert [constant.name for constant in main.constants] == ["inner.size"]
+    assert not any(isinstance(part, ParameterValue) for part in parts(main.body))
+
+
+def test_processes_written_by_hand_stay() -> None:
+    network = flattened("""
+process Hand python "hand.py:Hand" { in u : int @ 1 ms  out y : int }
+process Body { in u : int @ 1 ms  out y : int  communication { hand : Hand  u -> hand.u  hand.y -> y }  composition { hand } }
+process Main {
+  in u : int @ 1 ms
+  out y : int
+  communication { var x : int  body : Body  u -> body.u  body.y -> y }
+  composition { u ? x ; body }
+}
+""")
+    main = programs.process(network, "Main")
+    assert runs(main) == ["body.hand"]
+    (hand,) = main.instances
+    assert (hand.name, hand.class_name) == ("body.hand", "Hand")
+    assert [connection.attachment for connection in hand.connections] == [PortEnd("u"), PortEnd("y")]
+
+
+def test_each_scope_closes_its_own_ends() -> None:
+    network = flattened("""
+process Reader { in u : int @ 1 ms  communication { var x : int }  composition { u ? x } }
+process Twice { in u : int @ 1 ms  communication { one : Reader  u -> one.u  var x : int }  composition { one ; u ? x } }
+process Main { in u : int @ 1 ms  communication { r : Twice  u -> r.u  var x : int }  composition { r ; u ? x } }
+""")
+    main = programs.process(network, "Main")
+    found = {part.instance: part.ends for part in parts(main.body) if isinstance(part, ProcessScope)}
+    assert found == {"r": (PortEnd("u", end=1),), "r.one": (PortEnd("u", end=2),)}
+    assert main.creation == (PortEnd("u"), PortEnd("u", end=1), PortEnd("u", end=2))
