@@ -40,7 +40,9 @@ def statement(before: str, code: Code, after: str = "", indent: str = "", commen
     if comment is not None and len(line) + 4 + len(comment) <= LINE_LENGTH:
         return [f"{line}  # {comment}"]
     lines = [] if comment is None else [f"{indent}# {comment}"]
-    if len(line) <= LINE_LENGTH:
+    if before.startswith("# ") and len(line) > LINE_LENGTH:
+        return [f"{line[: LINE_LENGTH - 3].rstrip()}..."]
+    if len(line) <= LINE_LENGTH or not code.flat:
         return [*lines, line]
     return [*lines, *_broken_statement(indent, before, code, after)]
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from cspdiag.codegen.python_names import MEMBERS, Names, indexed
-from cspdiag.network.actions import ChannelEnd, End, InputEvent, PortEnd, ReadValue, ReadyEvent
+from cspdiag.network.actions import ChannelEnd, End, InputEvent, InputRead, PortEnd, ReadValue, ReadyEvent
 from cspdiag.network.ir import InstanceOf, LocalChannel, Network, ProcessClass, SubmodelClass
 from cspdiag.network.walk import parts
 
@@ -138,7 +138,7 @@ def _reading_ends(process: ProcessClass, network: Network) -> tuple[End, ...]:
             found[end] = None
 
     for part in parts(process.body) if process.body is not None else ():
-        if isinstance(part, ReadValue | ReadyEvent | InputEvent):
+        if isinstance(part, ReadValue | ReadyEvent | InputEvent | InputRead):
             add(part.source)
     for instance in process.instances:
         class_ = network.class_named(instance.class_name)

@@ -28,7 +28,7 @@ class Alternative(Choice):
         super().__init__(guards)
         self._prioritized = prioritized
         self._all = (1 << len(guards)) - 1
-        self._after_last = -1
+        self.after_last = -1
         """The bits of the guards after the one chosen last."""
 
     @coroutine
@@ -51,22 +51,24 @@ class Alternative(Choice):
         if self.after_guards:
             ready |= self.time_outs_passed(mask, delays)
         if not ready:
-            ready = yield from self._wait(mask, values, delays)
+            ready = yield from self.wait(mask, values, delays)
             if not ready:
                 return self.chosen
         if self._prioritized:
             bit = ready & -ready
         else:
-            bit = ready & self._after_last or ready
+            bit = ready & self.after_last or ready
             bit &= -bit
-            self._after_last = -bit << 1
+            self.after_last = -bit << 1
         index = bit.bit_length() - 1
         if not self.communicate(index, values):
             yield
         return index
 
-    def _wait(self, mask: int, values: Mapping[int, Any], delays: Mapping[int, int]) -> Generator[None, None, int]:
-        """The guards that are ready; 0 if the other side has chosen."""
+    def wait(
+        self, mask: int, values: Mapping[int, Any] = _NOTHING, delays: Mapping[int, int] = _NOTHING
+    ) -> Generator[None, None, int]:
+        """Waits while none of the guards of ``mask`` is ready: those that are then, or 0 if the other side has chosen."""
         task = scheduler.current
         selector = self.selector
         self.begin_waiting(task, mask, values, delays)
@@ -86,7 +88,7 @@ class Alternative(Choice):
             yield
         if self.chosen < 0:
             raise Cancelled
-        self._after_last = -1 << (self.chosen + 1)
+        self.after_last = -1 << (self.chosen + 1)
         return 0
 
     def withdraw(self, party: Party) -> bool:

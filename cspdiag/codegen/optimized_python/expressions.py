@@ -106,16 +106,20 @@ class FastPrinter(Printer):
             case Conversion(type=TimeType()):
                 return False
             case UnaryOperation(operand=operand) | Conversion(operand=operand) | FieldValue(operand=operand):
-                return self._constant(operand)
+                return self._sound(operand)
             case BinaryOperation(left=left, right=right) | ElementValue(operand=left, index=right):
-                return self._constant(left) and self._constant(right)
+                return self._sound(left) and self._sound(right)
             case ConditionalValue(condition=condition, then=then, otherwise=otherwise):
-                return self._constant(condition) and self._constant(then) and self._constant(otherwise)
+                return self._sound(condition) and self._sound(then) and self._sound(otherwise)
             case FunctionCall(function=function, arguments=arguments):
-                return function not in _UNFOLDED and all(self._constant(argument) for argument in arguments)
+                return function not in _UNFOLDED and all(self._sound(argument) for argument in arguments)
             case StructValue(values=values) | ArrayElements(values=values):
-                return all(self._constant(value) for value in values)
+                return all(self._sound(value) for value in values)
         return False
+
+    def _sound(self, part: Expression) -> bool:
+        """Whether a part of a constant expression is one without a fault."""
+        return self.value(part) is not None
 
     def _literal(self, value: Value, type_: Type, expression: Expression) -> Code:
         match type_:

@@ -1,0 +1,255 @@
+"""Communications in place: a rendezvous touches two slots of the channel, everything else is a call of the runtime."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from cspdiag.codegen.optimized_python.places import Spelling, at_once, is_alternated, is_inline, never_waits
+from cspdiag.codegen.python_imports import Imports
+from cspdiag.codegen.python_statements import Block, Line, Statement
+from cspdiag.network.actions import End
+
+Statements = tuple[Statement, ...]
+
+
+def text(line: str) -> Line:
+    """A statement as it stands."""
+    return Line(line)
+
+
+@dataclass
+class Communications:
+    """Writes the communications of one process class.
+
+    ``checked``: whether the code asks before each communication if it was cancelled. ``traced``: whether channels inside are reported.
+    """
+
+    spelling: Spelling
+    imports: Imports
+    checked: bool
+    traced: bool
+    levels: bool
+    """Whether the program has prioritized parallels, and so a ready queue for each level."""
+
+    def check(self) -> Statements:
+        """A point of cancellation."""
+        if not self.checked:
+            return ()
+        cancelled = self.imports.runtime("Cancelled")
+        return (Block(text(f"if {self.spelling['me']}.cancelled:"), (text(f"raise {cancelled}"),)),)
+
+    def push(self, party: str) -> Statement:
+        """Readies a party."""
+        if self.levels:
+            return text(f"{party}.ready_queue.append({party})")
+        return text(f"{self.imports.runtime('push')}({party})")
+
+    def report(self, channel: str, value: str, writer: str, reader: str) -> Statements:
+        """Tells the observer."""
+        if not self.traced:
+            return ()
+        scheduler = self.imports.runtime("scheduler")
+        tell = text(f"{scheduler}.observe({channel}.name, {value}, {writer}, {reader})")
+        return (Block(text(f"if {scheduler}.observe is not None:"), (tell,)),)
+
+    # One communication
+
+    def read(self, source: End, into: str) -> Statements:
+        """Reads into a local variable or attribute."""
+        medium = self.spelling.medium(source)
+        if at_once(source, medium):
+            return (text(f"{into} = {self.spelling.value_at(source)}"),)
+        end = self.spelling.source(source)
+        if is_inline(medium):
+            before, channel = self._channel(end)
+            return (*self.check(), *before, *self._rendezvous_read(channel, into, is_alternated(medium)))
+        if medium.kind == "sampled":
+            return (*self.check(), *self._sampled_read(end, into))
+        return (text(f"{into} = yield from {end}.read()"),)
+
+    def _channel(self, end: str) -> tuple[Statements, str]:
+        if not end.endswith("]"):
+            return (), end
+        channel = self.spelling["channel"]
+        return (text(f"{channel} = {end}"),), channel
+
+    def _rendezvous_read(self, channel: str, into: str, alternated: bool) -> Statements:
+        me, writer = self.spelling["me"], self.spelling["writer"]
+        there: list[Statement] = [text(f"{channel}.writing = None"), text(f"{into} = {channel}.offered")]
+        if alternated:
+            there.append(text(f"{channel}.lower()"))
+        there += [self.push(writer), *self.report(channel, into, writer, me)]
+        return (
+            text(f"{writer} = {channel}.writing"),
+            Block(text(f"if {writer} is not None:"), tuple(there)),
+            Block(
+                text("else:"),
+                (text(f"{channel}.reading = {me}"), text("yield"), text(f"{into} = {channel}.value")),
+            ),
+        )
+
+    def _sampled_read(self, end: str, into: str) -> Statements:
+        return (text(f"{into} = yield from {end}.read()"),)
+
+    def write(self, sink: End, value: str) -> Statements:
+        """Writes a value that is simple enough to be evaluated twice."""
+        medium = self.spelling.medium(sink)
+        if medium.kind == "discard":
+            return ()
+        if medium.kind == "var":
+            return (text(f"{self.spelling.value_at(sink)} = {value}"),)
+        end = self.spelling.sink(sink)
+        if is_inline(medium):
+            before, channel = self._channel(end)
+            return (*self.check(), *before, *self._rendezvous_write(channel, value, is_alternated(medium)))
+        if never_waits(medium):
+            return (*self.check(), text(f"{end}.offer({self.spelling['me']}, {value})"))
+        return (text(f"yield from {end}.write({value})"),)
+
+    def _rendezvous_write(self, channel: str, value: str, alternated: bool) -> Statements:
+        me, reader = self.spelling["me"], self.spelling["reader"]
+        there = (
+            text(f"{channel}.reading = None"),
+            text(f"{channel}.value = {value}"),
+            self.push(reader),
+            *self.report(channel, value, me, reader),
+        )
+        waits = (*self._offered(channel, value, alternated), text("yield"))
+        return (
+            text(f"{reader} = {channel}.reading"),
+            Block(text(f"if {reader} is not None:"), there),
+            Block(text("else:"), waits),
+        )
+
+    def _offered(self, channel: str, value: str, alternated: bool) -> Statements:
+        me, ready = self.spelling["me"], self.spelling["ready"]
+        parked = (text(f"{channel}.writing = {me}"), text(f"{channel}.offered = {value}"))
+        if not alternated:
+            return parked
+        guards = f"{ready}_guards"
+        return (
+            *parked,
+            text(f"{guards} = {channel}.selector"),
+            text(f"{guards}.ready |= {channel}.bit"),
+            Block(text(f"if {guards}.armed & {channel}.bit:"), (text(f"{guards}.wake()"),)),
+        )
+
+    # Several at once
+
+    def read_all(self, reads: Sequence[tuple[End, str]]) -> Statements:
+        """Begins all reads in order, then waits for all."""
+        spelling = self.spelling
+        slow = [(end, into) for end, into in reads if not at_once(end, spelling.medium(end))]
+        here = tuple(
+            text(f"{into} = {spelling.value_at(end)}") for end, into in reads if at_once(end, spelling.medium(end))
+        )
+        if not slow:
+            return (*self.check(), *here)
+        if len(slow) == 1:
+            first = reads.index(slow[0])
+            return (*self.check_early(first), *here, *self.read(*slow[0]))
+        if all(is_inline(spelling.medium(end)) for end, _ in slow):
+            return (*self.check(), *here, *self._rendezvous_reads(slow))
+        ends = ", ".join(spelling.source(end) for end, _ in slow)
+        names = ", ".join(into for _, into in slow)
+        call = self.imports.runtime("read_all")
+        return (*self.check_early(1), *here, text(f"{names} = yield from {call}({ends})"))
+
+    def check_early(self, before: int) -> Statements:
+        """A point of cancellation before accesses that are none."""
+        return self.check() if before else ()
+
+    def _rendezvous_reads(self, reads: Sequence[tuple[End, str]]) -> Statements:
+        me, writer, waiting = (self.spelling[name] for name in ("me", "writer", "waiting"))
+        begun: list[Statement] = [text(f"{waiting} = 0")]
+        for source, _ in reads:
+            alternated = is_alternated(self.spelling.medium(source))
+            before, channel = self._channel(self.spelling.source(source))
+            there: list[Statement] = [
+                text(f"{channel}.writing = None"),
+                text(f"{channel}.value = {channel}.offered"),
+            ]
+            if alternated:
+                there.append(text(f"{channel}.lower()"))
+            there += [self.push(writer), *self.report(channel, f"{channel}.value", writer, me)]
+            begun += [
+                *before,
+                text(f"{writer} = {channel}.writing"),
+                Block(text(f"if {writer} is not None:"), tuple(there)),
+                Block(text("else:"), (text(f"{channel}.reading = {me}"), text(f"{waiting} += 1"))),
+            ]
+        taken = [text(f"{into} = {self.spelling.source(source)}.value") for source, into in reads]
+        return (*begun, *self._all_done(), *taken)
+
+    def _all_done(self) -> Statements:
+        waiting = self.spelling["waiting"]
+        return (Block(text(f"while {waiting}:"), (text("yield"), text(f"{waiting} -= 1"))),)
+
+    def write_all(self, writes: Sequence[tuple[End, str]]) -> Statements:
+        """Offers all values in order, then waits until all were taken."""
+        spelling = self.spelling
+        media = [spelling.medium(sink) for sink, _ in writes]
+        waiting = [position for position, medium in enumerate(media) if not never_waits(medium)]
+        one_last = len(waiting) == 1 and all(
+            at_once(sink, medium) for (sink, _), medium in list(zip(writes, media, strict=True))[waiting[0] :][1:]
+        )
+        if not waiting or (one_last and waiting[0] == len(writes) - 1):
+            statements: list[Statement] = [*self.check()]
+            for sink, value in writes:
+                statements += self._unchecked(self.write(sink, value))
+            return tuple(statements)
+        if all(is_inline(medium) or at_once(sink, medium) for (sink, _), medium in zip(writes, media, strict=True)):
+            return (*self.check(), *self._rendezvous_writes(writes))
+        pairs = ", ".join(
+            f"({spelling.sink(sink)}, {value})"
+            for (sink, value), medium in zip(writes, media, strict=True)
+            if medium.kind != "discard"
+        )
+        return (text(f"yield from {self.imports.runtime('write_all')}({pairs})"),)
+
+    def _unchecked(self, statements: Statements) -> Statements:
+        check = self.check()
+        return statements[1:] if check and statements[:1] == check else statements
+
+    def _rendezvous_writes(self, writes: Sequence[tuple[End, str]]) -> Statements:
+        me, reader, waiting = (self.spelling[name] for name in ("me", "reader", "waiting"))
+        begun: list[Statement] = [text(f"{waiting} = 0")]
+        for sink, value in writes:
+            medium = self.spelling.medium(sink)
+            if at_once(sink, medium):
+                begun += self.write(sink, value)
+                continue
+            before, channel = self._channel(self.spelling.sink(sink))
+            there = (
+                text(f"{channel}.reading = None"),
+                text(f"{channel}.value = {value}"),
+                self.push(reader),
+                *self.report(channel, value, me, reader),
+            )
+            offered = (*self._offered(channel, value, is_alternated(medium)), text(f"{waiting} += 1"))
+            begun += [
+                *before,
+                text(f"{reader} = {channel}.reading"),
+                Block(text(f"if {reader} is not None:"), there),
+                Block(text("else:"), offered),
+            ]
+        return (*begun, *self._all_done())
+
+    def take(self, source: End, into: str, guards: str) -> Statements:
+        """The communication of an input guard that was chosen, whose bit is ``bit`` of ``guards``."""
+        end = self.spelling.source(source)
+        if not is_alternated(self.spelling.medium(source)):
+            return (text(f"{into} = {end}.take()"),)
+        me, writer, bit = (self.spelling[name] for name in ("me", "writer", "bit"))
+        before, channel = self._channel(end)
+        return (
+            *before,
+            text(f"{writer} = {channel}.writing"),
+            text(f"{channel}.writing = None"),
+            text(f"{into} = {channel}.offered"),
+            Block(text(f"if {channel}.selector is {guards}:"), (text(f"{guards}.ready ^= {bit}"),)),
+            Block(text("else:"), (text(f"{channel}.lower()"),)),
+            self.push(writer),
+            *self.report(channel, into, writer, me),
+        )
