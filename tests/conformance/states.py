@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from typing import Any
+
 from cspdiag.runtime.deadlock import report_deadlock
 from cspdiag.runtime.scheduler import Task, scheduler
-from cspdiag.simulate.recorder import Recorder
+from cspdiag.simulate.recorder import Communication, Recorder
+
+FIELDS = len(Communication._fields)
 
 
 class ObservedRun(Recorder):
@@ -12,23 +17,35 @@ class ObservedRun(Recorder):
 
     def __init__(self, moment: int) -> None:
         super().__init__()
+        self.communication_log = _Log(moment)
+
+    @property
+    def waits(self) -> tuple[str, ...] | None:
+        """What each process waited for then; None where that is not known, or there was no such moment."""
+        assert isinstance(self.communication_log, _Log)
+        return self.communication_log.waits
+
+
+class _Log(list[Any]):
+    def __init__(self, moment: int) -> None:
+        super().__init__()
         self.moment = moment
         self.waits: tuple[str, ...] | None = None
 
-    def communication(self, time: int, channel: str, value: object, writer: str, reader: str) -> None:
-        """See ``Recorder.communication``."""
-        super().communication(time, channel, value, writer, reader)
-        if len(self.communications) == self.moment:
-            self.waits = _present_waits(time, channel, {writer, reader})
+    def extend(self, fields: Iterable[Any]) -> None:
+        super().extend(fields)
+        if len(self) == FIELDS * self.moment:
+            self.waits = _present_waits(Communication._make(self[-FIELDS:]))
 
 
-def _present_waits(now: int, channel: str, parties: set[str]) -> tuple[str, ...] | None:
+def _present_waits(made: Communication) -> tuple[str, ...] | None:
     task = scheduler.current
     if not isinstance(task, Task):
         return None
     while (parent := getattr(task.join, "_parent", None)) is not None:
         task = parent
     lines = []
-    for process in report_deadlock(task, now).waiting:
-        lines.append(f"{process.path} communicates through {channel}" if process.path in parties else str(process))
+    for process in report_deadlock(task, made.time).waiting:
+        communicates = process.path in (made.writer, made.reader)
+        lines.append(f"{process.path} communicates through {made.channel}" if communicates else str(process))
     return tuple(lines)
