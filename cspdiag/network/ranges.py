@@ -27,9 +27,10 @@ _WORD = IntType()
 def needs_check(expression: Expression) -> bool:
     """Whether a whole-number operation may overflow.
 
-    Operations on literals and parameters only were evaluated by the compiler, and reported if they overflow.
+    Operations on literals and parameters only were evaluated by the compiler, and reported if they overflow; literals that overflow all the
+    same are values of variables that a pass has put in their place.
     """
-    if _is_constant(expression):
+    if _is_constant(expression) and any(isinstance(part, ParameterValue) for part in parts(expression)):
         return False
     low, high = _result(expression)
     bounds = _bounds(expression.type)
@@ -132,6 +133,8 @@ def _operation(operator: str, left: Range, right: Range, bounds: Range) -> Range
         case "%":
             largest = max(abs(right[0]), abs(right[1]), 1) - 1
             return max(-largest, min(left[0], 0)), min(largest, max(left[1], 0))
+        case "^" if left[0] == left[1] and right[0] == right[1] and 0 <= right[0] < 64:
+            return left[0] ** right[0], left[0] ** right[0]
         case "^":
             return bounds[0] - 1, bounds[1] + 1
     return bounds
