@@ -111,7 +111,7 @@ class LoadedProgram:
         network = self.build(environment=environment, set=set)
         return simulate(
             network,
-            pipeline.generate(network, read_source, level=level, traced=True),
+            pipeline.generate(network, read_source, level=level, traced=True, observed=True),
             environment=environment,
             until=None if until is None else parse_duration(until if isinstance(until, str) else f"{until!r} s"),
             real_time=real_time,

@@ -125,15 +125,17 @@ def generate(
     level: int = 0,
     *,
     traced: bool = False,
+    observed: bool = False,
     probed: bool = False,
 ) -> dict[str, str]:
     """The files of a target's package, by path relative to its folder.
 
-    ``level`` is that of optimization, 0 or 1. ``traced`` code tells an observer of every communication; at level 1 code that is not tells it of
-    those of external ports only. ``probed`` code keeps variables that have a unit as objects that can be watched. Hand-written modules that the program
-    names are read relative to the file that names them. Raises KeyError for an unknown target, OSError for a module that cannot be read.
+    ``level`` is that of optimization, 0 or 1; at level 0 code tells and keeps everything. ``traced`` code tells an observer of every communication, other code of
+    those of external ports only; ``observed`` code tells it as well when each process starts and ends, and who communicates; ``probed`` code keeps
+    variables that have a unit as objects that can be watched. Hand-written modules that the program names are read relative to the file that
+    names them. Raises KeyError for an unknown target, OSError for a module that cannot be read.
     """
     from cspdiag.codegen import TARGETS, Options, external_modules
 
     modules = {path: read(path).text for path in external_modules(network, target)}
-    return TARGETS[target](network, modules, Options(level=level, traced=traced, probed=probed))
+    return TARGETS[target](network, modules, Options(level=level, traced=traced, observed=observed, probed=probed))

@@ -118,7 +118,8 @@ def _simulate(arguments: Namespace, network: Network, until: int | None) -> Run:
     simulate = _simulate_native if arguments.target == "c" else _simulate_in_python
     # What ends a service ends a run as Ctrl-C does: with its outputs released.
     signal.signal(signal.SIGTERM, signal.default_int_handler)
-    recorder = Recorder()
+    outputs = (arguments.record, arguments.trace, arguments.plot)
+    recorder = Recorder(communications=any(path is not None for path in outputs))
     progress = None
     if not arguments.quiet and sys.stderr.isatty():
         progress = Progress(recorder, mode_groups(network))
@@ -142,6 +143,7 @@ def _simulate_in_python(
         read_source,
         level=arguments.level,
         traced=arguments.trace is not None,
+        observed=True,
         probed=arguments.plot is not None,
     )
     return simulate(

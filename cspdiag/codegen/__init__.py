@@ -16,11 +16,13 @@ class Options:
     """How a target generates: ``level`` of optimization, 0 or 1.
 
     ``traced`` code tells an observer of every communication; at level 1 code that is not tells it of those of external ports only.
-    ``probed`` code keeps variables that have a unit as objects that can be watched.
+    ``observed`` code tells it as well when each process starts and ends, and who communicates. ``probed`` code keeps variables that have a unit as
+    objects that can be watched.
     """
 
     level: int = 0
     traced: bool = False
+    observed: bool = False
     probed: bool = False
 
 
@@ -35,7 +37,7 @@ def _python(network: Network, modules: Mapping[str, str], options: Options) -> d
         return python.generate(network, modules)
     from cspdiag.codegen.optimized_python import package
 
-    return package.generate(network, modules, traced=options.traced, probed=options.probed)
+    return package.generate(network, modules, options)
 
 
 def _c(network: Network, modules: Mapping[str, str], options: Options) -> dict[str, str]:

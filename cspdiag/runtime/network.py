@@ -216,7 +216,8 @@ class _Run:
             sink = "" if reader is None or (process := reader.process) is None else process.name
             log.extend((scheduler.now, channel, value, source, sink))
 
-        scheduler.observe = observe if log is None else note
+        if getattr(observer, "wants_communications", True):
+            scheduler.observe = observe if log is None else note
         scheduler.watcher = observer
 
     def _take_over(self, instant: int | None) -> None:

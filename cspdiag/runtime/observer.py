@@ -11,6 +11,9 @@ class Observer:
     Times are nanoseconds, channels and paths are hierarchical names; ``writer`` and ``reader`` are ``""`` for the environment.
     """
 
+    wants_communications: bool = True
+    """Whether to be told of communications at all."""
+
     communication_log: list[Any] | None = None
     """Where an observer gives a list, it is extended by the arguments of ``communication`` instead of a call, which is faster."""
 

@@ -26,9 +26,10 @@ class Activity(NamedTuple):
 
 
 class Recorder:
-    """Observer of a run: communications, processes and groups, in the order in which they happen."""
+    """Observer of a run: communications, if wanted, and processes and groups, in the order in which they happen."""
 
-    def __init__(self) -> None:
+    def __init__(self, *, communications: bool = True) -> None:
+        self.wants_communications = communications
         self.communication_log: list[Any] = []
         """Five entries a communication, as ``Communication`` has them: a tuple for each would take longer to make than a process takes to communicate."""
         self.releases: list[tuple[int, str, object]] = []

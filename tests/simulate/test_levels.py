@@ -19,7 +19,7 @@ MS = 1_000_000
 
 def run(program: Network, level: int, environment: str | None, until: int | None, *, traced: bool, probed: bool) -> Run:
     """A run of the code of a level."""
-    files = pipeline.generate(program, read, level=level, traced=traced, probed=probed)
+    files = pipeline.generate(program, read, level=level, traced=traced, observed=True, probed=probed)
     return simulate(program, files, environment=environment, until=until, probe_variables=probed)
 
 
@@ -42,7 +42,9 @@ def drawn(result: Run) -> list[tuple[str, object]]:
     """The lines of the figure, by panel."""
     pytest.importorskip("matplotlib")
     return [
-        (str(line.get_label()), numpy.asarray(line.get_xydata()).tolist()) for axes in result.plot().axes for line in axes.get_lines()
+        (str(line.get_label()), numpy.asarray(line.get_xydata()).tolist())
+        for axes in result.plot().axes
+        for line in axes.get_lines()
     ]
 
 

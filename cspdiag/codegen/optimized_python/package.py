@@ -4,14 +4,35 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from cspdiag.codegen import python
+from cspdiag.codegen import Options, python
 from cspdiag.codegen.optimized_python.environments import environment_module
-from cspdiag.network.ir import Network
+from cspdiag.codegen.optimized_python.processes import process_module
+from cspdiag.codegen.python_external import ExternalModules
+from cspdiag.codegen.python_names import PackageNames
+from cspdiag.codegen.python_network import network_view
+from cspdiag.codegen.python_submodels import submodel_module
+from cspdiag.codegen.render import renderer
+from cspdiag.network.ir import Network, ProcessClass
+from cspdiag.network.optimize import PASSES, optimize
 
 
-def generate(network: Network, modules: Mapping[str, str], *, traced: bool, probed: bool) -> dict[str, str]:
-    """The files of a package, by path from its folder; see ``python.generate``.
-
-    ``traced`` code tells an observer of every communication, other code of those of external ports only.
-    """
-    return python.generate(network, modules, environment_module)
+def generate(network: Network, modules: Mapping[str, str], options: Options) -> dict[str, str]:
+    """The files of a package, by path from its folder; see ``python.generate``."""
+    if options.probed:
+        return python.generate(network, modules, environment_module)
+    optimized = optimize(network, [entry for entry in PASSES if entry.name != "fuse"] if options.observed else PASSES)
+    render = renderer("python")
+    names = PackageNames(optimized)
+    external = ExternalModules(modules)
+    package = names.package
+    files = python.frame(optimized, names, external, environment_module)
+    files[f"{package}/network.py"] = render("network.py.j2", module=network_view(optimized, names, external))
+    for class_ in optimized.classes:
+        if isinstance(class_, ProcessClass):
+            if class_.external is not None:
+                continue
+            module = process_module(class_, optimized, names, external, traced=options.traced)
+        else:
+            module = submodel_module(class_, names, external)
+        files[f"{package}/{names.modules[class_.name]}.py"] = render("class.py.j2", module=module)
+    return dict(sorted(files.items()))
