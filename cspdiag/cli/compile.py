@@ -113,6 +113,10 @@ def _generate(arguments: Namespace) -> int:
         raise NoResultError(str(problem)) from None
     write_package(folder, files, force=arguments.force)
     sys.stderr.write(f"wrote {folder}\n")
+    if arguments.target == "c":
+        from cspdiag.simulate.native_memory import report_or_reason
+
+        sys.stderr.write(f"{report_or_reason(network, files, arguments.level)}\n")
     return FINE
 
 

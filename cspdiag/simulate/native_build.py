@@ -35,7 +35,7 @@ class Compiler:
     version: str
 
 
-def compiler() -> Compiler:
+def find_compiler() -> Compiler:
     """The compiler of the environment variable CC, or else the first of cc, gcc and clang. Raises CompilerError."""
     wanted = os.environ.get("CC")
     commands = [wanted] if wanted else ["cc", "gcc", "clang"]
@@ -77,11 +77,13 @@ class Build:
     """The cache; None for the usual one."""
 
     @cached_property
-    def _compiler(self) -> Compiler:
-        return compiler()
+    def compiler(self) -> Compiler:
+        """The compiler; CompilerError if there is none."""
+        return find_compiler()
 
     @cached_property
-    def _cache(self) -> Path:
+    def cache(self) -> Path:
+        """The folder of the cache."""
         return self.folder if self.folder is not None else cache_folder()
 
     @cached_property
@@ -94,25 +96,25 @@ class Build:
 
     def executable(self) -> Path:
         """The program, built as far as it is not in the cache. Raises CompilerError."""
-        digests = {path: self._digest(path) for path in self.sources}
-        target = self._cache / "programs" / _hash([*digests.values(), *self._identity])
+        digests = {path: self.digest(path) for path in self.sources}
+        target = self.cache / "programs" / _hash([*digests.values(), *self._identity])
         if _touched(target):
             return target
         objects = self._objects(digests)
-        with _Scratch(self._cache) as scratch:
+        with _Scratch(self.cache) as scratch:
             linked = scratch / "program"
             self._run([*objects, "-lm", "-o", str(linked)], None)
             _keep(linked, target)
-        _bound(self._cache)
+        _bound(self.cache)
         return target
 
     @cached_property
     def _identity(self) -> tuple[str, ...]:
-        compiler_ = self._compiler
+        compiler_ = self.compiler
         return (*compiler_.command, compiler_.version, *self._flags)
 
-    def _digest(self, path: str) -> str:
-        """Of what the object of a file depends on: its text, all headers that it includes, the compiler and its options."""
+    def digest(self, path: str) -> str:
+        """The name in the cache: of what the object of a file depends on: its text, all headers that it includes, the compiler and its options."""
         return _hash([path, *(f"{name}\n{self.files[name]}" for name in self._included(path)), *self._identity])
 
     def _included(self, path: str) -> Iterable[str]:
@@ -133,10 +135,10 @@ class Build:
 
     def _objects(self, digests: Mapping[str, str]) -> list[str]:
         """The objects of all sources; what is missing is compiled, as many at once as there are processors."""
-        places = {path: self._cache / "objects" / f"{digest}.o" for path, digest in digests.items()}
+        places = {path: self.cache / "objects" / f"{digest}.o" for path, digest in digests.items()}
         missing = [path for path, place in places.items() if not _touched(place)]
         if missing:
-            with _Scratch(self._cache) as scratch:
+            with _Scratch(self.cache) as scratch:
                 _write(scratch, self.files)
                 with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
                     list(pool.map(lambda path: self._compile(scratch, path, places[path]), missing))
@@ -148,8 +150,32 @@ class Build:
         self._run([*folders, "-c", str(scratch / path), "-o", str(made)], scratch)
         _keep(made, place)
 
+    def assembled(self, path: str, *options: tuple[str, ...]) -> dict[str, str]:
+        """What the compiler writes for a file that it is to compile to assembly, by suffix (``s``, ``su``): with the first options that it knows."""
+        with _Scratch(self.cache) as scratch:
+            _write(scratch, self.files)
+            folders = [option for folder in self._folders for option in ("-I", str(scratch / folder))]
+            results = scratch / "results"
+            results.mkdir()
+            for position, chosen in enumerate(options):
+                try:
+                    self._run([*folders, *chosen, "-S", str(scratch / path), "-o", str(results / "made.s")], scratch)
+                except CompilerError:
+                    if position + 1 == len(options):
+                        raise
+                    continue
+                break
+            return {entry.suffix[1:]: entry.read_text(encoding="utf-8") for entry in results.iterdir()}
+
+    def keep_text(self, text: str, place: Path) -> None:
+        """Put a text into the cache."""
+        with _Scratch(self.cache) as scratch:
+            made = scratch / "text"
+            made.write_text(text, encoding="utf-8")
+            _keep(made, place)
+
     def _run(self, arguments: list[str], scratch: Path | None) -> None:
-        command = [*self._compiler.command, *self._flags, *arguments]
+        command = [*self.compiler.command, *self._flags, *arguments]
         try:
             done = subprocess.run(command, capture_output=True, text=True, check=False)
         except OSError as problem:
@@ -235,7 +261,7 @@ def _touched(place: Path) -> bool:
 def _bound(folder: Path) -> None:
     """Removes what was not used for the longest time from a cache that has become too large."""
     entries: list[tuple[float, int, Path]] = []
-    for part in ("objects", "programs"):
+    for part in ("objects", "programs", "facts"):
         with suppress(OSError):
             for entry in os.scandir(folder / part):
                 with suppress(OSError):

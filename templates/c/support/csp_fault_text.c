@@ -27,26 +27,72 @@ CSP_SILENT(csp_describe_not_finite)
 
 #else
 
-#include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- Numbers that are too large for every type: a sign, and decimal digits, the lowest first ---- */
+/* ---- Texts ---- */
 
-enum { MOST_DIGITS = 1208 }; /* of (2^63)^63 */
+/* Appends to a text, as much as fits. */
+static void say(char *text, size_t size, const char *more)
+{
+    const size_t length = strlen(text);
+    size_t index = 0;
+    while ((length + index + 1U < size) && (more[index] != '\0')) {
+        text[length + index] = more[index];
+        index++;
+    }
+    text[length + index] = '\0';
+}
 
-typedef struct number {
-    bool negative;
-    size_t count;
-    uint8_t digits[MOST_DIGITS];
-} number;
+static void say_digits(char *text, size_t size, uint64_t value, int least)
+{
+    char digits[24];
+    size_t position = sizeof digits - 1U;
+    uint64_t rest = value;
+    int count = 0;
+    digits[position] = '\0';
+    while ((rest > 0U) || (count < least)) {
+        position--;
+        digits[position] = "0123456789"[rest % 10U];
+        rest /= 10U;
+        count++;
+    }
+    say(text, size, &digits[position]);
+}
 
 static uint64_t magnitude(int64_t value)
 {
     return (value < 0) ? (uint64_t)0 - (uint64_t)value : (uint64_t)value;
 }
+
+static void say_number(char *text, size_t size, int64_t value)
+{
+    say(text, size, (value < 0) ? "-" : "");
+    say_digits(text, size, magnitude(value), 1);
+}
+
+static void say_range(char *text, size_t size, int64_t low, int64_t high)
+{
+    say(text, size, " (");
+    say_number(text, size, low);
+    say(text, size, " .. ");
+    say_number(text, size, high);
+    say(text, size, ")");
+}
+
+/* ---- Numbers that are too large for every type: a sign, and nine decimal digits a limb, the lowest first ---- */
+
+#define LIMB UINT64_C(1000000000)
+
+enum { MOST_LIMBS = 135 }; /* of (2^63)^63 */
+
+typedef struct number {
+    bool negative;
+    size_t count;
+    uint32_t limbs[MOST_LIMBS];
+} number;
 
 static void set(number *result, int64_t value)
 {
@@ -54,9 +100,9 @@ static void set(number *result, int64_t value)
     result->negative = value < 0;
     result->count = 0;
     do {
-        result->digits[result->count] = (uint8_t)(rest % 10U);
+        result->limbs[result->count] = (uint32_t)(rest % LIMB);
         result->count++;
-        rest /= 10U;
+        rest /= LIMB;
     } while (rest > 0U);
 }
 
@@ -64,122 +110,130 @@ static void set(number *result, int64_t value)
 static void add(number *result, uint64_t summand)
 {
     uint64_t carry = summand;
-    for (size_t position = 0; (carry > 0U) || (position < result->count); position++) {
+    for (size_t position = 0; carry > 0U; position++) {
         if (position == result->count) {
-            result->digits[position] = 0;
+            result->limbs[position] = 0;
             result->count++;
         }
-        const uint64_t digit = result->digits[position] + (carry % 10U);
-        carry = (carry / 10U) + (digit / 10U);
-        result->digits[position] = (uint8_t)(digit % 10U);
+        const uint64_t limb = result->limbs[position] + (carry % LIMB);
+        carry = (carry / LIMB) + (limb / LIMB);
+        result->limbs[position] = (uint32_t)(limb % LIMB);
     }
 }
 
 static void multiply(number *result, int64_t factor)
 {
-    /* 9 times 2^63 and the carry fit in 128 bits only, so in two halves of 32 bits. */
+    /* The products have up to 93 bits: they are kept in two halves. */
     const uint64_t low = magnitude(factor) & UINT32_MAX;
     const uint64_t high = magnitude(factor) >> 32U;
     uint64_t carry_low = 0;
     uint64_t carry_high = 0;
     const size_t count = result->count;
     for (size_t position = 0; (position < count) || (carry_low > 0U) || (carry_high > 0U); position++) {
-        const uint64_t digit = (position < count) ? result->digits[position] : 0U;
-        const uint64_t sum_low = carry_low + (digit * low);
-        const uint64_t sum_high = carry_high + (digit * high) + (sum_low >> 32U);
-        /* Divide the two halves by ten. */
-        const uint64_t rest = ((sum_high % 10U) << 32U) + (sum_low & UINT32_MAX);
-        carry_high = sum_high / 10U;
-        carry_low = rest / 10U;
-        result->digits[position] = (uint8_t)(rest % 10U);
-        if (position >= result->count) {
-            result->count = position + 1U;
-        }
-        carry_high += carry_low >> 32U;
-        carry_low &= UINT32_MAX;
+        const uint64_t limb = (position < count) ? result->limbs[position] : 0U;
+        const uint64_t sum_low = carry_low + (limb * low);
+        const uint64_t sum_high = carry_high + (limb * high) + (sum_low >> 32U);
+        const uint64_t rest = ((sum_high % LIMB) << 32U) + (sum_low & UINT32_MAX);
+        carry_high = sum_high / LIMB;
+        carry_low = rest / LIMB;
+        result->limbs[position] = (uint32_t)(rest % LIMB);
+        result->count = (position < result->count) ? result->count : position + 1U;
     }
     result->negative = result->negative != (factor < 0);
 }
 
-static void outside_int(const number *value, char *text, size_t size)
+static void say_outside_int(char *text, size_t size, const number *value)
 {
-    static char digits[MOST_DIGITS + 1];
-    for (size_t position = 0; position < value->count; position++) {
-        digits[position] = (char)('0' + value->digits[value->count - 1U - position]);
+    text[0] = '\0';
+    say(text, size, value->negative ? "-" : "");
+    for (size_t position = value->count; position > 0U; position--) {
+        say_digits(text, size, value->limbs[position - 1U], (position == value->count) ? 1 : 9);
     }
-    digits[value->count] = '\0';
-    (void)snprintf(text, size, "%s%s is outside int (%" PRId64 " .. %" PRId64 ")", value->negative ? "-" : "", digits,
-                   INT64_MIN, INT64_MAX);
+    say(text, size, " is outside int");
+    say_range(text, size, INT64_MIN, INT64_MAX);
 }
-
-static number result;
 
 void csp_describe_sum(const csp_operands *operands, char *text, size_t size)
 {
+    number result;
     set(&result, operands->integers[0]);
     add(&result, magnitude(operands->integers[1]));
-    outside_int(&result, text, size);
+    say_outside_int(text, size, &result);
 }
 
 void csp_describe_difference(const csp_operands *operands, char *text, size_t size)
 {
+    number result;
     set(&result, operands->integers[0]);
-    if (operands->integers[0] == 0) {
-        result.negative = operands->integers[1] > 0;
-    }
     add(&result, magnitude(operands->integers[1]));
-    outside_int(&result, text, size);
+    say_outside_int(text, size, &result);
 }
 
 void csp_describe_product(const csp_operands *operands, char *text, size_t size)
 {
+    number result;
     set(&result, operands->integers[0]);
     multiply(&result, operands->integers[1]);
-    outside_int(&result, text, size);
+    say_outside_int(text, size, &result);
 }
 
 void csp_describe_power_value(const csp_operands *operands, char *text, size_t size)
 {
+    number result;
     set(&result, 1);
     for (int64_t count = 0; count < operands->integers[1]; count++) {
         multiply(&result, operands->integers[0]);
     }
-    outside_int(&result, text, size);
+    say_outside_int(text, size, &result);
 }
 
 void csp_describe_power(const csp_operands *operands, char *text, size_t size)
 {
-    (void)snprintf(text, size, "%" PRId64 " ^ %" PRId64 " is outside int", operands->integers[0],
-                   operands->integers[1]);
+    text[0] = '\0';
+    say_number(text, size, operands->integers[0]);
+    say(text, size, " ^ ");
+    say_number(text, size, operands->integers[1]);
+    say(text, size, " is outside int");
 }
 
 void csp_describe_negative_exponent(const csp_operands *operands, char *text, size_t size)
 {
-    (void)snprintf(text, size, "negative exponent %" PRId64 " of an integer", operands->integers[1]);
+    text[0] = '\0';
+    say(text, size, "negative exponent ");
+    say_number(text, size, operands->integers[1]);
+    say(text, size, " of an integer");
 }
 
 void csp_describe_division(const csp_operands *operands, char *text, size_t size)
 {
     (void)operands;
-    (void)snprintf(text, size, "division by zero");
+    text[0] = '\0';
+    say(text, size, "division by zero");
 }
 
 void csp_describe_real_division(const csp_operands *operands, char *text, size_t size)
 {
     (void)operands;
-    (void)snprintf(text, size, "float division by zero");
+    text[0] = '\0';
+    say(text, size, "float division by zero");
 }
 
 void csp_describe_outside(const csp_operands *operands, char *text, size_t size)
 {
-    (void)snprintf(text, size, "%" PRId64 " is outside %s (%" PRId64 " .. %" PRId64 ")", operands->integers[0],
-                   operands->name, operands->integers[1], operands->integers[2]);
+    text[0] = '\0';
+    say_number(text, size, operands->integers[0]);
+    say(text, size, " is outside ");
+    say(text, size, operands->name);
+    say_range(text, size, operands->integers[1], operands->integers[2]);
 }
 
 void csp_describe_index(const csp_operands *operands, char *text, size_t size)
 {
-    (void)snprintf(text, size, "index %" PRId64 " is outside 0 .. %" PRId64, operands->integers[0],
-                   operands->integers[1] - 1);
+    text[0] = '\0';
+    say(text, size, "index ");
+    say_number(text, size, operands->integers[0]);
+    say(text, size, " is outside 0 .. ");
+    say_number(text, size, operands->integers[1] - 1);
 }
 
 /* ---- Reals, in the fewest digits that say them ---- */
@@ -220,19 +274,23 @@ void csp_describe_real_outside(const csp_operands *operands, char *text, size_t 
 {
     char value[REAL_TEXT];
     real_text(operands->real, value);
-    if (!isfinite(operands->real)) {
-        (void)snprintf(text, size, "%s is not in %s", value, operands->name);
-        return;
+    text[0] = '\0';
+    say(text, size, value);
+    say(text, size, isfinite(operands->real) ? " is outside " : " is not in ");
+    say(text, size, operands->name);
+    if (isfinite(operands->real)) {
+        say_range(text, size, operands->integers[1], operands->integers[2]);
     }
-    (void)snprintf(text, size, "%s is outside %s (%" PRId64 " .. %" PRId64 ")", value, operands->name,
-                   operands->integers[1], operands->integers[2]);
 }
 
 void csp_describe_not_finite(const csp_operands *operands, char *text, size_t size)
 {
     char value[REAL_TEXT];
     real_text(operands->real, value);
-    (void)snprintf(text, size, "%s is written to %s", value, operands->name);
+    text[0] = '\0';
+    say(text, size, value);
+    say(text, size, " is written to ");
+    say(text, size, operands->name);
 }
 
 #endif

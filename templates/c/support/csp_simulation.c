@@ -119,7 +119,10 @@ static void show_missed(const csp_program *program)
             const uint32_t missed = ((const csp_sampled_input *)(const void *)medium)->missed;
             if (missed > 0U) {
                 char name[TEXT] = "";
-                program->channel_name(medium->number, name, sizeof name);
+                (void)snprintf(name, sizeof name, "port %lu", (unsigned long)medium->number);
+                if (program->channel_name != NULL) {
+                    program->channel_name(medium->number, name, sizeof name);
+                }
                 (void)fprintf(stderr, "  missed samples of %s: %lu\n", name, (unsigned long)missed);
             }
         }

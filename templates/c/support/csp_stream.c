@@ -166,7 +166,9 @@ static void tell_waiting(const csp_program *program, const csp_waiting_process *
     uint16_t channels = 0;
     put_kind(8);
     put_number(waiting->process->party.number);
-    program->process_name(waiting->process->party.number, text, sizeof text);
+    if (program->process_name != NULL) {
+        program->process_name(waiting->process->party.number, text, sizeof text);
+    }
     put_text(text);
     put_text(waiting->process->kind->where);
     put_text(waiting->place->where);

@@ -1,0 +1,184 @@
+"""The memory that a program in C takes: asked of the compiler, so of the machine that it compiles for."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+
+from cspdiag.codegen.c.sizes import PREFIX, SizeQuestions, Sizes
+from cspdiag.network.ir import Network
+from cspdiag.simulate.native_build import Build, CompilerError
+
+_PROBE = "sizes_probe.c"
+_INDIRECT = "__indirect_call"
+
+
+@dataclass(frozen=True)
+class FunctionFacts:
+    """What a compiler says of a function: the bytes of its frame and whom it calls; None for what it does not say."""
+
+    stack: int
+    calls: tuple[str, ...] | None
+
+
+@dataclass(frozen=True)
+class FileFacts:
+    """What a compiler makes of one file: bytes of variables by name, and its functions by name."""
+
+    variables: Mapping[str, int]
+    functions: Mapping[str, FunctionFacts]
+
+
+@dataclass(frozen=True)
+class MemoryReport:
+    """Bytes of a program: ``data`` are all its variables, ``stack`` the deepest that it goes.
+
+    ``exact`` tells whether the calls of all functions were known, so that the stack is a bound and not an estimate.
+    """
+
+    compiler: str
+    sizes: Sizes
+    data: int
+    stack: int
+    exact: bool
+
+    @property
+    def text(self) -> str:
+        """For people."""
+        rows = [f"memory, as {self.compiler} lays it out:"]
+        entries: list[tuple[str, int, int]] = []
+        for item in self.sizes.classes:
+            entries.append((f"{item.kind} {item.name}", item.count, item.bytes))
+        name_width = max([len(name) for name, _, _ in entries] + [len("channels")])
+        for name, count, size in entries:
+            rows.append(f"  {name:<{name_width}} {count:>7} x {size:>6} = {_bytes(count * size):>9}")
+        rows.append(
+            f"  {'channels':<{name_width}} {self.sizes.channels:>7}          = {_bytes(self.sizes.channel_bytes):>9}"
+        )
+        parts = sum(count * size for _, count, size in entries) + self.sizes.channel_bytes
+        rows.append(f"  {'ports and kernel':<{name_width + 19}} {_bytes(max(self.data - parts, 0)):>9}")
+        bound = "stack, at most" if self.exact else "stack, about"
+        rows.append(f"  {bound:<{name_width + 19}} {_bytes(self.stack):>9}")
+        rows.append(f"  {'total':<{name_width + 19}} {_bytes(self.data + self.stack):>9}")
+        return "\n".join(rows)
+
+
+def _bytes(count: int) -> str:
+    return f"{count} bytes" if count < 100_000 else f"{count / 1000:.0f} kB"
+
+
+def memory_report(network: Network, files: Mapping[str, str], level: int) -> MemoryReport:
+    """Compile a generated package to find out. Raises CompilerError."""
+    questions = SizeQuestions(network, level)
+    complete = {**files, _PROBE: questions.probe()}
+    sources = [path for path in complete if path.endswith(".c") and not _is_of_simulation(path)]
+    build = Build(complete, sources, ("-O2", "-DCSP_TRACE=0"))
+    with ThreadPoolExecutor() as pool:
+        facts = dict(zip(sources, pool.map(lambda path: _facts(build, path), sources), strict=True))
+    probed = facts.pop(_PROBE).variables
+    sizes = questions.answer({name.removeprefix(PREFIX): size for name, size in probed.items()})
+    functions = {name: function for file in facts.values() for name, function in file.functions.items()}
+    exact = all(function.calls is not None for function in functions.values())
+    stack = deepest(functions) if exact else _estimated(functions)
+    data = sum(size for file in facts.values() for size in file.variables.values())
+    return MemoryReport(build.compiler.version, sizes, data, stack, exact)
+
+
+def _is_of_simulation(path: str) -> bool:
+    """Whether a file belongs to a place to run, and not to the program."""
+    stem = path.rpartition("/")[2]
+    return stem.startswith(("main_", "csp_port_", "csp_simulation", "csp_stream")) or stem.endswith("_environment.c")
+
+
+def _facts(build: Build, path: str) -> FileFacts:
+    """Of one file, from the cache where it was asked before."""
+    place = build.cache / "facts" / f"{build.digest(path)}.json"
+    try:
+        found = json.loads(place.read_text(encoding="utf-8"))
+        functions = {
+            name: FunctionFacts(stack, None if calls is None else tuple(calls))
+            for name, (stack, calls) in found["functions"].items()
+        }
+        return FileFacts(found["variables"], functions)
+    except (OSError, ValueError, KeyError):
+        pass
+    made = build.assembled(path, ("-fstack-usage", "-fcallgraph-info=su"), ("-fstack-usage",), ())
+    facts = FileFacts(dict(_variables(made["s"])), _functions(made))
+    told = {
+        "variables": dict(facts.variables),
+        "functions": {name: (function.stack, function.calls) for name, function in facts.functions.items()},
+    }
+    build.keep_text(json.dumps(told), place)
+    return facts
+
+
+def _variables(assembly: str) -> Iterator[tuple[str, int]]:
+    """The variables that a file has of its own, with their sizes; constants are no memory that a program takes."""
+    constant = True
+    objects: set[str] = set()
+    for row in assembly.splitlines():
+        text = row.strip()
+        if found := re.match(r"\.(?:comm|lcomm|zerofill\s+\S+?,\S+?,)\s*_?([\w.$]+),\s*(\d+)", text):
+            yield found[1], int(found[2])
+        elif text.startswith((".data", ".bss")):
+            constant = False
+        elif text.startswith((".text", ".section")):
+            constant = not re.search(r"\.(data|bss)(?!\.rel\.ro)", text)
+        elif found := re.match(r"\.type\s+([\w.$]+),\s*[@%]object", text):
+            objects.add(found[1])
+        elif (found := re.match(r"\.size\s+([\w.$]+),\s*(\d+)", text)) and found[1] in objects and not constant:
+            yield found[1], int(found[2])
+
+
+def _functions(made: Mapping[str, str]) -> dict[str, FunctionFacts]:
+    """Frames from the list of stack usage; calls from the call graph, where the compiler writes one."""
+    frames = {}
+    for row in made.get("su", "").splitlines():
+        place, size, *_ = row.split("\t")
+        frames[place.rpartition(":")[2]] = int(size)
+    if "ci" not in made:
+        return {name: FunctionFacts(size, None) for name, size in frames.items()}
+    calls: dict[str, list[str]] = {name: [] for name in frames}
+    for source, target in re.findall(r'edge: \{ sourcename: "([^"]+)" targetname: "([^"]+)"', made["ci"]):
+        calls.setdefault(source.rpartition(":")[2], []).append(target.rpartition(":")[2])
+    return {name: FunctionFacts(frames.get(name, 0), tuple(called)) for name, called in calls.items()}
+
+
+def deepest(functions: Mapping[str, FunctionFacts]) -> int:
+    """The greatest sum of frames along calls. What is called through a pointer may be any function that nobody calls by name.
+
+    Nothing is recursive but through pointers, and what is called through one is a step, a driver or a report, which ends before the next.
+    """
+    called = {name for function in functions.values() for name in function.calls or ()}
+    pointed = [name for name in functions if name not in called]
+    known: dict[str, int] = {}
+
+    def depth(name: str, indirect: bool) -> int:
+        key = f"{name} {indirect}"
+        if key not in known:
+            known[key] = 0
+            function = functions.get(name)
+            if function is not None:
+                below = [depth(other, indirect) for other in function.calls or () if other != _INDIRECT]
+                if indirect and _INDIRECT in (function.calls or ()):
+                    below += [depth(other, False) for other in pointed]
+                known[key] = function.stack + max(below, default=0)
+        return known[key]
+
+    return max((depth(name, True) for name in pointed), default=0)
+
+
+def _estimated(functions: Mapping[str, FunctionFacts]) -> int:
+    """Where calls are not known: as if the eight largest frames stood on each other."""
+    return sum(sorted((function.stack for function in functions.values()), reverse=True)[:8])
+
+
+def report_or_reason(network: Network, files: Mapping[str, str], level: int) -> str:
+    """The report, or why there is none."""
+    try:
+        return memory_report(network, files, level).text
+    except CompilerError as problem:
+        return f"memory: not known, {problem}"
