@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from functools import cached_property
 from typing import ClassVar
 
-from cspdiag.codegen.optimized_python.expressions import NANOSECONDS, FastPrinter
+from cspdiag.codegen.optimized_python.expressions import NANOSECONDS, SCALAR, FastPrinter
 from cspdiag.codegen.optimized_python.integration import InlineIntegration, SubStep
 from cspdiag.codegen.optimized_python.statements import assigned
 from cspdiag.codegen.optimized_python.temporaries import Temporaries
@@ -49,7 +49,7 @@ class _FastEnvironmentWriter(EnvironmentWriter):
     def _constants(self) -> Iterable[Statement]:
         printer = self._printer(())
         for item in self.constants:
-            if item.name not in self._known:
+            if item.name not in self._known or not isinstance(item.type, SCALAR):
                 yield assign(self.names[item.name], printer.print(item.value), self._place(item))
 
     def _printer(self, local: Iterable[str], time: Code | None = None) -> FastPrinter:

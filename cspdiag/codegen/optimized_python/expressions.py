@@ -56,6 +56,9 @@ from cspdiag.network.expressions import (
 NANOSECONDS = Atom("1_000_000_000")
 """In a second."""
 
+SCALAR = RealType | IntType | TimeType | BoolType
+"""The types of values that are printed in the place of a name."""
+
 _ZERO, _ONE, _MINUS_ONE = Atom("0.0"), Atom("1.0"), Atom("-1.0", SIGN)
 _MIRRORED = {"<": ">", "<=": ">=", ">": "<", ">=": "<="}
 _UNFOLDED = frozenset({"floor", "ceil"})
@@ -76,7 +79,7 @@ class FastPrinter(Printer):
         """The Python expression."""
         with self.temporaries.whole_expression():
             value = self.value(expression)
-            if value is not None and isinstance(expression.type, RealType | IntType | TimeType | BoolType):
+            if value is not None and isinstance(expression.type, SCALAR):
                 return self._literal(value, expression.type, expression)
             match expression:
                 case ElementValue(operand=operand, index=index) if not isinstance(index, LiteralValue):
