@@ -119,8 +119,10 @@ class Composition(Writer):
 
     def _sequence(self, steps: Sequence[Action]) -> list[Row]:
         found: list[Row] = []
-        for step in steps:
+        for position, step in enumerate(steps):
+            outer, self.inner = self.inner, _law_of(steps, position) or self.inner
             found += self.rows(step)
+            self.inner = outer
             if not ends(step):
                 break
         return found
@@ -128,7 +130,8 @@ class Composition(Writer):
     def _raise(self, action: RaiseException) -> list[Row]:
         number = exception_number(self.names, action.exception)
         raised = f'(void)csp_raise(party, {number}, "{self.where(action)}");'
-        return [Row(raised, comment=self.comment(action)), Row(f"goto {self.failing()};")]
+        inner = rows(f'csp.error.inner = "{self.inner}";') if self.inner is not None else []
+        return [Row(raised, comment=self.comment(action)), *inner, Row(f"goto {self.failing()};")]
 
     def _run(self, action: RunInstance) -> list[Row]:
         class_ = self.class_of(action.instance)
@@ -184,3 +187,15 @@ class Composition(Writer):
         )
         handling = [*missed, *self.rows(action.handler)]
         return self.protected(body, inner, handling, passes=ends(action.body), where=self.where(action))
+
+
+def _law_of(steps: Sequence[Action], position: int) -> str | None:
+    """The inlined law that a step reads the inputs or writes the outputs of."""
+    match steps[position]:
+        case ReadInputs():
+            around: Sequence[Action] = steps[position:]
+        case WriteOutputs():
+            around = steps[position::-1]
+        case _:
+            return None
+    return next((step.law for step in around if isinstance(step, RunLaw)), None)

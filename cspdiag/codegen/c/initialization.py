@@ -133,7 +133,7 @@ class _Initialization:
                 case CreatedChoice(choice=name):
                     found += rolled(groups)
                     groups = []
-                    found += self.members.made_choices[name]
+                    found += self.members.made_choices.get(name, [])  # none where control never comes there
                 case end:
                     groups.append(self._end(end))
         return [*found, *rolled(groups)]

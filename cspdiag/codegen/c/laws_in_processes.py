@@ -18,11 +18,13 @@ from cspdiag.network.actions import (
     ResetStates,
     RunInstance,
     RunLaw,
+    SkipStep,
     Step,
     WriteOutputs,
 )
 from cspdiag.network.expressions import SignalValue
 from cspdiag.network.ir import Connection, ConstantEnd, Declared, DiscardEnd, SubmodelClass
+from cspdiag.network.walk import parts
 
 EXTERNAL = ("latched", "direct")
 
@@ -57,22 +59,24 @@ def law_rows(writer: Writer, step: RunInstance, class_: SubmodelClass) -> list[R
         end = connection.attachment
         if not isinstance(end, ConstantEnd | DiscardEnd):
             writes.append(_Write(writer.members.sink(end), f"{member}.{names[_port(connection)]}"))
-    found = _reading(writer, step, step.instance, reads)
+    outer, writer.inner = writer.inner, step.instance
+    law = SkipStep(span=class_.span)  # where -O0 says that a law reads and writes
+    found = _reading(writer, law, step.instance, reads)
     if law_can_fault(class_):
-        failed = rows(
-            f'csp_fault.law = "{step.instance}";', "(void)csp_raise_fault(party);", f"goto {writer.failing()};"
-        )
-        found += block(f"if (!{struct}_calculate(&{member}))", failed)
+        called = f"(void){struct}_calculate(&{member});"
+        found += [Row(called), writer.fault(writer.where(law))]
     else:
         found.append(Row(f"{struct}_calculate(&{member});"))
-    return [*found, *_writing(writer, step, step.instance, writes)]
+    found += _writing(writer, law, step.instance, writes)
+    writer.inner = outer
+    return [Row("", comment=writer.comment(step)), *(Row(row.text, row.depth) for row in found)]
 
 
 def _attached(class_: SubmodelClass, connections: Sequence[Connection], direction: str) -> Iterator[Connection]:
     """The connections of the inputs or outputs in the order of the ports."""
     for port in class_.ports:
         if port.direction == direction:
-            yield from (connection for connection in connections if connection.port == port.name)
+            yield from (c for c in connections if port.name in (c.port, _port(c)))
 
 
 def _port(connection: Connection) -> str:
@@ -126,12 +130,7 @@ def run_law_rows(writer: Writer, step: RunLaw) -> list[Row]:
         return writer.names.place(item.span.file, item.span.line)
 
     def check(where: str) -> list[str]:
-        return [
-            "if (csp_faulted()) {",
-            f'    csp_fault.law = "{step.law}";',
-            f'    CSP_FAULT("{where}", {writer.failing()});',
-            "}",
-        ]
+        return [f'CSP_FAULT_INSIDE("{step.law}", "{where}", {writer.failing()});']
 
     law = run_law(
         step,
@@ -145,9 +144,11 @@ def run_law_rows(writer: Writer, step: RunLaw) -> list[Row]:
     writer.functions += [*law.functions, *([""] if law.functions else [])]
     local = [(name, type_) for name, type_ in run_law_signals(step) if name in members.local_signals]
     declared = [Row(f"{members.types.type_name(type_)} {members.local_signals[name]};") for name, type_ in local]
-    body = [*declared, *(_row(line) for line in law.lines)]
+    read = {part.name for part in parts(step) if isinstance(part, SignalValue)}
+    unread = [Row(f"(void){members.local_signals[name]};") for name, _ in local if name not in read]
+    body = [*declared, *(_row(line) for line in law.lines), *unread]
     opening = Row("", comment=f"{step.law}  ({writer.where(step)})")
-    return [opening, *(block("", body) if declared else body)]
+    return [opening, *(block("", body) if declared or any("csp_operand" in line for line in law.lines) else body)]
 
 
 def _row(line: str) -> Row:
@@ -223,8 +224,8 @@ def _at_once(writer: Writer, step: Step, write: _Write, offers: _Offers | None =
     if offers is not None and checked:
         check = finite_check(writer, sink.type, value, f"{sink.pointer}->name")
         given_up = rows(f"csp_offers_give_up(&{SELF}{offers.member});")
-        fault = rows(f'CSP_FAULT("{writer.where(step)}", {writer.failing()});')
-        checked = [*rows(f"{check};"), *block("if (csp_faulted())", [*given_up, *fault])]
+        fault = writer.fault(writer.where(step))
+        checked = [*rows(f"{check};"), *block("if (csp_faulted())", [*given_up, fault])]
     return [*checked, Row(f"(void){WRITES[sink.access]}(party, {sink.pointer}, &{value}, sizeof({value}));")]
 
 

@@ -85,7 +85,7 @@ def send_rows(writer: Writer, step: Step, sink: Spelling, value: str) -> list[Ro
 def finite_rows(writer: Writer, sink: Spelling, value: str, where: str) -> list[Row]:
     """Refuses a NaN or an infinity for an output of the program."""
     check = finite_check(writer, sink.type, value, f"{sink.pointer}->name")
-    return [] if check is None else rows(f"{check};", f'CSP_FAULT("{where}", {writer.failing()});')
+    return [] if check is None else [Row(f"{check};"), writer.fault(where)]
 
 
 def finite_check(writer: Writer, type_: Type, value: str, name: str) -> str | None:
@@ -122,7 +122,7 @@ def store_rows(writer: Writer, target: Target, value: str, type_: Type, where: s
             name = "index" if len(target.indexes) == 1 else f"index_{number}"
             computed, code = writer.operand(index, where, name)
             setup += [*computed, Row(f"const size_t {name} = csp_index({code}, {kind.size});")]
-            setup += rows(f'CSP_FAULT("{where}", {writer.failing()});')
+            setup.append(writer.fault(where))
             lvalue += f".at[{name}]"
         kind = kind.element
     stored = rows(f"{lvalue} = {value};")

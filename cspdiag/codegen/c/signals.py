@@ -32,15 +32,16 @@ def signals_of(process: ProcessClass) -> dict[str, Type]:
 
 
 def kept_signals(body: Action | None) -> list[str]:
-    """Signals that are used outside the run that makes them, so that they have to outlive a wait."""
+    """Signals that have to outlive a wait: inputs, and those that are used outside the run that makes them."""
     made = made_signals(body)
+    read = {read.name for part in parts(body) if isinstance(part, ReadInputs) for read in part.reads}
     used = _used(body)
     inside: Counter[str] = Counter()
     for part in parts(body):
         if isinstance(part, RunLaw):
             own = {name for name, _ in run_law_signals(part)}
             inside.update({name: count for name, count in _used(part).items() if name in own})
-    return [name for name in made if inside[name] < used[name]]
+    return [name for name in made if name in read or inside[name] < used[name]]
 
 
 def _used(item: object) -> Counter[str]:

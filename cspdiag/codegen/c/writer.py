@@ -193,8 +193,13 @@ class Writer:
         temporaries = self.printer.take_temporaries()
         found = rows(text)
         if can_fault(expression):
-            found.append(Row(f'CSP_FAULT("{where}", {self.failing()});'))
+            found.append(self.fault(where))
         return block("", [*rows(*temporaries), *found]) if temporaries else found
+
+    def fault(self, where: str) -> Row:
+        """Raises the fault that has been noted, if there is one."""
+        inside = "" if self.inner is None else f'_INSIDE("{self.inner}", '
+        return Row(f'CSP_FAULT{inside or "("}"{where}", {self.failing()});')
 
     def condition(self, expression: Expression, step: Step) -> tuple[list[Row], str]:
         """What must be done first, and the condition."""

@@ -69,6 +69,17 @@ static inline void csp_fault_in(const char *place)
         }                                      \
     } while (0)
 
+/* The same in a part of the process that has a name of its own: a control law, or a process that was made part of it. */
+#define CSP_FAULT_INSIDE(part, where, FAILED)  \
+    do {                                       \
+        if (csp_faulted()) {                   \
+            csp_fault.law = (part);            \
+            (void)csp_fault_at(where);         \
+            (void)csp_raise_fault(party);      \
+            goto FAILED;                       \
+        }                                      \
+    } while (0)
+
 /* ---- Whole numbers of 64 bits ---- */
 
 /* The results of operations that do not fit. */
