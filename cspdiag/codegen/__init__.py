@@ -43,7 +43,7 @@ def _python(network: Network, modules: Mapping[str, str], options: Options) -> d
 def _c(network: Network, modules: Mapping[str, str], options: Options) -> dict[str, str]:
     from cspdiag.codegen.c import package
 
-    return package.generate(network, modules, level=options.level)
+    return package.generate(network, modules, level=options.level, observed=options.observed)
 
 
 TARGETS: dict[str, Generator] = {"python": _python, "c": _c}

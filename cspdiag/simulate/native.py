@@ -53,7 +53,7 @@ def simulate(
     if chosen is not None:
         refuse_devices(chosen)
     recorder = recorder if recorder is not None else Recorder()
-    files = generate(network, read, "c", level)
+    files = generate(network, read, "c", level, observed=True)
     sources = [path for path in files if path.endswith(".c")]
     program = Build(files, _wanted(sources), (*options, "-DCSP_TRACE=1")).executable()
     command = [str(program), "--observe", observed]

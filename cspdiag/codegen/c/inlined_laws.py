@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from cspdiag.codegen.c.code import INDENT
 from cspdiag.codegen.c.equations import Check, EquationWriter
@@ -97,12 +97,7 @@ class _Run:
         for name in hoisted:
             kind = self.printer.types.type_name(self.types_of[name])
             rows.append(f"{indent}const {kind} {copies[name]} = {self.printer.signal(name)};")
-        late = Printer(
-            self.printer.types,
-            parameter=self.printer.parameter,
-            signal=lambda name: copies.get(name) or self.printer.signal(name),
-            variable=self.printer.variable,
-        )
+        late = replace(self.printer, signal=lambda name: copies.get(name) or self.printer.signal(name))
         for name, value in action.next_values:
             rows += self._writer(late).assign(self.printer.signal(name), value, self._state_place(name))
         functions: list[str] = []

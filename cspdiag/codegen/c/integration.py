@@ -15,7 +15,7 @@ from cspdiag.model.types import Type
 from cspdiag.network.expressions import Expression
 from cspdiag.network.ir import SubmodelEquation
 
-LOCALS = frozenset(["h", "half", "sixth", "step", "steps", "t", "time", "k1", "k2", "k3", "k4", "slopes"])
+LOCALS = frozenset(["h", "half", "sixth", "step", "steps", "t", "time", "k1", "k2", "k3", "k4", "slope", "slopes"])
 """Names that an integration uses itself."""
 
 

@@ -17,7 +17,7 @@ from cspdiag.codegen.python_docs import sentence
 from cspdiag.codegen.python_project import PortRow, port_row
 from cspdiag.codegen.render import renderer
 from cspdiag.network.ir import Environment, Network, ProcessClass
-from cspdiag.network.optimize import lower_for_targets, optimize
+from cspdiag.network.optimize import PASSES, lower_for_targets, optimize
 from cspdiag.resources import template_folder
 
 SUPPORT = "support"
@@ -53,16 +53,25 @@ class Scenario:
     counts: str
 
 
-def generate(network: Network, modules: Mapping[str, str] | None = None, *, level: int = 0) -> dict[str, str]:
+def lowered_for_c(network: Network, level: int, *, observed: bool = False) -> Network:
+    """The network that is generated at a level; ``observed`` keeps processes apart that could be fused, so that each can be told of."""
+    if level == 0:
+        return lower_for_targets(network)
+    return optimize(network, [entry for entry in PASSES if entry.name != "fuse"] if observed else PASSES)
+
+
+def generate(
+    network: Network, modules: Mapping[str, str] | None = None, *, level: int = 0, observed: bool = False
+) -> dict[str, str]:
     """The files of a package, by path from its folder, at a level of optimization.
 
-    ``modules`` are the texts of bodies in C by the paths that ``external_modules`` names. Raises TargetError for a program that has parts
+    ``observed`` programs tell when each process starts and ends, and who communicates. ``modules`` are the texts of bodies in C by the paths that ``external_modules`` names. Raises TargetError for a program that has parts
     in another language.
     """
     texts = modules or {}
     refuse(network, texts)
     simulated = tuple(entry for entry in network.environments if not entry.drivers)
-    lowered = optimize(network) if level else lower_for_targets(network)
+    lowered = lowered_for_c(network, level, observed=observed)
     names = PackageNames(lowered)
     files: dict[str, str] = {}
     types = CTypes(names)

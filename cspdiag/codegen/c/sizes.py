@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 from cspdiag.codegen.c.media import Access, access_of_channel
 from cspdiag.codegen.c.names import PackageNames
+from cspdiag.codegen.c.package import lowered_for_c
 from cspdiag.codegen.c.types import CTypes
 from cspdiag.network.ir import LocalChannel, Network, ProcessClass, SubmodelClass
-from cspdiag.network.optimize import lower_for_targets, optimize
 
 PREFIX = "csp_size_"
 """What the symbols of `probe` are called after; each is an array of as many bytes as what it measures."""
@@ -46,7 +46,7 @@ class SizeQuestions:
     """Asks for the sizes of a program at a level of optimization."""
 
     def __init__(self, network: Network, level: int) -> None:
-        self._network = optimize(network) if level else lower_for_targets(network)
+        self._network = lowered_for_c(network, level)
         self._names = PackageNames(self._network)
         self._types = CTypes(self._names)
 
