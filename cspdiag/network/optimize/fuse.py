@@ -46,6 +46,16 @@ def fuse(network: Network) -> Network:
         return network
 
 
+def explain_fusion(network: Network) -> tuple[str, ...]:
+    """Says, in lines for people, what fusion makes of a network, or why it makes nothing of it."""
+    try:
+        fused(network)
+    except NotStaticError as reason:
+        return (f"{network.top} is not one process: {reason}",)
+    processes = len(network.instances) - 1
+    return (f"{network.top} is one process, with the {processes} processes inside it fused by their schedule",)
+
+
 def fused(network: Network) -> Network:
     """The network as one process. Raises NotStaticError."""
     top = network.class_named(network.top)

@@ -67,10 +67,13 @@ def schedule(entry: ProcessClass, ports: Sequence[ExternalPort]) -> Path:
     counting = counting_variables(entry)
     try:
         return _explored(code, ports, counting, ())
-    except NotStaticError:
+    except NotStaticError as reason:
         if not counting:
             raise
-    return _explored(code, ports, frozenset(), ())
+        try:
+            return _explored(code, ports, frozenset(), ())
+        except NotStaticError:
+            raise reason from None
 
 
 def _explored(code: Code, ports: Sequence[ExternalPort], counting: frozenset[str], decisions: tuple[bool, ...]) -> Path:
