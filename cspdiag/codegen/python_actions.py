@@ -108,7 +108,7 @@ class Composition:
             case ReadValue(source=source, target=target):
                 return (self._read(action, source, target),)
             case RaiseException(exception=exception):
-                return (Line("raise ", Atom(self.imports.exception(exception))),)
+                return (Line("raise ", Atom(self.imports.exception(exception)), comment=self._place(action)),)
             case ResetInstance(instance=instance):
                 return (run(self._call(self.members.instance(instance), "reset")),)
             case Repeat(body=body, until=until):

@@ -29,4 +29,4 @@ class Consumer(Process):
             self.value.value = await self.input_.read()  # commstime.csp:55
             if self.value.value == self.rounds - 1:
                 break
-        raise Finished
+        raise Finished  # commstime.csp:55

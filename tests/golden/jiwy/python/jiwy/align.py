@@ -67,7 +67,7 @@ class Align(Process):
             self.failed.value = True  # jiwy.csp:39
         await self.control.write(0.0)  # jiwy.csp:40
         if self.failed.value:
-            raise ModeFailed
+            raise ModeFailed  # jiwy.csp:41
 
     async def _repeat_velocity(self) -> None:
         while True:

@@ -72,7 +72,7 @@ class Homing(Process):
             self.failed.value = True  # jiwy.csp:97
         await self.control.write(0.0)  # jiwy.csp:98
         if self.failed.value:
-            raise ModeFailed
+            raise ModeFailed  # jiwy.csp:99
 
     async def _repeat_servo(self) -> None:
         while True:

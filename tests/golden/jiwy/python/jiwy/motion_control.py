@@ -87,4 +87,4 @@ class MotionControl(Process):
             self.failed.value = True  # jiwy.csp:69
         await self.control.write(0.0)  # jiwy.csp:70
         if self.failed.value:
-            raise ModeFailed
+            raise ModeFailed  # jiwy.csp:71

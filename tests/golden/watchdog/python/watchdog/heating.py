@@ -49,4 +49,4 @@ class Heating(Process):
                         limit(5.0 * (self.wanted - self.latest.value.temperature), 0.0, 100.0)
                     )
                 case 1:  # after patience
-                    raise SensorLost
+                    raise SensorLost  # watchdog.csp:26

@@ -52,4 +52,4 @@ class Oven(Process):
                     self.lost.value = int64(self.lost.value + 1)  # watchdog.csp:51
                     await self.losses.write(self.lost.value)  # watchdog.csp:52
                     if self.lost.value == 3:
-                        raise GivenUp
+                        raise GivenUp  # watchdog.csp:53
