@@ -290,7 +290,8 @@ class RunLaw(OptimizedStep):
     """One run of an inlined control law, as ``SubmodelClass`` says, on states and constants of the enclosing class.
 
     ``law`` is the instance's name and the prefix of all its names (``servo.pid.ud``). The equations make local signals, which
-    ``WriteOutputs`` after it may use. ``sample`` is the period in seconds that continuous states are integrated over.
+    ``WriteOutputs`` after it may use. ``sample`` is the period in seconds that continuous states are integrated over. ``doc`` is the comment of the
+    law's definition.
     """
 
     law: str
@@ -301,6 +302,7 @@ class RunLaw(OptimizedStep):
     method: Literal["rk4", "euler"] = "rk4"
     step: int | None = None
     sample: Expression | None = None
+    doc: str | None = None
 
 
 @record(kw_only=True)
@@ -315,13 +317,14 @@ class ProcessScope(OptimizedStep):
     """The body of a process that was flattened into this class.
 
     ``instance`` is its path below this class. ``ends`` are its reading ends: the sampled ones of them with one period pace each other,
-    and all are closed when the body ends, in whatever way.
+    and all are closed when the body ends, in whatever way. ``doc`` is the comment of its definition.
     """
 
     instance: str
     class_name: str
     ends: tuple[End, ...]
     body: Action
+    doc: str | None = None
 
 
 @record(kw_only=True)

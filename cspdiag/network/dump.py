@@ -12,7 +12,7 @@ from cspdiag.model.types import Type
 from cspdiag.network.actions import ChannelEnd, End, PortEnd
 from cspdiag.network.dump_action import action_lines, end_text
 from cspdiag.network.dump_expression import expression_text, value_text
-from cspdiag.network.dump_submodel import external_text, guards_text, memory_lines, port_text, submodel_body
+from cspdiag.network.dump_submodel import doc_lines, external_text, guards_text, memory_lines, port_text, submodel_body
 from cspdiag.network.durations import duration
 from cspdiag.network.expressions import Value
 from cspdiag.network.ir import (
@@ -22,7 +22,6 @@ from cspdiag.network.ir import (
     ConstantEnd,
     CreatedChoice,
     CreatedInstance,
-    Declared,
     DiscardEnd,
     Environment,
     ExternalPort,
@@ -85,14 +84,9 @@ def _vocabulary(network: Network) -> Iterator[str]:
         yield f"exception {exception}"
 
 
-def _doc(declared: Declared) -> Iterator[str]:
-    for line in (declared.doc or "").splitlines():
-        yield f"/// {line}".rstrip()
-
-
 def _class(entry: ProcessClass | SubmodelClass) -> Iterator[str]:
     kind = "process" if isinstance(entry, ProcessClass) else "submodel"
-    yield from _doc(entry)
+    yield from doc_lines(entry.doc)
     definition = "" if entry.definition == entry.name else f" of {entry.definition}"
     external = "" if entry.external is None else f" {external_text(entry.external)}"
     wcet = "" if entry.wcet is None else f" wcet {duration(entry.wcet)}"
@@ -191,7 +185,7 @@ def _external(port: ExternalPort) -> str:
 
 
 def _environment(environment: Environment) -> Iterator[str]:
-    yield from _doc(environment)
+    yield from doc_lines(environment.doc)
     yield f"environment {environment.name} step {duration(environment.step)} on miss {environment.on_miss} {{"
     for driver in environment.drivers:
         arguments = ", ".join(f"{name} = {value!r}" for name, value in driver.arguments)

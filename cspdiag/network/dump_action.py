@@ -44,7 +44,7 @@ from cspdiag.network.actions import (
     WriteValue,
 )
 from cspdiag.network.dump_expression import expression_text
-from cspdiag.network.dump_submodel import law_lines
+from cspdiag.network.dump_submodel import doc_lines, law_lines
 
 
 def end_text(end: End) -> str:
@@ -140,12 +140,14 @@ def _made_by_a_pass(
             for write in action.writes:
                 yield f"  {end_text(write.sink)} ! {expression_text(write.value)}"
         case RunLaw():
+            yield from doc_lines(action.doc)
             yield f"law {action.law}"
             for line in law_lines(action):
                 yield f"  {line}"
         case ResetStates():
             yield f"reset {', '.join(action.states)}"
         case ProcessScope():
+            yield from doc_lines(action.doc)
             ends = ", ".join(end_text(end) for end in action.ends)
             yield f"process {action.instance} : {action.class_name}" + (f" closes {ends}" if ends else "")
             yield from _inside(action.body)

@@ -24,6 +24,12 @@ def external_text(external: ExternalBody) -> str:
     return f'{external.language} "{external.target}"'
 
 
+def doc_lines(doc: str | None) -> Iterator[str]:
+    """The comment of a definition."""
+    for line in (doc or "").splitlines():
+        yield f"/// {line}".rstrip()
+
+
 def port_text(port: Port) -> str:
     """``in feedback : double<rad> @ T``."""
     size = "" if port.size is None else f"[{port.size}]"

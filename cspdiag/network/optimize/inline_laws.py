@@ -189,6 +189,7 @@ class _Inlined:
             method=law.method,
             step=law.step,
             sample=self._sample() if law.derivatives else None,
+            doc=law.doc,
         )
 
     def _by_state(self, values: tuple[tuple[str, Expression], ...]) -> tuple[tuple[str, Expression], ...]:

@@ -115,6 +115,7 @@ class MovedUp:
             class_name=self.inner.definition,
             ends=tuple(self._ends[end] for end in own),
             body=self._moved(self._body),
+            doc=self.inner.doc,
         )
 
     def _name(self, name: str) -> str:
