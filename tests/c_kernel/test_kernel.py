@@ -5,23 +5,15 @@ They are compiled with the strict flags of the generated packages by the compile
 
 from __future__ import annotations
 
-import shutil
-import subprocess
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
 import pytest
 
-HERE = Path(__file__).parent
-SUPPORT = Path(__file__).parents[2] / "templates" / "c" / "support"
+from tests.c_kernel.building import HERE, SCENARIOS, STRICT, SUPPORT, kernel_files, need, run
+
 PROGRAMS = tuple(sorted((HERE / "programs").glob("*.c")))
-STRICT = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror")
-SCENARIOS = ("-DCSP_TRACE=1", "-DCSP_LEVELS=3U")
-KERNEL = (
-    *("alternative", "any_channel", "arithmetic", "broadcast", "buffer", "cancel", "external", "fault_text", "guards"),
-    *("interrupt", "kernel", "offers", "port_simulation", "process", "report", "run", "timers"),
-)
 
 
 class Variant(NamedTuple):
@@ -38,22 +30,6 @@ VARIANTS: Mapping[str, Variant] = {
     "sanitizers": Variant("gcc", ("-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")),
     "valgrind": Variant("gcc", ("-g", "-O1"), ("valgrind", "-q", "--error-exitcode=9", "--leak-check=full")),
 }
-
-
-def run(*command: str | Path, cwd: Path | None = None) -> str:
-    completed = subprocess.run([*command], cwd=cwd, capture_output=True, text=True, timeout=120, check=False)
-    assert completed.returncode == 0, f"{completed.stdout}{completed.stderr}"
-    return completed.stdout
-
-
-def need(*tools: str) -> None:
-    missing = [tool for tool in tools if shutil.which(tool) is None]
-    if missing:
-        pytest.skip(f"not installed: {', '.join(missing)}")
-
-
-def kernel_files() -> list[Path]:
-    return [SUPPORT / f"csp_{name}.c" for name in KERNEL]
 
 
 @pytest.fixture(scope="module", params=VARIANTS)
@@ -89,6 +65,7 @@ def test_static_analysis() -> None:
         *("cppcheck", "--quiet", "--std=c99", "--enable=warning,style,performance,portability", "--error-exitcode=1"),
         *("--suppress=missingIncludeSystem", "--suppress=unusedStructMember", f"-I{SUPPORT}"),
         *kernel_files(),
+        SUPPORT / "csp_port_posix.c",
     )
 
 

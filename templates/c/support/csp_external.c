@@ -6,6 +6,7 @@
  * A value from outside communicates when a reader takes it.
  */
 #include "csp_internal.h"
+#include "csp_port.h"
 
 static void set_attend(csp_guard *watchers, bool attends)
 {
@@ -209,6 +210,26 @@ void csp_event_occur(csp_event_input *port)
     }
 }
 
+void csp_event_bring(csp_event_input *port, const void *value, size_t size)
+{
+    csp_port_enter_critical();
+    (void)memcpy(port->brought, value, size);
+    port->brought_size = size;
+    port->news = true;
+    csp_port_leave_critical();
+}
+
+void csp_event_take_over(csp_event_input *port)
+{
+    if (port->news) {
+        csp_port_enter_critical();
+        (void)memcpy(port->value, port->brought, port->brought_size);
+        port->news = false;
+        csp_port_leave_critical();
+        csp_event_occur(port);
+    }
+}
+
 void csp_event_poll(csp_event_input *port)
 {
     if ((port->driver.read != NULL) && port->driver.read(port->driver.device, port->value)) {
@@ -261,7 +282,7 @@ csp_progress csp_event_read_again(csp_party *party, csp_event_end *end, void *va
 
 bool csp_event_can_come(const csp_event_input *port)
 {
-    const bool connected = (port->driver.read != NULL) || (port->driver.device != NULL);
+    const bool connected = (port->driver.read != NULL) || (port->brought != NULL);
     const csp_event_end *end = connected ? port->ends : NULL;
     while ((end != NULL) && (end->readers.first == NULL) && !csp_awaited(end->inputs)) {
         end = end->next;

@@ -73,6 +73,9 @@ typedef struct csp_event_input {
     bool broadcast;
     csp_driver driver;
     void *value;          /* of the latest event */
+    void *brought;        /* a place for one more value, where interrupt handlers bring events; or NULL */
+    size_t brought_size;
+    volatile bool news; /* it has a value */
     csp_event_end *ends;  /* the one that all readers share, or one for each under broadcast */
     csp_event_end shared; /* not used under broadcast */
 } csp_event_input;
@@ -81,8 +84,12 @@ typedef struct csp_event_input {
 csp_progress csp_event_read(csp_party *party, csp_event_end *end, void *value, size_t size);
 csp_progress csp_event_read_again(csp_party *party, csp_event_end *end, void *value, size_t size);
 
-/* The environment offers a value, which is in `port->value`: at a grid instant, or from an interrupt handler between steps. */
+/* The environment offers a value, which is in `port->value`; not for interrupt handlers. */
 void csp_event_occur(csp_event_input *port);
+/* An interrupt handler brings an event: it occurs between two steps of processes. The latest value counts. */
+void csp_event_bring(csp_event_input *port, const void *value, size_t size);
+/* Makes what was brought occur. */
+void csp_event_take_over(csp_event_input *port);
 
 /* ---- Outputs ---- */
 

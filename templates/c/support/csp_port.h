@@ -8,10 +8,14 @@
 /* Called once at the start of time. */
 void csp_port_start(void);
 
-/* Nanoseconds since then. */
+/* Called once at the end, after the safe values have been handed over. */
+void csp_port_finish(void);
+
+/* Nanoseconds since the start. */
 int64_t csp_port_now(void);
 
-/* Waits until the instant, or until something has come from outside (an event of an interrupt handler, a request to stop); no process is ready. */
+/* Waits until the instant (INT64_MAX: there is none), or shorter, where something may have come from outside: an event that an interrupt
+ * handler has brought, a request to stop. */
 void csp_port_wait_until(int64_t instant);
 
 /* The run meets this instant now: for measuring how late that is. */

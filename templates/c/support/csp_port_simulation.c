@@ -10,6 +10,10 @@ void csp_port_start(void)
 {
 }
 
+void csp_port_finish(void)
+{
+}
+
 int64_t csp_port_now(void)
 {
     return 0;

@@ -22,6 +22,11 @@ static int64_t earlier(int64_t one, int64_t other)
     return (one < other) ? one : other;
 }
 
+static int64_t later(int64_t one, int64_t other)
+{
+    return (one > other) ? one : other;
+}
+
 static void begin_ticks(const csp_program *program)
 {
     next_grid = INT64_MAX;
@@ -170,6 +175,28 @@ static csp_ending run_in_virtual_time(const csp_program *program, int64_t until)
     }
 }
 
+/* Events that interrupt handlers have brought occur now, which is before the next instant. */
+static void take_over(const csp_program *program, int64_t next)
+{
+    const int64_t now = csp_port_now();
+    csp.now = later(csp.now, earlier(now, next - 1));
+    for (uint32_t index = 0U; index < program->port_count; index++) {
+        if (program->ports[index].kind == CSP_PORT_EVENT) {
+            csp_event_take_over((csp_event_input *)(void *)program->ports[index].medium);
+        }
+    }
+}
+
+static bool has_news(const csp_program *program)
+{
+    bool news = false;
+    for (uint32_t index = 0U; (index < program->port_count) && !news; index++) {
+        news = (program->ports[index].kind == CSP_PORT_EVENT) &&
+               ((const csp_event_input *)(const void *)program->ports[index].medium)->news;
+    }
+    return news;
+}
+
 /* All instants that have passed are met before the next steps of processes, so that who computes too long finds its samples overwritten. */
 static csp_ending run_in_real_time(const csp_program *program, int64_t until)
 {
@@ -188,10 +215,13 @@ static csp_ending run_in_real_time(const csp_program *program, int64_t until)
             if (stop_requested) {
                 return CSP_STOPPED;
             }
-            if (!ready) {
+            if (!ready && !has_news(program)) {
                 csp_port_wait_until(instant);
             }
             if (csp_port_now() < instant) {
+                if (has_news(program)) {
+                    take_over(program, instant);
+                }
                 break;
             }
             if (instant != due) {
@@ -243,5 +273,6 @@ csp_ending csp_run(const csp_program *program, int64_t until)
         ending = csp_port_virtual_time ? run_in_virtual_time(program, until) : run_in_real_time(program, until);
     }
     release(program);
+    csp_port_finish();
     return ending;
 }

@@ -1,0 +1,34 @@
+"""How the tests of the kernel compile and run it."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+HERE = Path(__file__).parent
+SUPPORT = Path(__file__).parents[2] / "templates" / "c" / "support"
+STRICT = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror")
+SCENARIOS = ("-DCSP_TRACE=1", "-DCSP_LEVELS=3U")
+KERNEL = (
+    *("alternative", "any_channel", "arithmetic", "broadcast", "buffer", "cancel", "external", "fault_text", "guards"),
+    *("interrupt", "kernel", "offers", "port_simulation", "process", "report", "run", "timers"),
+)
+
+
+def run(*command: str | Path, cwd: Path | None = None) -> str:
+    completed = subprocess.run([*command], cwd=cwd, capture_output=True, text=True, timeout=120, check=False)
+    assert completed.returncode == 0, f"{completed.stdout}{completed.stderr}"
+    return completed.stdout
+
+
+def need(*tools: str) -> None:
+    missing = [tool for tool in tools if shutil.which(tool) is None]
+    if missing:
+        pytest.skip(f"not installed: {', '.join(missing)}")
+
+
+def kernel_files() -> list[Path]:
+    return [SUPPORT / f"csp_{name}.c" for name in KERNEL]
