@@ -9,10 +9,10 @@ from collections.abc import Iterable, Iterator
 from typing import Any, TypeAlias
 
 from cspdiag.diagnostics.record import field_names, is_record, replaced
-from cspdiag.network.actions import AssignValue, ChannelEnd, ResetStates, RunLaw, SkipStep
+from cspdiag.network.actions import AssignValue, ChannelEnd, ResetStates, RunLaw, SequentialSteps, SkipStep
 from cspdiag.network.expressions import Expression, SignalValue, Typed, VariableValue
 from cspdiag.network.ir import ExternalCall, ProcessClass, SubmodelEquation
-from cspdiag.network.optimize.changes import changed
+from cspdiag.network.optimize.changes import changed, in_sequence
 from cspdiag.network.optimize.everywhere import rewritten
 from cspdiag.network.optimize.faults import may_fault
 from cspdiag.network.walk import parts
@@ -35,6 +35,8 @@ def without_dead_values(entry: ProcessClass) -> ProcessClass:
             case ResetStates():
                 states = tuple(name for name in item.states if name not in own or (SignalValue, name) in used)
                 return changed(item, states=states) if states else SkipStep(span=item.span)
+            case SequentialSteps() if any(isinstance(step, SkipStep) for step in item.steps):
+                return in_sequence(item.steps, item)
             case _:
                 return item
 

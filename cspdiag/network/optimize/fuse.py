@@ -34,7 +34,7 @@ from cspdiag.network.optimize.fuse_code import NotStaticError
 from cspdiag.network.optimize.fuse_follow import Loops
 from cspdiag.network.optimize.fuse_open import opened
 from cspdiag.network.optimize.fuse_record import Step
-from cspdiag.network.optimize.fuse_schedule import Path, schedule, schedule_like, with_loop_begun
+from cspdiag.network.optimize.fuse_schedule import Path, schedule, schedule_like, with_loop_begun, with_loop_early
 from cspdiag.network.walk import parts
 
 
@@ -65,8 +65,8 @@ def fused(network: Network) -> Network:
     entry = opened(network)
     path = schedule(entry, network.external_ports)
     for followed in _ways_to_follow(path):
-        single = _single(entry, path, followed)
-        if _does_the_same(single, path, network):
+        single, counters = _single(entry, path, followed)
+        if _does_the_same(single, path, counters, network):
             return remove_dead_parts(replaced(network, classes=(single,)))
     raise NotStaticError("one process would take its samples at other instants")
 
@@ -78,27 +78,36 @@ def _steps(entry: ProcessClass | SubmodelClass) -> Iterator[object]:
 def _ways_to_follow(path: Path) -> Iterator[tuple[End, ...]]:
     """The ends that one process may have to begin to follow together: none, or all that were followed when the first sample came."""
     yield ()
-    first = next((step for step in path.happenings if isinstance(step, Step) and step.fresh), None)
-    if first is not None and isinstance(first.action, ReadValue):
+    position = _first_sample(path)
+    first = path.happenings[position] if position < len(path.happenings) else None
+    if isinstance(first, Step) and isinstance(first.action, ReadValue):
         others = [end for end, since in path.followed.items() if since < first.time and end != first.action.source]
         if others:
             yield first.action.source, *others
 
 
-def _single(entry: ProcessClass, path: Path, followed: tuple[End, ...]) -> ProcessClass:
-    """The class of the one process."""
+def _first_sample(path: Path) -> int:
+    """The position of the first sample that is waited for."""
+    fresh = (n for n, step in enumerate(path.happenings) if isinstance(step, Step) and step.fresh)
+    return next(fresh, len(path.happenings))
+
+
+def _single(entry: ProcessClass, path: Path, followed: tuple[End, ...]) -> tuple[ProcessClass, frozenset[str]]:
+    """The class of the one process, and the variables in it that count."""
     assert entry.body is not None
-    if followed and isinstance(path.outcome, Loops):
+    path = with_loop_early(path)
+    if followed and isinstance(path.outcome, Loops) and _first_sample(path) > path.outcome.position:
         path = with_loop_begun(path)
     composition = Composition(path, entry.body, {channel.name for channel in entry.channels}, followed=followed)
     guarded = {(end.port, end.index or 0) for end in followed if isinstance(end, PortEnd)}
-    return replaced(
+    single = replaced(
         entry,
         body=composition.body,
         channels=(*entry.channels, *composition.variables),
         ports=tuple(_guarded(port, guarded) for port in entry.ports),
         creation=(*entry.creation, CreatedChoice(FIRST_SAMPLE)) if followed else entry.creation,
     )
+    return single, composition.counters
 
 
 def _guarded(port: Port, guarded: Container[tuple[str, int]]) -> Port:
@@ -109,11 +118,10 @@ def _guarded(port: Port, guarded: Container[tuple[str, int]]) -> Port:
     return replaced(port, media=tuple(media))
 
 
-def _does_the_same(single: ProcessClass, path: Path, network: Network) -> bool:
+def _does_the_same(single: ProcessClass, path: Path, counters: frozenset[str], network: Network) -> bool:
     """Follows the one process as the many were followed."""
-    made = frozenset(channel.name for channel in single.channels if channel.name.startswith("ended"))
     try:
-        again = schedule_like(single, network.external_ports, path, made)
+        again = schedule_like(single, network.external_ports, path, counters)
     except NotStaticError:
         return False
-    return same_schedule(path, again, made)
+    return same_schedule(path, again, counters)

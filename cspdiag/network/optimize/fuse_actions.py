@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Container
+from collections.abc import Iterable
 
-from cspdiag.diagnostics import Span
 from cspdiag.diagnostics.record import replaced
-from cspdiag.model.types import BOOL, TIME
+from cspdiag.model.types import BOOL, INT, TIME, Type
 from cspdiag.network.actions import (
     Action,
     AssignValue,
@@ -27,6 +26,7 @@ from cspdiag.network.ir import LocalChannel
 from cspdiag.network.optimize.changes import in_sequence
 from cspdiag.network.optimize.fuse_follow import Ends, Loops
 from cspdiag.network.optimize.fuse_record import Step, Turn
+from cspdiag.network.optimize.fuse_rolling import rolled
 from cspdiag.network.optimize.fuse_schedule import Path
 
 FIRST_SAMPLE = "samples"
@@ -39,21 +39,40 @@ class Composition:
     Before it takes its first sample, it begins to follow the ends in ``followed``; they begin with the one that has the first sample.
     """
 
-    def __init__(self, path: Path, place: Action, taken: Container[str], *, followed: tuple[End, ...] = ()) -> None:
+    def __init__(self, path: Path, place: Action, taken: Iterable[str], *, followed: tuple[End, ...] = ()) -> None:
         self._place = place
+        self._taken = {*taken, *path.made}
         self._followed = followed
         fresh = (n for n, happening in enumerate(path.happenings) if isinstance(happening, Step) and happening.fresh)
         self._first = next(fresh, None)
-        self._ended = "ended"
-        while self._ended in taken:
-            self._ended += "_"
-        self._needs_ended = False
+        self._is_before_loop = isinstance(path.outcome, Loops) and path.outcome.position == self._first
+        self._counters: dict[str, LiteralValue] = {}
+        self._ended: str | None = None
         self.body = self._from(path, 0, 0)
-        false = LiteralValue(type=BOOL, value=False)
-        made: list[LocalChannel] = [_variable(name, place.span, path, None) for name in path.made]
-        if self._needs_ended:
-            made.append(LocalChannel(name=self._ended, span=place.span, type=BOOL, kind="var", initial=false))
-        self.variables = tuple(made)
+        made: list[tuple[str, Type, Expression | None]] = [(name, kind, None) for name, kind in path.made.items()]
+        made += [(name, initial.type, initial) for name, initial in self._counters.items()]
+        self.variables = tuple(
+            LocalChannel(name=name, span=place.span, type=kind, kind="var", initial=initial)
+            for name, kind, initial in made
+        )
+
+    @property
+    def counters(self) -> frozenset[str]:
+        """The variables that count turns, or tell that the program ends."""
+        return frozenset(self._counters)
+
+    def _counter(self, name: str, initial: LiteralValue) -> str:
+        number = 1
+        unique = name
+        while unique in self._taken:
+            number += 1
+            unique = f"{name}_{number}"
+        self._taken.add(unique)
+        self._counters[unique] = initial
+        return unique
+
+    def _turn(self) -> str:
+        return self._counter("turn", LiteralValue(type=INT, value=0))
 
     def _from(self, path: Path, first: int, now: int) -> Action:
         """What happens from the position ``first`` on, from the instant ``now``."""
@@ -73,13 +92,15 @@ class Composition:
         again = None if until is None else path.now
         if len(leaving) == 1:
             return self._leaving(path, first, now, loops, leaving[0])
+        if leaving:
+            self._ended = self._ended or self._counter("ended", LiteralValue(type=BOOL, value=False))
         body = self._straight(path, start, end, loops.since, again, [], in_loop=True)
         ended: Expression | None = None
         if leaving:
-            self._needs_ended = True
+            assert self._ended is not None
             ended = VariableValue(type=BOOL, channel=self._ended)
         loop = Repeat(span=self._place.span, body=body, until=ended)
-        return self._straight(path, first, start, now, until, [loop])
+        return self._straight(path, first, start, now, until, [*self._samples_before(path, start), loop])
 
     def _leaving(self, path: Path, first: int, now: int, loops: Loops, leave: int) -> Action:
         """A loop with one way out, which becomes its condition."""
@@ -91,10 +112,19 @@ class Composition:
         second_part = self._straight(path, leave + 1, end, turn.time, None if waits_itself else path.now, [])
         condition = turn.condition if turn.holds else opposite(turn.condition)
         body = in_sequence([second_part, first_part], self._place)
-        loop = WhileLoop(span=self._place.span, condition=condition, body=body)
         after = self._from(path.exits[leave], leave + 1, turn.time)
         until = None if waits_itself else loops.since
-        return self._straight(path, first, start, now, until, [first_part, loop, after])
+        before = self._samples_before(path, start)
+        span = self._place.span
+        if isinstance(second_part, SkipStep):
+            again: Action = Repeat(span=span, body=first_part, until=opposite(condition))
+            return self._straight(path, first, start, now, until, [*before, again, after])
+        again = WhileLoop(span=span, condition=condition, body=body)
+        return self._straight(path, first, start, now, until, [*before, first_part, again, after])
+
+    def _samples_before(self, path: Path, loop: int) -> list[Action]:
+        """Where the first sample is what a loop begins with, it is waited for before the loop."""
+        return [self._first_sample()] if self._followed and loop == self._first else []
 
     def _waits_itself(self, path: Path, position: int, now: int) -> bool:
         """Whether what comes first waits for a sample that comes just then."""
@@ -112,7 +142,7 @@ class Composition:
                 steps.append(self._wait(happening.time - now))
             now = happening.time
             if isinstance(happening, Step):
-                if position == self._first and self._followed:
+                if position == self._first and self._followed and not self._is_before_loop:
                     steps.append(self._first_sample())
                 steps.append(happening.action)
                 continue
@@ -125,15 +155,16 @@ class Composition:
                 steps.append(IfElse(span=span, condition=condition, then=instead, otherwise=otherwise))
                 continue
             if in_loop:
+                assert self._ended is not None
                 value = LiteralValue(type=BOOL, value=True)
                 ended = AssignValue(span=span, target=Target(self._ended), value=value)
                 instead = in_sequence([instead, ended], self._place)
             otherwise = self._straight(path, position + 1, last, now, until, end, in_loop)
             steps.append(IfElse(span=span, condition=condition, then=instead, otherwise=otherwise))
-            return in_sequence(steps, self._place)
+            return in_sequence(rolled(steps, self._turn), self._place)
         if until is not None and until > now:
             steps.append(self._wait(until - now))
-        return in_sequence([*steps, *end], self._place)
+        return in_sequence([*rolled(steps, self._turn), *end], self._place)
 
     def _first_sample(self) -> Action:
         """Waits for the first sample, and so begins to follow other inputs with it."""
@@ -147,10 +178,6 @@ class Composition:
 
     def _wait(self, duration: int) -> Action:
         return WaitStep(span=self._place.span, duration=LiteralValue(type=TIME, value=duration))
-
-
-def _variable(name: str, span: Span, path: Path, initial: Expression | None) -> LocalChannel:
-    return LocalChannel(name=name, span=span, type=path.made[name], kind="var", initial=initial)
 
 
 def _ends_well(path: Path) -> bool:

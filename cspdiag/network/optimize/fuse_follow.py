@@ -47,7 +47,7 @@ from cspdiag.network.optimize.fuse_record import Recorder
 from cspdiag.network.optimize.fuse_tasks import Branches, Exchange, Request, Selection, Task, Waiting
 from cspdiag.network.walk import parts
 
-LONGEST = 3000
+LONGEST = 1000
 """Turns of tasks that are followed at most; a schedule that is longer would not be worth its memory."""
 
 
@@ -104,6 +104,7 @@ class Following(Recorder):
         self.media: dict[tuple[str, int | None], Medium] = {}
         self.inputs: list[SampledInput] = []
         self._make_media(code.entry, ports)
+        self._waited_at = [medium for medium in self.media.values() if not isinstance(medium, AtOnce)]
         self.period = math.lcm(*(port.period for port in self.inputs)) if self.inputs else 1
 
     def _make_media(self, entry: ProcessClass, ports: Sequence[ExternalPort]) -> None:
@@ -214,7 +215,7 @@ class Following(Recorder):
             tuple(task.key for task in self.ready),
             tuple(task.state() for task in self._tasks),
             tuple(request.task.key for request in self.waiting),
-            tuple(medium.state() for medium in self.media.values()),
+            tuple(medium.state() for medium in self._waited_at),
             tuple(sorted(self.memories.items())),
             self.knowledge(),
         )

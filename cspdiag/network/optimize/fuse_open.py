@@ -17,7 +17,7 @@ from cspdiag.network.optimize.moved import EndNumbers, MovedUp
 from cspdiag.network.optimize.variables import with_assignments
 from cspdiag.network.walk import instances_run, parts
 
-MOST_INSTANCES = 200
+MOST_INSTANCES = 64
 """Processes that are taken in at most; following more would take long."""
 
 

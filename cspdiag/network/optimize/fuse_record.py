@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from cspdiag.diagnostics import Span
+from cspdiag.diagnostics.record import replaced
 from cspdiag.model.types import Type
 from cspdiag.network.actions import (
     Action,
@@ -98,15 +99,18 @@ class Recorder:
 
     def compute_action(self, action: Action) -> None:
         """Something is computed, or written to the environment."""
-        self._do(action)
         if isinstance(action, AssignValue) and not action.target.indexes:
-            self._assigned(action.target.channel, self.folded(action.value))
-        else:
-            for part in parts(action):
-                if isinstance(part, AssignValue):
-                    self._assigned(part.target.channel, None, surely=False)
-                elif isinstance(part, WriteValue) and isinstance(part.sink, ChannelEnd):
-                    self._assigned(part.sink.channel, None, surely=False)
+            value = self.folded(action.value)
+            known = isinstance(value, LiteralValue) and action.target.channel in self._counting
+            self._do(replaced(action, value=value) if known else action)
+            self._assigned(action.target.channel, value)
+            return
+        self._do(action)
+        for part in parts(action):
+            if isinstance(part, AssignValue):
+                self._assigned(part.target.channel, None, surely=False)
+            elif isinstance(part, WriteValue) and isinstance(part.sink, ChannelEnd):
+                self._assigned(part.sink.channel, None, surely=False)
 
     def _assigned(self, name: str, value: Expression | None, *, surely: bool = True) -> None:
         if surely:

@@ -103,6 +103,28 @@ def _explored(code: Code, ports: Sequence[ExternalPort], counting: frozenset[str
     return replace(main, made={**main.made, **other.made})
 
 
+def with_loop_early(path: Path) -> Path:
+    """The same schedule, with the loop where it can begin first: what happens before it as it happens at its end is a part of it."""
+    outcome = path.outcome
+    if not isinstance(outcome, Loops):
+        return path
+    period = path.now - outcome.since
+    start, end = outcome.position, len(path.happenings)
+    while start > 0:
+        last = path.happenings[end - 1]
+        if isinstance(last, Turn) or replace(path.happenings[start - 1], time=last.time) != last:
+            break
+        if last.time != path.happenings[start - 1].time + period:
+            break
+        start, end = start - 1, end - 1
+    if start == outcome.position:
+        return path
+    since = path.happenings[start].time
+    exits = {position: other for position, other in path.exits.items() if position < end}
+    loops = Loops(start, since)
+    return replace(path, happenings=path.happenings[:end], outcome=loops, exits=exits, now=since + period)
+
+
 def with_loop_begun(path: Path) -> Path:
     """The same schedule, with the first turn of its loop before the loop."""
     outcome = path.outcome
