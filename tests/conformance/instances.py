@@ -159,7 +159,7 @@ class ProcessInstance:
         variable = self.channels[target.channel]
         assert isinstance(variable, media.Variable)
         indexes = [self.value(index) for index in target.indexes]
-        variable.value = _replaced(variable.value, indexes, value)
+        variable.value = _replaced(variable.value, indexes, value) if indexes else value
 
     def run(self) -> Steps:
         """From the start to the end of the process."""

@@ -278,7 +278,18 @@ class AtOnce(Medium):
 
 
 class Variable(AtOnce):
-    """A channel of kind ``var``: one place, overwriting; no communication."""
+    """A channel of kind ``var``: one place, overwriting; no communication. To read it before it was written is a fault."""
+
+    @property
+    def value(self) -> Any:
+        """What was written last."""
+        if self.present is None:
+            raise RaisedFaultError(f"{self.name} is read before it was written")
+        return self.present
+
+    @value.setter
+    def value(self, value: Any) -> None:
+        self.present = value
 
     def write(self, value: Any) -> None:
         self.value = value
