@@ -76,6 +76,7 @@ class Alternative(Choice):
         while True:
             self.woken = False
             yield
+            scheduler.current = task
             self.woken = False
             if self.chosen >= 0 or self.pledged is not None or task.cancelled:
                 break
@@ -86,6 +87,7 @@ class Alternative(Choice):
             selector.armed = mask
         while self.pledged is not None:
             yield
+            scheduler.current = task
         if self.chosen < 0:
             raise Cancelled
         self.after_last = -1 << (self.chosen + 1)

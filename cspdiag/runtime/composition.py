@@ -14,7 +14,7 @@ from typing import Any, TypeAlias, TypeVar, cast
 
 from .exceptions import Cancelled
 from .process import Process
-from .routine import Branch, Routine, RoutineTask
+from .routine import Branch, Routine, routine_task
 from .scheduler import Join, Party, Task, Waits, scheduler
 
 T = TypeVar("T")
@@ -110,7 +110,7 @@ async def _awaited(body: Awaitable[T]) -> T:
 def task_for(body: Body, join: Join, parent: Task | None) -> Task:
     """What executes ``body``."""
     if isinstance(body, Routine) or isfunction(body):
-        return RoutineTask(body, join, parent)
+        return routine_task(body, join, parent)
     return Task(as_coroutine(cast("Awaitable[object]", body)), join, parent)
 
 

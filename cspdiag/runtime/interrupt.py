@@ -101,10 +101,12 @@ def interrupted(body: Body, guard: Guard) -> Generator[None, None, bool]:
         interruption.wake()
     try:
         yield from branches.wait()
+        scheduler.current = task
         interruption.body_has_ended = True
         while interruption.pledged is not None:
             task.waiting = interruption
             yield
+            scheduler.current = task
     finally:
         interruption.retract()
         interruption.give_up()

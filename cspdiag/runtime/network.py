@@ -88,6 +88,7 @@ class _Run:
                 port.on_miss = on_miss
                 port.missed = 0
                 port.sampled = False
+        self._tracked = not isinstance(network.process, Routine) or network.process.tracked
         self._root_error: BaseException | None = None
         self._root = task_for(network.process, self, None)
 
@@ -119,7 +120,7 @@ class _Run:
         return self._in_real_time() if self._clock.real else self._in_virtual_time()
 
     def _in_virtual_time(self) -> Outcome:
-        run_ready = scheduler.run_ready
+        run_ready = scheduler.run_ready if self._tracked else scheduler.run_ready_routines
         timers = scheduler.timers
         instants = self._instants
         until = self._until
@@ -149,8 +150,9 @@ class _Run:
 
         All instants that have passed are met before the next steps of processes, so that who computes too long finds its samples overwritten.
         """
+        run_ready = scheduler.run_ready if self._tracked else scheduler.run_ready_routines
         while True:
-            ready = scheduler.run_ready(_REAL_TIME_STEPS)
+            ready = run_ready(_REAL_TIME_STEPS)
             if self._root.ended:
                 return self._ended_by_itself()
             if not ready and not self._instants.can_come():

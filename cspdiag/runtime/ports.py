@@ -45,8 +45,10 @@ class In(Generic[T_co]):
         if not self.request(task):
             task.waiting = self
             yield
+            scheduler.current = task
             while not self.collect(task):
                 yield
+                scheduler.current = task
         return task.received  # type: ignore[no-any-return]
 
     def reader(self, owner: Process | Part | None = None) -> In[T_co]:

@@ -82,11 +82,16 @@ class Part:
 
 
 class Routine(Part):
-    """A process with code of its own: ``steps``. ``checked``: whether it asks before each communication if it was cancelled."""
+    """A process with code of its own: ``steps``.
+
+    ``checked``: whether the code asks before each communication if it was cancelled; else it is abandoned where it stands. ``tracked``, of the outermost
+    process: whether the program has parts written by hand, which ask who runs.
+    """
 
     __slots__ = ()
 
-    checked = True
+    checked = False
+    tracked = False
 
     def steps(self, me: Task) -> Steps:
         """What the process does."""
@@ -95,6 +100,15 @@ class Routine(Part):
 
 Branch: TypeAlias = "Routine | Callable[[Task], Steps]"
 """What an optimized process can run beside others."""
+
+
+class _Done:
+    """Stands in the ready queue for a communication of a task that was cancelled."""
+
+    resume = staticmethod(lambda _: None)
+
+
+_DONE = _Done()
 
 
 class RoutineTask(Task):
@@ -109,12 +123,24 @@ class RoutineTask(Task):
         steps = branch.steps if isinstance(branch, Routine) else branch
         super().__init__(steps(self), join, parent)
 
+    def _cancel_ready(self) -> None:
+        self.resume = self._abandon
+
     def withdraw(self) -> bool:
         """Takes it back from where it waits; False if it does not wait."""
         waits = False
         for channel in self._channels():
             waits |= channel.withdraw(self)
+        if waits:
+            self._forget_done()
         return waits or super().withdraw()
+
+    def _forget_done(self) -> None:
+        """Of several communications offered at once some may be done: they have put it into the queue."""
+        queue: Any = self.ready_queue
+        for position, party in enumerate(queue):
+            if party is self:
+                queue[position] = _DONE
 
     def waits(self) -> Waits:
         """What it waits for."""
@@ -135,6 +161,21 @@ class RoutineTask(Task):
                         seen[id(item)] = item
             generator = getattr(generator, "gi_yieldfrom", None)
         yield from seen.values()
+
+
+class CheckedTask(RoutineTask):
+    """A task that executes code that is ``checked``."""
+
+    __slots__ = ()
+
+    def _cancel_ready(self) -> None:
+        self.resume = self._go_on_until_communication
+
+
+def routine_task(branch: Branch, join: Join, parent: Task | None) -> RoutineTask:
+    """What executes ``branch``."""
+    checked = branch.checked if isinstance(branch, Routine) else isinstance(parent, CheckedTask)
+    return (CheckedTask if checked else RoutineTask)(branch, join, parent)
 
 
 def start_group(me: Task, label: str) -> str:

@@ -118,13 +118,13 @@ class Composition:
                 return self._catch(action)
             case WaitStep(duration=duration):
                 waited = call(self.imports.runtime("wait"), self.printer.print(duration))
-                return (self._comment(action), Line("yield from ", waited))
+                return (self._comment(action), *self._known(), Line("yield from ", waited))
             case StopStep():
-                return (self._comment(action), text(f"yield from {self.imports.runtime('stop')}()"))
+                return (self._comment(action), *self._known(), text(f"yield from {self.imports.runtime('stop')}()"))
             case ParallelSteps(steps=steps, prioritized=prioritized):
                 name = self.imports.runtime("prioritized_parallel" if prioritized else "parallel")
                 branches = Call(name, tuple(Argument(branch) for branch in self._branches(steps)))
-                return (self._comment(action), Line("yield from ", branches))
+                return (self._comment(action), *self._known(), Line("yield from ", branches))
             case Choice():
                 return self._choice(action)
             case InterruptOn(body=body, branch=branch):
@@ -148,6 +148,9 @@ class Composition:
             else:
                 for step in group:
                     yield from self.statements(step)
+
+    def _known(self) -> Statements:
+        return self.communications.known()
 
     # Places
 
@@ -334,7 +337,7 @@ class Composition:
             yield assign(f"{ready}_mask", mask)
             mask = Atom(f"{ready}_mask")
         yield text(f"{ready} = {guards}.ready & {mask.flat}")
-        yield Block(text(f"if not {ready}:"), (text(f"{ready} = yield from {local}.wait({mask.flat})"),))
+        yield Block(text(f"if not {ready}:"), (*self._known(), text(f"{ready} = yield from {local}.wait({mask.flat})")))
         if len(branches) > 1 and not choice.prioritized:
             above = self._memory(attribute, local)
             yield text(f"{bit} = {ready} & {above} or {ready}")
@@ -392,6 +395,7 @@ class Composition:
     def _slow_selection(self, choice: Choice, local: str) -> Iterator[Statement]:
         bit = self.spelling["bit"]
         selected = Call(f"{local}.select", tuple(self._select_arguments(choice.branches)))
+        yield from self._known()
         yield Line(f"{bit} = 1 << (yield from ", selected, ")")
 
         def taken(event: Event) -> Statements:
@@ -462,6 +466,7 @@ class Composition:
         if not handler:
             run = Line("yield from ", call(interrupted, function, Atom(guard)))
         guarded: Statements = (
+            *self._known(),
             assign(guard, self._guard(branch.event, self.printer, made=False)),
             Block(run, handler) if handler else run,
         )

@@ -8,7 +8,9 @@ from dataclasses import dataclass
 from cspdiag.codegen.optimized_python.places import Spelling, at_once, is_alternated, is_inline, never_waits
 from cspdiag.codegen.python_imports import Imports
 from cspdiag.codegen.python_statements import Block, Line, Statement
+from cspdiag.model.types import BoolType, EnumType, IntType, RealType, TimeType
 from cspdiag.network.actions import End
+from cspdiag.network.ir import Medium
 
 Statements = tuple[Statement, ...]
 
@@ -29,6 +31,8 @@ class Communications:
     imports: Imports
     checked: bool
     traced: bool
+    tracked: bool
+    """Whether the scheduler notes who runs."""
     levels: bool
     """Whether the program has prioritized parallels, and so a ready queue for each level."""
 
@@ -38,6 +42,12 @@ class Communications:
             return ()
         cancelled = self.imports.runtime("Cancelled")
         return (Block(text(f"if {self.spelling['me']}.cancelled:"), (text(f"raise {cancelled}"),)),)
+
+    def known(self) -> Statements:
+        """Says who runs, before something of the runtime is called that may ask."""
+        if self.tracked:
+            return ()
+        return (text(f"{self.imports.runtime('scheduler')}.current = {self.spelling['me']}"),)
 
     def push(self, party: str) -> Statement:
         """Readies a party."""
@@ -65,8 +75,8 @@ class Communications:
             before, channel = self._channel(end)
             return (*self.check(), *before, *self._rendezvous_read(channel, into, is_alternated(medium)))
         if medium.kind == "sampled":
-            return (*self.check(), *self._sampled_read(end, into))
-        return (text(f"{into} = yield from {end}.read()"),)
+            return (*self.check(), *self._sampled_read(end, into, medium))
+        return (*self.known(), text(f"{into} = yield from {end}.read()"))
 
     def _channel(self, end: str) -> tuple[Statements, str]:
         if not end.endswith("]"):
@@ -89,8 +99,21 @@ class Communications:
             ),
         )
 
-    def _sampled_read(self, end: str, into: str) -> Statements:
-        return (text(f"{into} = yield from {end}.read()"),)
+    def _sampled_read(self, end: str, into: str, medium: Medium) -> Statements:
+        """Waits for a sample, and takes it."""
+        wait = (text(f"{end}.wait({self.spelling['me']})"), text("yield"), *self.check())
+        return (Block(text(f"if not {end}.fresh:"), wait), *self._sample_taken(end, into, medium))
+
+    def _sample_taken(self, end: str, into: str, medium: Medium) -> Statements:
+        """Takes a sample that is there: in place where it is the next of a session and nobody is told of it."""
+        scheduler = self.imports.runtime("scheduler")
+        in_place: Statements = (text(f"{end}.fresh = False"), text(f"{into} = {end}.value"))
+        if medium.guarded_reads:
+            lower = text(f"{self.imports.runtime('lower_bits')}({end}.inputs)")
+            in_place = (*in_place, Block(text(f"if {end}.inputs:"), (lower,)))
+        usual = f"if {end}.begun and not {end}.overdue and {scheduler}.observe is None:"
+        rest = text(f"{into} = {end}.taken({self.spelling['me']})")
+        return (Block(text(usual), in_place), Block(text("else:"), (rest,)))
 
     def write(self, sink: End, value: str) -> Statements:
         """Writes a value that is simple enough to be evaluated twice."""
@@ -103,9 +126,24 @@ class Communications:
         if is_inline(medium):
             before, channel = self._channel(end)
             return (*self.check(), *before, *self._rendezvous_write(channel, value, is_alternated(medium)))
+        if medium.kind == "latched" and value.isidentifier():
+            return (*self.check(), *self._latched(sink, end, value))
         if never_waits(medium):
-            return (*self.check(), text(f"{end}.offer({self.spelling['me']}, {value})"))
-        return (text(f"yield from {end}.write({value})"),)
+            known = () if medium.kind in ("latched", "direct") else self.known()
+            return (*self.check(), *known, text(f"{end}.offer({self.spelling['me']}, {value})"))
+        return (*self.known(), text(f"yield from {end}.write({value})"))
+
+    def _latched(self, sink: End, end: str, value: str) -> Statements:
+        """Keeps a finite value for the next tick."""
+        me = self.spelling["me"]
+        latch = tuple(text(f"{end}.{line}") for line in (f"latched = {value}", f"writer = {me}", "written = True"))
+        type_ = self.spelling.type_of(sink)
+        if isinstance(type_, BoolType | IntType | EnumType | TimeType):
+            return latch
+        refused = text(f"{end}.offer({me}, {value})")
+        if not isinstance(type_, RealType):
+            return (refused,)
+        return (Block(text(f"if {value} - {value} == 0.0:"), latch), Block(text("else:"), (refused,)))
 
     def _rendezvous_write(self, channel: str, value: str, alternated: bool) -> Statements:
         me, reader = self.spelling["me"], self.spelling["reader"]
@@ -132,7 +170,7 @@ class Communications:
             *parked,
             text(f"{guards} = {channel}.selector"),
             text(f"{guards}.ready |= {channel}.bit"),
-            Block(text(f"if {guards}.armed & {channel}.bit:"), (text(f"{guards}.wake()"),)),
+            Block(text(f"if {guards}.armed & {channel}.bit:"), (*self.known(), text(f"{guards}.wake()"))),
         )
 
     # Several at once
@@ -151,10 +189,20 @@ class Communications:
             return (*self.check_early(first), *here, *self.read(*slow[0]))
         if all(is_inline(spelling.medium(end)) for end, _ in slow):
             return (*self.check(), *here, *self._rendezvous_reads(slow))
-        ends = ", ".join(spelling.source(end) for end, _ in slow)
+        ends = [spelling.source(end) for end, _ in slow]
         names = ", ".join(into for _, into in slow)
         call = self.imports.runtime("read_all")
-        return (*self.check_early(1), *here, text(f"{names} = yield from {call}({ends})"))
+        wait = (*self.known(), text(f"{names} = yield from {call}({', '.join(ends)})"))
+        media = [spelling.medium(end) for end, _ in slow]
+        if any(medium.kind != "sampled" for medium in media):
+            return (*self.check_early(1), *here, *wait)
+        there = " and ".join(f"{end}.fresh" for end in ends)
+        taken = tuple(
+            statement
+            for name, (_, into), medium in zip(ends, slow, media, strict=True)
+            for statement in self._sample_taken(name, into, medium)
+        )
+        return (*self.check(), *here, Block(text(f"if {there}:"), taken), Block(text("else:"), wait))
 
     def check_early(self, before: int) -> Statements:
         """A point of cancellation before accesses that are none."""
@@ -206,7 +254,7 @@ class Communications:
             for (sink, value), medium in zip(writes, media, strict=True)
             if medium.kind != "discard"
         )
-        return (text(f"yield from {self.imports.runtime('write_all')}({pairs})"),)
+        return (*self.known(), text(f"yield from {self.imports.runtime('write_all')}({pairs})"))
 
     def _unchecked(self, statements: Statements) -> Statements:
         check = self.check()
@@ -240,7 +288,7 @@ class Communications:
         """The communication of an input guard that was chosen, whose bit is ``bit`` of ``guards``."""
         end = self.spelling.source(source)
         if not is_alternated(self.spelling.medium(source)):
-            return (text(f"{into} = {end}.take()"),)
+            return (*self.known(), text(f"{into} = {end}.take()"))
         me, writer, bit = (self.spelling[name] for name in ("me", "writer", "bit"))
         before, channel = self._channel(end)
         return (

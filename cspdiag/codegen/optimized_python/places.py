@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from cspdiag.codegen.optimized_python.storage import local_variables
 from cspdiag.codegen.python_code import Atom, Code
 from cspdiag.codegen.python_members import Members
+from cspdiag.model.types import Type
 from cspdiag.network.actions import ChannelEnd, End, PortEnd, ProcessScope, ReadInputs, RunLaw, WriteOutputs
 from cspdiag.network.ir import Medium, Network, ProcessClass
 from cspdiag.network.walk import parts
@@ -130,6 +131,12 @@ class Spelling:
             return self._media[end.port][end.index or 0]
         channel = self._channels[end.channel]
         return Medium(channel.kind, channel.guarded_reads, channel.guarded_writes)
+
+    def type_of(self, end: End) -> Type:
+        """The type of the values that pass an end."""
+        if isinstance(end, PortEnd):
+            return next(port.type for port in self.process.ports if port.name == end.port)
+        return self._channels[end.channel].type
 
     def source(self, end: End) -> str:
         """The local name of an end that is read."""

@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterator, Sequence
 
 from cspdiag.codegen.optimized_python.actions import Composition, code_lines
+from cspdiag.codegen.optimized_python.cancellation import checked_classes
 from cspdiag.codegen.optimized_python.communications import Communications, Statements, text
 from cspdiag.codegen.optimized_python.expressions import FastPrinter
 from cspdiag.codegen.optimized_python.laws import external_calls
@@ -23,7 +24,7 @@ from cspdiag.codegen.python_processes import keywords_of, path
 from cspdiag.codegen.python_rolling import rolled_list
 from cspdiag.codegen.python_statements import Block, Line, Statement, assign, docstring, lines, signature
 from cspdiag.codegen.python_types import annotation, quoted
-from cspdiag.network.actions import CatchException, ChannelEnd, End, InterruptOn, ParallelSteps, PortEnd
+from cspdiag.network.actions import ChannelEnd, End, ParallelSteps, PortEnd
 from cspdiag.network.ir import (
     Connection,
     ConstantEnd,
@@ -40,6 +41,7 @@ from cspdiag.network.ir import (
 )
 from cspdiag.network.walk import parts
 
+_EXTERNAL_CLASSES = {"constant": "Constant", "sampled": "SampledInput", "latched": "SampledOutput"}
 _CHANNEL_CLASSES = {
     "var": "Variable",
     "sync": "Channel",
@@ -57,13 +59,9 @@ def process_module(
     return _ProcessWriter(process, network, names, modules, traced).module()
 
 
-def may_be_cancelled(network: Network) -> bool:
-    """Whether anything in the program can see what a cancelled process did: an interrupt, or a handler for exceptions."""
-    classes = [entry for entry in network.classes if isinstance(entry, ProcessClass)]
-    return any(
-        entry.external is not None or any(isinstance(part, CatchException | InterruptOn) for part in parts(entry.body))
-        for entry in classes
-    )
+def has_parts_by_hand(network: Network) -> bool:
+    """Whether the program has processes or laws in Python that communicate by themselves."""
+    return any(isinstance(entry, SubmodelClass) or entry.external is not None for entry in network.classes)
 
 
 def has_levels(network: Network) -> bool:
@@ -97,8 +95,9 @@ class _ProcessWriter:
             signal=spelling.signal,
             temporaries=temporaries,
         )
-        self.checked = may_be_cancelled(network)
-        communications = Communications(spelling, self.imports, self.checked, traced, has_levels(network))
+        self.checked = process.name in checked_classes(network)
+        self.tracked = has_parts_by_hand(network)
+        communications = Communications(spelling, self.imports, self.checked, traced, self.tracked, has_levels(network))
         self.composition = Composition(spelling, communications, running, self.initial, self.imports, modules)
 
     def _name_everything(self) -> None:
@@ -116,13 +115,13 @@ class _ProcessWriter:
         steps = self._steps(body)
         functions = [self._constructor(), steps]
         name, base = self.names.classes[process.name], self.imports.runtime("Routine")
-        attributes = [f"    checked = {self.checked}", ""] if not self.checked else []
+        attributes = ["    checked = True"] * self.checked + ["    tracked = True"] * self.tracked
         return ClassModule(
             f"The process {process.definition}.",
             self.imports.lines(),
             f"class {name}({base}):",
             docstring(class_doc(process, self.place, "process"), "    "),
-            [*([attributes[:-1]] if attributes else []), *functions],
+            [*([attributes] if attributes else []), *functions],
         )
 
     # The code
@@ -224,22 +223,27 @@ class _ProcessWriter:
             return "Alternated" if is_alternated(medium) else "Rendezvous"
         if medium.kind == "var":
             return "Variable"
-        if medium.kind == "constant":
-            return "Constant"
+        if medium.kind in _EXTERNAL_CLASSES:
+            return _EXTERNAL_CLASSES[medium.kind]
         return "In" if direction == "in" else "Out"
 
     def _stored_arguments(self) -> Iterator[Statement]:
         """Parameters and ports that the code uses, or that guards are made of."""
         guards = " ".join(code.flat for code in self.composition.choices.values())
+        read = {end.port for end in self.members.reading_ends if isinstance(end, PortEnd)}
         for name in (item.name for item in (*self.process.parameters, *self.process.ports)):
             python = self.members.arguments[name]
             used = python in self.spelling.bound or re.search(rf"\bself\.{python}\b", guards)
-            if used and not self._is_made_end(name):
+            if used and name not in read:
                 yield assign(f"self.{python}", Atom(python))
-
-    def _is_made_end(self, port: str) -> bool:
-        ends = [end for end in self.members.reading_ends if isinstance(end, PortEnd) and end.port == port]
-        return any(end.end == 0 and self._has_end(end) for end in ends)
+        instances = " ".join(self._instance(instance).flat for instance in self.process.instances)
+        done: set[str] = set()
+        for end in self.members.reading_ends:
+            name = self.members.end_name(end)
+            used = name in self.spelling.bound or re.search(rf"\bself\.{name}\b", f"{guards} {instances}")
+            if isinstance(end, PortEnd) and used and not self._has_end(end) and name not in done:
+                done.add(name)
+                yield assign(f"self.{name}", Atom(self.members.arguments[end.port]))
 
     def _has_end(self, end: End) -> bool:
         """Whether a reading end is an object of its own."""
