@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -24,7 +26,6 @@ from cspdiag.network.actions import (
 )
 from cspdiag.network.expressions import SignalValue
 from cspdiag.network.ir import Connection, ConstantEnd, Declared, DiscardEnd, SubmodelClass
-from cspdiag.network.walk import parts
 
 EXTERNAL = ("latched", "direct")
 
@@ -141,11 +142,12 @@ def run_law_rows(writer: Writer, step: RunLaw) -> list[Row]:
         check=check,
         types_of=members.signal_types,
     )
-    writer.functions += [*law.functions, *([""] if law.functions else [])]
+    writer.add_function(law.functions)
     local = [(name, type_) for name, type_ in run_law_signals(step) if name in members.local_signals]
     declared = [Row(f"{members.types.type_name(type_)} {members.local_signals[name]};") for name, type_ in local]
-    read = {part.name for part in parts(step) if isinstance(part, SignalValue)}
-    unread = [Row(f"(void){members.local_signals[name]};") for name, _ in local if name not in read]
+    words = Counter(word for line in law.lines for word in re.findall(r"\w+", line))
+    spelled = [members.local_signals[name] for name, _ in local]
+    unread = [Row(f"(void){name};") for name in spelled if words[name] == 1]
     body = [*declared, *(_row(line) for line in law.lines), *unread]
     opening = Row("", comment=f"{step.law}  ({writer.where(step)})")
     return [opening, *(block("", body) if declared or any("csp_operand" in line for line in law.lines) else body)]

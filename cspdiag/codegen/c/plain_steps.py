@@ -116,7 +116,7 @@ def store_rows(writer: Writer, target: Target, value: str, type_: Type, where: s
     kind: Type = writer.members.channels[target.channel].type
     for number, index in enumerate(target.indexes, 1):
         assert isinstance(kind, ArrayType)
-        if isinstance(index, LiteralValue):
+        if isinstance(index, LiteralValue) and isinstance(index.value, int) and 0 <= index.value < (kind.size or 0):
             lvalue += f".at[{index.value}]"
         else:
             name = "index" if len(target.indexes) == 1 else f"index_{number}"

@@ -96,7 +96,7 @@ class _Writer:
             rows += ["/* Where the process waits, and where it goes on after a failure. */"]
             rows += [*lines(block("enum", entries, "};")), ""]
         rows += lines(composition.tables)
-        rows += composition.functions
+        rows += [line for function in composition.functions for line in function]
         for routine in reversed(composition.routines):
             rows += [*routine.text(), "", *routine.table(), ""]
         rows += [*broken(signature(self.members, self.struct), INDENT), *lines(block("", initialize_rows(composition)))]

@@ -38,8 +38,8 @@ class Writer:
     """What the function that initializes the process has to do for the composition besides, in the order of the text."""
     tables: list[Row] = field(default_factory=list)
     """Constant tables that step functions refer to."""
-    functions: list[str] = field(default_factory=list)
-    """Other functions, before the step functions."""
+    functions: list[list[str]] = field(default_factory=list)
+    """Other functions, before the step functions, each with an empty line behind it."""
 
     current: Routine = field(init=False)
     handler: Handler = field(init=False)
@@ -143,6 +143,11 @@ class Writer:
         return [Row(f"CSP_AWAIT({first}, {again}, {state}, {self.failing()})", comment=self.comment(step))]
 
     # Members
+
+    def add_function(self, lines: Sequence[str]) -> None:
+        """A function that step functions call, once however often it is added."""
+        if lines and [*lines, ""] not in self.functions:
+            self.functions.append([*lines, ""])
 
     def single(self, name: str, type_: str) -> str:
         """A member that the present step function needs one of, whatever it is doing."""
