@@ -38,7 +38,7 @@ def _integer_type(name: str, low: int, high: int) -> Callable[[float], int]:
 
 
 def _whole(name: str, value: float) -> int:
-    if not math.isfinite(value):
+    if not isinstance(value, int) and not math.isfinite(value):
         raise Fault(f"{value} is not in {name}")
     return int(value)
 

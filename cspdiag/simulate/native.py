@@ -40,11 +40,12 @@ def simulate(
     recorder: Recorder | None = None,
     on_start: Callable[[StreamReader], None] | None = None,
     observed: Observed = "all",
+    fused: bool = False,
     options: tuple[str, ...] = ("-O2",),
 ) -> Run:
     """Generate, build and run a program; ``until`` is a time limit in nanoseconds.
 
-    ``on_start`` is handed what knows the present instant as ``now``. Ctrl-C and what the program raises end the run with an outcome, not with an
+    ``fused`` programs run processes as one where that is possible, and do not tell when each starts and ends. ``on_start`` is handed what knows the present instant as ``now``. Ctrl-C and what the program raises end the run with an outcome, not with an
     exception. Raises NoEnvironmentError, TargetError for what C cannot express, and CompilerError.
     """
     chosen = chosen_environment(network, environment)
@@ -53,7 +54,7 @@ def simulate(
     if chosen is not None:
         refuse_devices(chosen)
     recorder = recorder if recorder is not None else Recorder()
-    files = generate(network, read, "c", level, observed=True)
+    files = generate(network, read, "c", level, observed=not fused)
     sources = [path for path in files if path.endswith(".c")]
     program = Build(files, _wanted(sources), (*options, "-DCSP_TRACE=1")).executable()
     command = [str(program), "--observe", observed]

@@ -1,0 +1,95 @@
+"""The arithmetic of C programs as a library that Python can call."""
+
+from __future__ import annotations
+
+import ctypes
+import shutil
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from cspdiag.resources import template_folder
+
+SUPPORT = template_folder("c") / "support"
+
+_WHOLE = ("add", "subtract", "multiply", "quotient", "remainder", "power", "min_int", "max_int")
+_OF_ONE = ("negate", "absolute", "sign_int")
+_NARROW = ("int8", "int16", "int32", "uint8", "uint16", "uint32")
+_REAL = ("divide", "min", "max", "pow", "atan2", "quantize", "deadzone")
+_REAL_OF_ONE = ("exp", "log", "sin", "cos", "tan", "sign")
+
+
+def compilers() -> list[str]:
+    """The C compilers of this machine."""
+    return [name for name in ("gcc", "clang") if shutil.which(name)]
+
+
+def _source() -> str:
+    rows = ['#include "csp_arithmetic.h"']
+    rows += [f"int64_t t_{name}(int64_t a, int64_t b) {{ return csp_{name}(a, b); }}" for name in _WHOLE]
+    rows += [f"int64_t t_{name}(int64_t a) {{ return csp_{name}(a); }}" for name in _OF_ONE]
+    rows += [f"int64_t t_{name}(int64_t a) {{ return (int64_t)csp_{name}(a); }}" for name in _NARROW]
+    rows += [
+        f"int64_t t_{name}_of_real(double x) {{ return (int64_t)csp_{name}_of_real(x); }}"
+        for name in (*_NARROW, "int64")
+    ]
+    rows += [f"double t_{name}(double x, double y) {{ return csp_{name}(x, y); }}" for name in _REAL]
+    rows += [f"double t_{name}(double x) {{ return csp_{name}(x); }}" for name in _REAL_OF_ONE]
+    rows += [
+        "double t_limit(double x, double low, double high) { return csp_limit(x, low, high); }",
+        "double t_floor(double x) { return floor(x); }",
+        "double t_ceil(double x) { return ceil(x); }",
+        "double t_round(double x) { return round(x); }",
+        "double t_sqrt(double x) { return sqrt(x); }",
+        "double t_fmod(double x, double y) { return fmod(x, y); }",
+        "double t_seconds(int64_t a) { return csp_seconds(a); }",
+        "int64_t t_index(int64_t a, int64_t size) { return (int64_t)csp_index(a, size); }",
+        'void t_finite(double x) { csp_finite(x, "port"); }',
+        "void t_fault(char *text, size_t size) {",
+        "    text[0] = '\\0';",
+        "    if (csp_faulted()) { csp_fault.describe(&csp_fault.operands, text, size); }",
+        "    csp_fault.describe = NULL; csp_fault.place = NULL;",
+        "}",
+    ]
+    return "\n".join([*rows, ""])
+
+
+class Arithmetic:
+    """The functions by name; ``fault`` gives the text of the last fault, or "", and forgets it."""
+
+    def __init__(self, folder: Path, compiler: str) -> None:
+        source, library = folder / "exported.c", folder / f"arithmetic_{compiler}.so"
+        source.write_text(_source())
+        # The process that raises is the kernel's concern, and csp_core.h has the type of what faults are about.
+        options = ["-std=c99", "-O2", "-ffp-contract=off", "-fPIC", "-shared", f"-I{SUPPORT}"]
+        sources = [source, SUPPORT / "csp_arithmetic.c", SUPPORT / "csp_fault_text.c"]
+        subprocess.run([compiler, *options, *map(str, sources), "-lm", "-o", str(library)], check=True)
+        self._library = ctypes.CDLL(str(library))
+
+    def whole(self, name: str) -> Callable[..., int]:
+        """A function of whole numbers."""
+        return self._function(name, ctypes.c_int64, ctypes.c_int64)
+
+    def whole_of_real(self, name: str) -> Callable[..., int]:
+        """A conversion."""
+        return self._function(name, ctypes.c_int64, ctypes.c_double)
+
+    def real(self, name: str) -> Callable[..., float]:
+        """A function of reals."""
+        return self._function(name, ctypes.c_double, ctypes.c_double)
+
+    def real_of_whole(self, name: str) -> Callable[..., float]:
+        """A function from a whole number to a real one."""
+        return self._function(name, ctypes.c_double, ctypes.c_int64)
+
+    def _function(self, name: str, result: Any, argument: Any) -> Callable[..., Any]:
+        function = getattr(self._library, f"t_{name}")
+        function.restype = result
+        return lambda *values: function(*(argument(value) for value in values))
+
+    def fault(self) -> str:
+        """What went wrong since the last question."""
+        buffer = ctypes.create_string_buffer(4096)
+        self._library.t_fault(buffer, ctypes.c_size_t(len(buffer)))
+        return buffer.value.decode()
