@@ -67,6 +67,7 @@ from .process import Process, Submodel
 from .rendezvous import Alternated, Rendezvous
 from .routine import Part, Routine, Steps, end_group, push, start_group
 from .scheduler import Task, scheduler
+from .selector import lower_bits
 from .together import read_all, write_all
 from .variable import Constant, Discard, Variable
 
@@ -135,6 +136,7 @@ __all__ = [
     "interrupted",
     "limit",
     "log",
+    "lower_bits",
     "ms",
     "nanoseconds",
     "nearest",

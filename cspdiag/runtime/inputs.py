@@ -15,7 +15,7 @@ from .drivers import NO_SAMPLE, Driver, Signal, read_from
 from .exceptions import ChannelMisuse, Timeout
 from .latched import LatchedEnd, refuse_cancelled
 from .ports import In, T
-from .scheduler import Party, scheduler
+from .scheduler import Party, Task, scheduler
 from .selector import Selector, raise_bits
 
 if TYPE_CHECKING:
@@ -88,7 +88,7 @@ class SampledEnd(LatchedEnd[T]):
     def request(self, party: Party) -> bool:
         """See ``In.request``. Raises Timeout if a sample was overwritten since the last read."""
         if self.fresh:
-            party.received = self._taken(party)
+            party.received = self.taken(party)
             return True
         if self.waiter is not None:
             raise ChannelMisuse(f"one end of {self.name} is read by two processes at the same time")
@@ -97,12 +97,22 @@ class SampledEnd(LatchedEnd[T]):
             self._begin()
         return False
 
+    def wait(self, task: Task) -> None:
+        """For optimized code that found no sample: ``task`` waits for the next one."""
+        task.waiting = self
+        if self.waiter is not None:
+            raise ChannelMisuse(f"one end of {self.name} is read by two processes at the same time")
+        self.waiter = task
+        if not self.begun:
+            self._begin()
+
     def collect(self, party: Party) -> bool:
         """See ``In.collect``."""
         refuse_cancelled()
         return self.request(party)
 
-    def _taken(self, reader: Party) -> T:
+    def taken(self, reader: Party) -> T:
+        """The sample, which ``reader`` takes. Raises Timeout if one was overwritten before it."""
         if self.overdue:
             self.overdue = False
             raise Timeout(f"a sample of {self.name} was overwritten before it had been taken")
@@ -256,7 +266,7 @@ class EventEnd(LatchedEnd[T]):
     def request(self, party: Party) -> bool:
         """See ``In.request``."""
         if self.fresh:
-            party.received = self._taken(party)
+            party.received = self.taken(party)
             return True
         self._readers.append(party)
         return False
@@ -267,7 +277,7 @@ class EventEnd(LatchedEnd[T]):
             scheduler.enqueue(self._readers.popleft())
         refuse_cancelled()
         if self.fresh:
-            party.received = self._taken(party)
+            party.received = self.taken(party)
             return True
         self._readers.appendleft(party)
         return False

@@ -31,9 +31,9 @@ class LatchedEnd(In[T]):
 
     def take(self) -> T:
         """See ``In.take``."""
-        return self._taken(scheduler.current)
+        return self.taken(scheduler.current)
 
-    def _taken(self, reader: Party) -> T:
+    def taken(self, reader: Party) -> T:
         """The value, which ``reader`` takes."""
         return self._communicated(reader)
 
