@@ -92,23 +92,26 @@ class _Run:
         action, indent = self.action, self.indent
         hoisted = self._hoisted()
         copies = {name: f"{identifier(name)}_before" for name in hoisted}
-        writer = self._writer(self.printer)
-        rows = writer.equations(action.equations, self.printer.signal)
+        rows = self._writer(self.printer, indent).equations(action.equations, self.printer.signal)
+        if hoisted:
+            # The copies have a block of their own: the same law may run in several places of one function.
+            rows.append(f"{indent}{{")
+            indent += INDENT
         for name in hoisted:
             kind = self.printer.types.type_name(self.types_of[name])
             rows.append(f"{indent}const {kind} {copies[name]} = {self.printer.signal(name)};")
         late = replace(self.printer, signal=lambda name: copies.get(name) or self.printer.signal(name))
         for name, value in action.next_values:
-            rows += self._writer(late).assign(self.printer.signal(name), value, self._state_place(name))
+            rows += self._writer(late, indent).assign(self.printer.signal(name), value, self._state_place(name))
         functions: list[str] = []
         if action.derivatives:
             integration = self._integration()
-            rows += self._integrated(integration, late)
+            rows += self._integrated(integration, late, indent)
             functions = integration.function(self._slopes_printer(integration), self._slopes_writer(integration))
-        return InlinedLaw(functions, rows)
+        return InlinedLaw(functions, [*rows, f"{self.indent}}}"] if hoisted else rows)
 
-    def _writer(self, printer: Printer) -> EquationWriter:
-        return EquationWriter(printer, self.place, self.check, self.printer.signal, body_name, self.indent)
+    def _writer(self, printer: Printer, indent: str) -> EquationWriter:
+        return EquationWriter(printer, self.place, self.check, self.printer.signal, body_name, indent)
 
     def _state_place(self, name: str) -> str:
         return next(self.place(state) for state in self.class_.states if state.name == name)
@@ -160,10 +163,10 @@ class _Run:
             self._slopes_printer(integration), self.place, check, self.printer.signal, body_name, INDENT
         )
 
-    def _integrated(self, integration: Integration, late: Printer) -> list[str]:
-        action, deeper = self.action, self.indent + INDENT
+    def _integrated(self, integration: Integration, late: Printer, indent: str) -> list[str]:
+        action, deeper = self.action, indent + INDENT
         assert action.sample is not None
-        rows = [f"{self.indent}{{"]
+        rows = [f"{indent}{{"]
         for state in integration.states:
             rows.append(f"{deeper}double {integration.local(state)} = {self.printer.signal(state)};")
         sample = self.printer.print(action.sample)
@@ -183,4 +186,4 @@ class _Run:
             single = isinstance(self.types_of[state], RealType) and self.types_of[state] == RealType(32)
             cast = "(float)" if single else ""
             rows.append(f"{deeper}{self.printer.signal(state)} = {cast}{integration.local(state)};")
-        return [*rows, f"{self.indent}}}"]
+        return [*rows, f"{indent}}}"]
