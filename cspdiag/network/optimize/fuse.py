@@ -28,7 +28,7 @@ from cspdiag.diagnostics.record import replaced
 from cspdiag.network.actions import End, ParallelSteps, PortEnd, ReadValue
 from cspdiag.network.ir import CreatedChoice, Network, Port, ProcessClass, SubmodelClass
 from cspdiag.network.optimize.dead import remove_dead_parts
-from cspdiag.network.optimize.fuse_actions import FIRST_SAMPLE, Composition
+from cspdiag.network.optimize.fuse_actions import Composition
 from cspdiag.network.optimize.fuse_check import same_schedule
 from cspdiag.network.optimize.fuse_code import NotStaticError
 from cspdiag.network.optimize.fuse_follow import Loops
@@ -63,9 +63,9 @@ def fused(network: Network) -> Network:
     if not any(isinstance(part, ParallelSteps) for entry in network.classes for part in _steps(entry)):
         raise NotStaticError("it is one process already")
     entry = opened(network)
-    path = schedule(entry, network.external_ports)
-    for followed in _ways_to_follow(path):
-        single, counters = _single(entry, path, followed)
+    path = with_loop_early(schedule(entry, network.external_ports))
+    for together in (False, True):
+        single, counters = _single(entry, path, together=together)
         if _does_the_same(single, path, counters, network):
             return remove_dead_parts(replaced(network, classes=(single,)))
     raise NotStaticError("one process would take its samples at other instants")
@@ -75,37 +75,36 @@ def _steps(entry: ProcessClass | SubmodelClass) -> Iterator[object]:
     return parts(entry.body) if isinstance(entry, ProcessClass) else iter(())
 
 
-def _ways_to_follow(path: Path) -> Iterator[tuple[End, ...]]:
-    """The ends that one process may have to begin to follow together: none, or all that were followed when the first sample came."""
-    yield ()
-    position = _first_sample(path)
-    first = path.happenings[position] if position < len(path.happenings) else None
-    if isinstance(first, Step) and isinstance(first.action, ReadValue):
-        others = [end for end, since in path.followed.items() if since < first.time and end != first.action.source]
-        if others:
-            yield first.action.source, *others
+def _beginnings(path: Path) -> dict[int, tuple[End, ...]]:
+    """The positions of samples that are waited for while processes begin to wait for other inputs, with the ends of all."""
+    found: dict[int, tuple[End, ...]] = {}
+    begun: set[End] = set()
+    for position, step in enumerate(path.happenings):
+        if isinstance(step, Step) and isinstance(step.action, ReadValue) and isinstance(step.action.source, PortEnd):
+            begun.add(step.action.source)
+            if step.fresh:
+                others = [end for end, since in path.followed.items() if since < step.time and end not in begun]
+                if others:
+                    found[position] = (step.action.source, *others)
+                    begun.update(others)
+    return found
 
 
-def _first_sample(path: Path) -> int:
-    """The position of the first sample that is waited for."""
-    fresh = (n for n, step in enumerate(path.happenings) if isinstance(step, Step) and step.fresh)
-    return next(fresh, len(path.happenings))
-
-
-def _single(entry: ProcessClass, path: Path, followed: tuple[End, ...]) -> tuple[ProcessClass, frozenset[str]]:
-    """The class of the one process, and the variables in it that count."""
+def _single(entry: ProcessClass, path: Path, *, together: bool) -> tuple[ProcessClass, frozenset[str]]:
+    """The class of the one process, and the variables in it that count; ``together``: it begins to follow inputs as the processes did."""
     assert entry.body is not None
-    path = with_loop_early(path)
-    if followed and isinstance(path.outcome, Loops) and _first_sample(path) > path.outcome.position:
+    followed = _beginnings(path) if together else {}
+    if isinstance(path.outcome, Loops) and any(position > path.outcome.position for position in followed):
         path = with_loop_begun(path)
-    composition = Composition(path, entry.body, {channel.name for channel in entry.channels}, followed=followed)
-    guarded = {(end.port, end.index or 0) for end in followed if isinstance(end, PortEnd)}
+    names = {channel.name for channel in entry.channels}
+    composition = Composition(path, entry.body, names, followed=followed)
+    guarded = {(e.port, e.index or 0) for ends in followed.values() for e in ends if isinstance(e, PortEnd)}
     single = replaced(
         entry,
         body=composition.body,
         channels=(*entry.channels, *composition.variables),
         ports=tuple(_guarded(port, guarded) for port in entry.ports),
-        creation=(*entry.creation, CreatedChoice(FIRST_SAMPLE)) if followed else entry.creation,
+        creation=(*entry.creation, *map(CreatedChoice, composition.alternatives)),
     )
     return single, composition.counters
 

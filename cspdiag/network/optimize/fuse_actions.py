@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 from cspdiag.diagnostics.record import replaced
 from cspdiag.model.types import BOOL, INT, TIME, Type
@@ -29,23 +29,22 @@ from cspdiag.network.optimize.fuse_record import Step, Turn
 from cspdiag.network.optimize.fuse_rolling import rolled
 from cspdiag.network.optimize.fuse_schedule import Path
 
-FIRST_SAMPLE = "samples"
-"""The alternative that waits for the first sample."""
-
 
 class Composition:
     """Writes it as ``body``; ``place`` is where what nobody wrote stands. ``variables`` are those that it needs besides.
 
-    Before it takes its first sample, it begins to follow the ends in ``followed``; they begin with the one that has the first sample.
+    ``followed`` has the positions of samples before which it begins to follow inputs: the ends, beginning with the one that has the sample.
     """
 
-    def __init__(self, path: Path, place: Action, taken: Iterable[str], *, followed: tuple[End, ...] = ()) -> None:
+    def __init__(
+        self, path: Path, place: Action, taken: Iterable[str], *, followed: Mapping[int, tuple[End, ...]]
+    ) -> None:
         self._place = place
         self._taken = {*taken, *path.made}
         self._followed = followed
-        fresh = (n for n, happening in enumerate(path.happenings) if isinstance(happening, Step) and happening.fresh)
-        self._first = next(fresh, None)
-        self._is_before_loop = isinstance(path.outcome, Loops) and path.outcome.position == self._first
+        self._loop = path.outcome.position if isinstance(path.outcome, Loops) else None
+        self.alternatives: list[str] = []
+        """The names of those that it makes."""
         self._counters: dict[str, LiteralValue] = {}
         self._ended: str | None = None
         self.body = self._from(path, 0, 0)
@@ -124,7 +123,7 @@ class Composition:
 
     def _samples_before(self, path: Path, loop: int) -> list[Action]:
         """Where the first sample is what a loop begins with, it is waited for before the loop."""
-        return [self._first_sample()] if self._followed and loop == self._first else []
+        return [self._begin(loop)] if loop in self._followed else []
 
     def _waits_itself(self, path: Path, position: int, now: int) -> bool:
         """Whether what comes first waits for a sample that comes just then."""
@@ -142,8 +141,8 @@ class Composition:
                 steps.append(self._wait(happening.time - now))
             now = happening.time
             if isinstance(happening, Step):
-                if position == self._first and self._followed and not self._is_before_loop:
-                    steps.append(self._first_sample())
+                if position in self._followed and position != self._loop:
+                    steps.append(self._begin(position))
                 steps.append(happening.action)
                 continue
             other = path.exits[position]
@@ -166,15 +165,17 @@ class Composition:
             steps.append(self._wait(until - now))
         return in_sequence([*rolled(steps, self._turn), *end], self._place)
 
-    def _first_sample(self) -> Action:
-        """Waits for the first sample, and so begins to follow other inputs with it."""
+    def _begin(self, position: int) -> Action:
+        """Waits for a sample, and so begins to follow other inputs with it."""
         span = self._place.span
         skip = SkipStep(span=span)
         branches = (
             Branch(span=span, condition=None, event=ReadyEvent(span=span, source=end), body=skip)
-            for end in self._followed
+            for end in self._followed[position]
         )
-        return Choice(span=span, branches=tuple(branches), prioritized=True, name=FIRST_SAMPLE)
+        name = "samples" if not self.alternatives else f"samples_{len(self.alternatives) + 1}"
+        self.alternatives.append(name)
+        return Choice(span=span, branches=tuple(branches), prioritized=True, name=name)
 
     def _wait(self, duration: int) -> Action:
         return WaitStep(span=self._place.span, duration=LiteralValue(type=TIME, value=duration))
