@@ -28,6 +28,11 @@ void csp_port_leave_critical(void);
 /* Something that cannot go on: does not return. */
 void csp_port_fatal(const char *message);
 
+/* Of the bare machine only. Text for whoever debugs it; the end, which does not return; and what the interrupt of the clock calls. */
+void csp_port_write(const char *text);
+void csp_port_exit(bool successful);
+void csp_port_tick(void);
+
 /* Whether time is virtual: nothing takes time but waiting. */
 extern const bool csp_port_virtual_time;
 

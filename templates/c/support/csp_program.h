@@ -28,7 +28,7 @@ typedef struct csp_program {
     csp_process *process;  /* the outermost */
     const csp_port *ports; /* in the order of the text */
     uint32_t port_count;
-    csp_environment *environment; /* NULL: none */
+    const csp_environment *environment; /* NULL: none */
     /* For reports: each writes a text of at most `size` characters with the 0 that ends it. */
     void (*process_name)(uint32_t number, char *text, size_t size);
     void (*channel_name)(uint32_t number, char *text, size_t size);

@@ -1,0 +1,81 @@
+"""A generated program with its simulated plant on an emulated microcontroller, against the clock of the emulation: the trace is that of the reference.
+
+The emulator counts instructions for its clock, so that the run does not depend on the machine of the test.
+"""
+
+from __future__ import annotations
+
+import struct
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from cspdiag import pipeline
+from cspdiag.network.ir import Network
+from tests.c_kernel.building import HERE, SUPPORT, need, run
+from tests.conformance.sources import network_of, read
+from tests.conformance.targets import GeneratedPython
+from tests.conformance.traces import Communication, compare
+
+UNTIL = 3_000_500_000
+"""Nanoseconds, amid two ticks: both joints of JIWY find their end stops."""
+
+PROCESSOR = ("-mcpu=cortex-m3", "-mthumb")
+FLAGS = ("-std=c99", "-Os", "-Wall", "-Wextra", "-ffp-contract=off", "-ffunction-sections", "-fdata-sections")
+MACHINE = ("qemu-system-arm", "-machine", "mps2-an385", "-nographic", "-semihosting-config", "enable=on,target=native")
+CLOCK = ("-icount", "shift=3,sleep=off")
+"""Eight nanoseconds an instruction; sleeping takes no time of the host."""
+
+
+def firmware(network: Network, level: int, folder: Path) -> Path:
+    """The program of a network in its first environment, to be loaded by the emulator."""
+    files = pipeline.generate(network, read, "c", level, traced=True)
+    for path, text in files.items():
+        file = folder / path
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(text)
+    hosted = {"csp_port_simulation.c", "csp_port_posix.c", "csp_simulation.c", "csp_stream.c", "main_simulation.c"}
+    sources = [file for file in sorted(folder.rglob("*.c")) if file.name not in hosted]
+    environment = f"{network.environments[0].name.lower()}_environment"
+    definitions = (
+        *("-DCSP_TRACE=1", f'-DENVIRONMENT_HEADER="{environment}.h"', f"-DENVIRONMENT={environment}"),
+        *(f"-DDRIVERS={environment}_drivers", f"-DDURATION=INT64_C({UNTIL})"),
+    )
+    includes = (f"-I{folder}", f"-I{folder / 'support'}")
+    image = folder / "program.elf"
+    run(
+        *("arm-none-eabi-gcc", *PROCESSOR, *FLAGS, *definitions, *includes, *sources, HERE / "cortex_m" / "main.c"),
+        *("-nostartfiles", "--specs=nosys.specs", "-Wl,--gc-sections", "-T", SUPPORT / "csp_port_cortex_m.ld"),
+        *("-lm", "-o", image),
+    )
+    return image
+
+
+def bits(value: object) -> int:
+    """The bytes of a value in memory, as a number."""
+    if isinstance(value, bool):
+        return int(value)
+    if isinstance(value, float):
+        return int.from_bytes(struct.pack("<d", value), "little")
+    assert isinstance(value, int)
+    return value & (2**64 - 1)
+
+
+@pytest.mark.parametrize("level", [0, 1])
+def test_jiwy_on_a_microcontroller(level: int, tmp_path: Path) -> None:
+    need("arm-none-eabi-gcc", "qemu-system-arm")
+    network = network_of(read("models/jiwy/jiwy.csp"))
+    image = firmware(network, level, tmp_path)
+    emulated = subprocess.run(
+        [*MACHINE, *CLOCK, "-kernel", image], capture_output=True, text=True, timeout=120, check=False
+    )
+    assert emulated.returncode == 0, emulated.stderr[-1000:]
+    lines = [line.split() for line in (emulated.stdout + emulated.stderr).splitlines()]
+    records = [line for line in lines if line[0].isdigit()]
+    trace = [Communication(int(time), name, int(number)) for time, name, number in records]
+    reference = GeneratedPython(level=0).run(network, None, UNTIL).trace
+    expected = [communication._replace(value=bits(communication.value)) for communication in reference]
+    external = {communication.channel for communication in expected}
+    assert compare(trace, expected, external) is None
+    assert [line[0] for line in lines[-3:]] == ["release", "release", "ended"]
