@@ -67,6 +67,12 @@ def judge(target: Target, network: Network, environment: str | None, until: int,
     except Exception as crash:
         return Verdict(name, environment, "crashed", details="".join(traceback.format_exception(crash)[-6:]))
     wanted = _done_by_reference(name, environment, until) if name else REFERENCE.run(network, environment, until)
+    if not target.inside:
+        external = external_channels(network)
+        wanted, done = (
+            side._replace(trace=[passed for passed in side.trace if passed.channel in external])
+            for side in (wanted, done)
+        )
     details = "\n".join(_differences(target, network, environment, until, wanted, done))
     return Verdict(name, environment, "differs" if details else "equal", len(wanted.trace), details)
 
@@ -74,8 +80,7 @@ def judge(target: Target, network: Network, environment: str | None, until: int,
 def _differences(
     target: Target, network: Network, environment: str | None, until: int, wanted: Execution, done: Execution
 ) -> Iterator[str]:
-    external = {f"{network.top}.{port.name}" for port in network.external_ports}
-    difference = compare(wanted.trace, done.trace, external, tolerance(target, network))
+    difference = compare(wanted.trace, done.trace, external_channels(network), tolerance(target, network))
     if difference is not None:
         yield f"left: {REFERENCE.name}, right: {target.name}\n{difference}"
         for side, execution, part in ((REFERENCE, wanted, difference.left), (target, done, difference.right)):
@@ -86,6 +91,11 @@ def _differences(
         yield f"the end differs\n  {REFERENCE.name}: {wanted.ending}\n  {target.name}: {done.ending}"
     if done.released is not None and done.released != wanted.released:
         yield f"safe values differ\n  {REFERENCE.name}: {wanted.released}\n  {target.name}: {done.released}"
+
+
+def external_channels(network: Network) -> set[str]:
+    """The external ports as traces call them."""
+    return {f"{network.top}.{port.name}" for port in network.external_ports}
 
 
 def tolerance(target: Target, network: Network) -> int:

@@ -5,8 +5,6 @@ A target of one's own is one more class like these, and an entry in ``TARGETS``.
 
 from __future__ import annotations
 
-import inspect
-import shutil
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Protocol
@@ -15,7 +13,9 @@ from cspdiag import pipeline
 from cspdiag.codegen import target_errors
 from cspdiag.network.ir import Network
 from cspdiag.runtime.exceptions import described
+from cspdiag.simulate import native
 from cspdiag.simulate.execute import simulate
+from cspdiag.simulate.native_build import CompilerError, find_compiler
 from cspdiag.simulate.recorder import Recorder
 from cspdiag.simulate.result import Run
 from tests.conformance import specification
@@ -41,6 +41,11 @@ class Target(Protocol):
         """Whether its mathematical functions are not those of this machine's C library, so that results may differ by one unit in the last place."""
         ...
 
+    @property
+    def inside(self) -> bool:
+        """Whether it tells of the communications inside a program, besides those of external ports."""
+        ...
+
     def unavailable(self) -> str | None:
         """Why it cannot run here, None where it can."""
         ...
@@ -62,6 +67,7 @@ class Specification:
 
     name: str = "specification"
     other_library: bool = False
+    inside: bool = True
 
     def unavailable(self) -> str | None:
         """It is always there."""
@@ -82,19 +88,29 @@ class Specification:
 
 @dataclass(frozen=True)
 class GeneratedPython:
-    """The Python that ``cspdiag compile`` makes, imported and run."""
+    """The Python that ``cspdiag compile`` makes, imported and run.
+
+    ``observed`` code keeps processes apart that would be fused; code that is not ``traced`` tells of external ports alone.
+    """
 
     level: int
+    observed: bool = False
+    traced: bool = True
     other_library: bool = False
 
     @property
     def name(self) -> str:
         """See ``Target.name``."""
-        return f"python-O{self.level}"
+        return f"python-O{self.level}{'-observed' * self.observed}{'-untraced' * (not self.traced)}"
+
+    @property
+    def inside(self) -> bool:
+        """See ``Target.inside``."""
+        return self.traced
 
     def unavailable(self) -> str | None:
         """See ``Target.unavailable``."""
-        return None if self.level == 0 or _has_levels() else "there is no optimizing Python target yet"
+        return None
 
     def run(self, network: Network, environment: str | None, until: int) -> Execution:
         """See ``Target.run``."""
@@ -111,34 +127,50 @@ class GeneratedPython:
         return observer.waits
 
     def _simulate(self, network: Network, environment: str | None, until: int, recorder: Recorder) -> Run:
-        files = generated(network, "python", self.level)
+        try:
+            files = pipeline.generate(network, read, "python", self.level, traced=self.traced, observed=self.observed)
+        except target_errors() as problem:
+            raise RefusedError(str(problem)) from problem
         return simulate(network, files, environment=environment, until=until, recorder=recorder)
 
 
 @dataclass(frozen=True)
 class NativeSimulation:
-    """The C that ``cspdiag compile --target c`` makes, with its environment compiled in."""
+    """The C that ``cspdiag compile --target c`` makes, with its environment compiled in.
+
+    The optimizer of the C compiler is left out, for speed, unless the environment variable CFLAGS asks for it.
+    """
 
     level: int
+    observed: bool = False
     other_library: bool = False
+    inside: bool = True
 
     @property
     def name(self) -> str:
         """See ``Target.name``."""
-        return f"c-O{self.level}"
+        return f"c-O{self.level}{'-observed' * self.observed}"
 
     def unavailable(self) -> str | None:
         """See ``Target.unavailable``."""
-        if not any(shutil.which(compiler) for compiler in ("cc", "gcc", "clang")):
-            return "there is no C compiler (gcc or clang)"
-        return None if _has_native() else "there is no C target yet"
+        try:
+            find_compiler()
+        except CompilerError as problem:
+            return str(problem)
+        return None
 
     def run(self, network: Network, environment: str | None, until: int) -> Execution:
         """See ``Target.run``."""
-        from cspdiag.simulate import native
-
         try:
-            run = native.simulate(network, read, level=self.level, environment=environment, until=until)
+            run = native.simulate(
+                network,
+                read,
+                level=self.level,
+                environment=environment,
+                until=until,
+                fused=not self.observed,
+                options=("-O0",),
+            )
         except target_errors() as problem:
             raise RefusedError(str(problem)) from problem
         return execution(run)
@@ -148,27 +180,6 @@ class NativeSimulation:
     ) -> tuple[str, ...] | None:
         """See ``Target.waits``."""
         return None
-
-
-def generated(network: Network, target: str, level: int) -> Mapping[str, str]:
-    """The files of a target; RefusedError for a program that it cannot take."""
-    options = {"target": target, "level": level, "traced": True} if _has_levels() else {}
-    try:
-        return pipeline.generate(network, read, **options)  # type: ignore[arg-type]
-    except target_errors() as problem:
-        raise RefusedError(str(problem)) from problem
-
-
-def _has_levels() -> bool:
-    return "level" in inspect.signature(pipeline.generate).parameters
-
-
-def _has_native() -> bool:
-    try:
-        from cspdiag.simulate import native  # noqa: F401
-    except ImportError:
-        return False
-    return True
 
 
 def execution(run: Run) -> Execution:
@@ -189,13 +200,19 @@ REFERENCE = GeneratedPython(0)
 """What everything else is compared with."""
 
 TARGETS: Mapping[str, Target] = {
-    target.name: target for target in (Specification(), GeneratedPython(1), NativeSimulation(0), NativeSimulation(1))
+    target.name: target
+    for target in (
+        Specification(),
+        GeneratedPython(1),
+        GeneratedPython(1, observed=True),
+        GeneratedPython(1, traced=False),
+        NativeSimulation(0),
+        NativeSimulation(1),
+        NativeSimulation(1, observed=True),
+    )
 }
 
 
 def target_named(name: str) -> Target:
-    """A target by its name or the beginning of it (``c``: the most optimizing one); KeyError if there is none."""
-    candidates = [target for full, target in TARGETS.items() if full == name or full.startswith(f"{name}-")]
-    if not candidates:
-        raise KeyError(name)
-    return candidates[-1]
+    """A target by its name, or the name before the level (``c``: at level 1); KeyError if there is none."""
+    return TARGETS[name] if name in TARGETS else TARGETS[f"{name}-O1"]

@@ -14,8 +14,8 @@ from tests.conformance.targets import TARGETS, Target
 from tests.properties.encounters import encounters
 from tests.properties.programs import programs
 
-EXAMPLES = int(os.environ.get("CONFORMANCE_EXAMPLES", "40"))
-"""How many random programs each target is compared on."""
+EXAMPLES = int(os.environ.get("CONFORMANCE_EXAMPLES", "30"))
+"""How many random programs each target is compared on; this, and all of ``tests.conformance``, is meant to take three minutes on two cores."""
 
 
 @pytest.fixture(params=TARGETS.values(), ids=TARGETS)
