@@ -25,7 +25,7 @@ from __future__ import annotations
 from collections.abc import Container, Iterator
 
 from cspdiag.diagnostics.record import replaced
-from cspdiag.network.actions import End, ParallelSteps, PortEnd, ReadValue
+from cspdiag.network.actions import Action, End, ParallelSteps, PortEnd, ProcessScope, ReadValue
 from cspdiag.network.ir import CreatedChoice, Network, Port, ProcessClass, SubmodelClass
 from cspdiag.network.optimize.dead import remove_dead_parts
 from cspdiag.network.optimize.fuse_actions import Composition
@@ -64,9 +64,10 @@ def fused(network: Network) -> Network:
         raise NotStaticError("it is one process already")
     entry = opened(network)
     path = with_loop_early(schedule(entry, network.external_ports))
-    for together in (False, True):
-        single, counters = _single(entry, path, together=together)
-        if _does_the_same(single, path, counters, network):
+    for together, closing in ((False, False), (True, False), (True, True)):
+        single, counters = _single(entry, path, together=together, closing=closing)
+        again = _followed_again(single, path, counters, network)
+        if again is not None and same_schedule(path, again, counters):
             return remove_dead_parts(replaced(network, classes=(single,)))
     raise NotStaticError("one process would take its samples at other instants")
 
@@ -90,18 +91,21 @@ def _beginnings(path: Path) -> dict[int, tuple[End, ...]]:
     return found
 
 
-def _single(entry: ProcessClass, path: Path, *, together: bool) -> tuple[ProcessClass, frozenset[str]]:
-    """The class of the one process, and the variables in it that count; ``together``: it begins to follow inputs as the processes did."""
+def _single(entry: ProcessClass, path: Path, *, together: bool, closing: bool) -> tuple[ProcessClass, frozenset[str]]:
+    """The class of the one process, and the variables in it that count.
+
+    ``together``: it begins to follow inputs when the processes did. ``closing``: the ends of each process stay its own, and are closed when it ends.
+    """
     assert entry.body is not None
     followed = _beginnings(path) if together else {}
     if isinstance(path.outcome, Loops) and any(position > path.outcome.position for position in followed):
         path = with_loop_begun(path)
     names = {channel.name for channel in entry.channels}
-    composition = Composition(path, entry.body, names, followed=followed)
+    composition = Composition(path, entry.body, names, followed, closing=closing)
     guarded = {(e.port, e.index or 0) for ends in followed.values() for e in ends if isinstance(e, PortEnd)}
     single = replaced(
         entry,
-        body=composition.body,
+        body=_with_owners(entry.body, composition.body) if closing else composition.body,
         channels=(*entry.channels, *composition.variables),
         ports=tuple(_guarded(port, guarded) for port in entry.ports),
         creation=(*entry.creation, *map(CreatedChoice, composition.alternatives)),
@@ -117,10 +121,16 @@ def _guarded(port: Port, guarded: Container[tuple[str, int]]) -> Port:
     return replaced(port, media=tuple(media))
 
 
-def _does_the_same(single: ProcessClass, path: Path, counters: frozenset[str], network: Network) -> bool:
-    """Follows the one process as the many were followed."""
+def _with_owners(before: Action, body: Action) -> Action:
+    """The composition within all processes of the one before that have ends."""
+    for part in parts(before):
+        if isinstance(part, ProcessScope) and part.ends:
+            body = replaced(part, body=body)
+    return body
+
+
+def _followed_again(single: ProcessClass, path: Path, counters: frozenset[str], network: Network) -> Path | None:
     try:
-        again = schedule_like(single, network.external_ports, path, counters)
+        return schedule_like(single, network.external_ports, path, counters)
     except NotStaticError:
-        return False
-    return same_schedule(path, again, counters)
+        return None

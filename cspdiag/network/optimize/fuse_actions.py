@@ -13,6 +13,7 @@ from cspdiag.network.actions import (
     Choice,
     End,
     IfElse,
+    ProcessScope,
     RaiseException,
     ReadyEvent,
     Repeat,
@@ -34,14 +35,22 @@ class Composition:
     """Writes it as ``body``; ``place`` is where what nobody wrote stands. ``variables`` are those that it needs besides.
 
     ``followed`` has the positions of samples before which it begins to follow inputs: the ends, beginning with the one that has the sample.
+    ``closing``: the ends of processes that end are closed.
     """
 
     def __init__(
-        self, path: Path, place: Action, taken: Iterable[str], *, followed: Mapping[int, tuple[End, ...]]
+        self,
+        path: Path,
+        place: Action,
+        taken: Iterable[str],
+        followed: Mapping[int, tuple[End, ...]],
+        *,
+        closing: bool,
     ) -> None:
         self._place = place
         self._taken = {*taken, *path.made}
         self._followed = followed
+        self._closing = closing
         self._loop = path.outcome.position if isinstance(path.outcome, Loops) else None
         self.alternatives: list[str] = []
         """The names of those that it makes."""
@@ -137,6 +146,8 @@ class Composition:
         steps: list[Action] = []
         for position in range(first, last):
             happening = path.happenings[position]
+            if not self._closing and isinstance(happening, Step) and isinstance(happening.action, ProcessScope):
+                continue
             if happening.time > now and not (isinstance(happening, Step) and happening.fresh):
                 steps.append(self._wait(happening.time - now))
             now = happening.time

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from itertools import zip_longest
 from typing import TypeAlias
 
-from cspdiag.network.actions import AssignValue
+from cspdiag.network.actions import AssignValue, ProcessScope
 from cspdiag.network.optimize.fuse_actions import opposite
 from cspdiag.network.optimize.fuse_follow import Ends, Loops
 from cspdiag.network.optimize.fuse_record import Happening, Step, Turn
@@ -14,7 +14,8 @@ from cspdiag.network.optimize.fuse_schedule import Path
 
 
 def same_schedule(one: Path, other: Path, ignored: frozenset[str]) -> bool:
-    """Whether the same happens at the same instants, in the same order, with the same exits; assignments to ``ignored`` variables do not count.
+    """Whether the same happens at the same instants, in the same order, with the same exits; assignments to ``ignored`` variables do not count,
+    nor does where processes end, which shows in the samples that are taken and missed.
 
     Each is a beginning and a loop. Two such sequences that agree for as long as both are together agree for ever.
     """
@@ -88,8 +89,10 @@ def _unrolled(part: Part, length: int, ignored: frozenset[str]) -> Iterator[tupl
 
 
 def _is_ignored(happening: Happening, ignored: frozenset[str]) -> bool:
-    return (
-        isinstance(happening, Step)
-        and isinstance(happening.action, AssignValue)
-        and happening.action.target.channel in ignored
-    )
+    match happening:
+        case Step(action=AssignValue(target=target)):
+            return target.channel in ignored
+        case Step(action=ProcessScope()):
+            return True
+        case _:
+            return False

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from cspdiag.diagnostics import Span
+from cspdiag.diagnostics.record import replaced
 from cspdiag.network.actions import (
     Action,
     AssignValue,
@@ -119,9 +120,9 @@ class Raise:
 
 @dataclass(frozen=True, eq=False)
 class Close:
-    """A process that was run in sequence has ended."""
+    """A process has ended; ``scope`` is it, without what it did."""
 
-    instance: str
+    scope: ProcessScope
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,9 +143,9 @@ class Handler:
 
 @dataclass(frozen=True)
 class Scope:
-    """A process around an instruction."""
+    """A process around an instruction, without what it does."""
 
-    instance: str
+    process: ProcessScope
 
 
 Around: TypeAlias = tuple[Handler | Scope, ...]
@@ -212,9 +213,10 @@ class Code:
                 self._add(Delay(None, action.span), around)
             case RaiseException(exception=exception):
                 self._add(Raise(exception), around)
-            case ProcessScope(instance=instance, body=body):
-                self._add_action(body, (Scope(instance), *around))
-                self._add(Close(instance), around)
+            case ProcessScope(body=body):
+                process = replaced(action, body=SkipStep(span=action.span))
+                self._add_action(body, (Scope(process), *around))
+                self._add(Close(process), around)
             case IfElse() | WhileLoop() | Repeat():
                 self._add_decision(action, around)
             case Choice():

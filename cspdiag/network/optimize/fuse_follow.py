@@ -269,8 +269,8 @@ class Following(Recorder):
                 self._jump(task, to)
             case Raise(exception=exception):
                 return self._raise(task, exception)
-            case Close(instance=instance):
-                self._process_ended(instance)
+            case Close(scope=scope):
+                self._process_ended(scope)
                 task.position += 1
             case Finish():
                 self._end(task, None)
@@ -382,8 +382,8 @@ class Following(Recorder):
     def _raise(self, task: Task, exception: str) -> bool:
         for item in self.code.around[task.position]:
             match item:
-                case Scope(instance=instance):
-                    self._process_ended(instance)
+                case Scope(process=process):
+                    self._process_ended(process)
                 case Handler(exception=caught, handler=handler) if caught == exception:
                     task.position = handler
                     return True
@@ -396,13 +396,16 @@ class Following(Recorder):
         if task.cancelled:
             for item in self.code.around[task.position]:
                 if isinstance(item, Scope):
-                    self._process_ended(item.instance)
+                    self._process_ended(item.process)
         if task.parent is not None:
             task.parent.branch_ended(failure, task.cancelled)
         else:
             self.failure = failure
 
-    def _process_ended(self, instance: str) -> None:
+    def _process_ended(self, process: ProcessScope) -> None:
+        if process.ends:
+            self.process_ended(process)
+        instance = process.instance
         for port in self.inputs:
             port.sessions = {end: s for end, s in port.sessions.items() if self._owners.get(end) != instance}
 

@@ -12,6 +12,7 @@ from cspdiag.network.actions import (
     Action,
     AssignValue,
     ChannelEnd,
+    ProcessScope,
     ReadValue,
     ReportCommunication,
     Target,
@@ -89,6 +90,10 @@ class Recorder:
     def folded(self, expression: Expression) -> Expression:
         """The expression, or its value where that is known."""
         return folded_with(expression, self._known)
+
+    def process_ended(self, process: ProcessScope) -> None:
+        """A process that had ends has ended; without what it did, it closes them."""
+        self._do(process)
 
     def turn(self, condition: Expression, holds: bool) -> None:
         """A condition is looked at."""
