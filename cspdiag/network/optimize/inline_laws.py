@@ -48,12 +48,14 @@ _AT_ONCE = frozenset({"var", "constant"})
 
 
 def inline_laws(network: Network) -> Network:
-    """The network with every submodel but those written by hand computed by the process around it.
+    """The network with every submodel but those written by hand, or with a part in C, computed by the process around it.
 
     A run becomes ``ReadInputs``, ``RunLaw`` and ``WriteOutputs``. Reads and writes are points of cancellation also where none is left; such empty ones
     stay in programs in which a process can see that another was cancelled.
     """
-    laws = {entry.name: entry for entry in network.classes if isinstance(entry, SubmodelClass) and not entry.external}
+    laws = {
+        entry.name: entry for entry in network.classes if isinstance(entry, SubmodelClass) and not _is_by_hand(entry)
+    }
     seen = any(
         isinstance(part, InterruptOn | CatchException)
         for entry in network.classes
@@ -64,6 +66,12 @@ def inline_laws(network: Network) -> Network:
         _Inlining(entry, laws, seen).result() if isinstance(entry, ProcessClass) else entry for entry in network.classes
     ]
     return reachable(replaced(network, classes=tuple(classes)))
+
+
+def _is_by_hand(law: SubmodelClass) -> bool:
+    """Whether a law has a struct of its own in C, written by hand, and with it what surrounds that."""
+    calls = (entry for entry in law.equations if isinstance(entry, ExternalCall))
+    return law.external is not None or any(call.external.language == "c" for call in calls)
 
 
 class _Inlining:
