@@ -14,7 +14,6 @@ from cspdiag.network.actions import (
     End,
     IfElse,
     ProcessScope,
-    RaiseException,
     ReadyEvent,
     Repeat,
     SkipStep,
@@ -25,6 +24,7 @@ from cspdiag.network.actions import (
 from cspdiag.network.expressions import BinaryOperation, Expression, LiteralValue, UnaryOperation, VariableValue
 from cspdiag.network.ir import LocalChannel
 from cspdiag.network.optimize.changes import in_sequence
+from cspdiag.network.optimize.fuse_code import Raise
 from cspdiag.network.optimize.fuse_follow import Ends, Loops
 from cspdiag.network.optimize.fuse_record import Step, Turn
 from cspdiag.network.optimize.fuse_rolling import rolled
@@ -88,7 +88,7 @@ class Composition:
             case Ends(failure=failure):
                 end: list[Action] = []
                 if failure is not None:
-                    end.append(RaiseException(span=self._place.span, exception=failure))
+                    end.append(_raised(failure))
                 return self._straight(path, first, len(path.happenings), now, path.now, end)
             case Loops():
                 return self._looping(path, first, now, path.outcome)
@@ -190,6 +190,11 @@ class Composition:
 
     def _wait(self, duration: int) -> Action:
         return WaitStep(span=self._place.span, duration=LiteralValue(type=TIME, value=duration))
+
+
+def _raised(failure: Raise) -> Action:
+    """Where it was raised, by the process that raised it."""
+    return failure.action if failure.process is None else replaced(failure.process, ends=(), body=failure.action)
 
 
 def _ends_well(path: Path) -> bool:

@@ -8,6 +8,7 @@ from typing import TypeAlias
 
 from cspdiag.network.actions import AssignValue, ProcessScope
 from cspdiag.network.optimize.fuse_actions import opposite
+from cspdiag.network.optimize.fuse_code import Raise
 from cspdiag.network.optimize.fuse_follow import Ends, Loops
 from cspdiag.network.optimize.fuse_record import Happening, Step, Turn
 from cspdiag.network.optimize.fuse_schedule import Path
@@ -59,7 +60,14 @@ def _same_end(one: Part, other: Part) -> bool:
     outcome, other_outcome = one[0].outcome, other[0].outcome
     if isinstance(outcome, Loops) or isinstance(other_outcome, Loops):
         return isinstance(outcome, Loops) and isinstance(other_outcome, Loops)
-    return outcome == other_outcome and one[0].now - one[2] == other[0].now - other[2]
+    return _same_failure(outcome.failure, other_outcome.failure) and one[0].now - one[2] == other[0].now - other[2]
+
+
+def _same_failure(one: Raise | None, other: Raise | None) -> bool:
+    if one is None or other is None:
+        return one is other
+    processes = [None if failure.process is None else failure.process.instance for failure in (one, other)]
+    return one.action == other.action and processes[0] == processes[1]
 
 
 def _same_turn(one: Turn, other: Turn) -> bool:

@@ -113,9 +113,10 @@ class Start:
 
 @dataclass(frozen=True, eq=False)
 class Raise:
-    """Raises an exception."""
+    """Raises an exception in a process, None for the outermost."""
 
-    exception: str
+    action: RaiseException
+    process: ProcessScope | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,6 +166,7 @@ class Code:
         self.instructions: list[Instruction] = []
         self.around: list[Around] = []
         self.kinds: dict[str, MediumKind] = {channel.name: channel.kind for channel in entry.channels}
+        self._process: ProcessScope | None = None
         self._media = {port.name: port.media for port in entry.ports}
         self._add_action(entry.body, ())
         self._add(Finish(), ())
@@ -211,11 +213,13 @@ class Code:
                 self._add(Delay(duration, action.span), around)
             case StopStep():
                 self._add(Delay(None, action.span), around)
-            case RaiseException(exception=exception):
-                self._add(Raise(exception), around)
+            case RaiseException():
+                self._add(Raise(action, self._process), around)
             case ProcessScope(body=body):
                 process = replaced(action, body=SkipStep(span=action.span))
+                outer, self._process = self._process, process
                 self._add_action(body, (Scope(process), *around))
+                self._process = outer
                 self._add(Close(process), around)
             case IfElse() | WhileLoop() | Repeat():
                 self._add_decision(action, around)

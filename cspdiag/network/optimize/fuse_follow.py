@@ -55,7 +55,7 @@ LONGEST = 1000
 class Ends:
     """The program ends, by an exception if ``failure`` is not None."""
 
-    failure: str | None
+    failure: Raise | None
 
 
 @dataclass(frozen=True)
@@ -95,7 +95,7 @@ class Following(Recorder):
         self.waiting: list[Request] = []
         self.running: Task | None = None
         self.memories: dict[str, int] = {}
-        self.failure: str | None = None
+        self.failure: Raise | None = None
         self._decisions = decisions
         self._asked = 0
         self._seen: dict[object, tuple[int, int]] = {}
@@ -241,7 +241,7 @@ class Following(Recorder):
         """After what it waited for; gives whether it goes on."""
         self.resumed(task.key)
         match request:
-            case Branches(failure=str(failure)):
+            case Branches(failure=Raise() as failure):
                 return self._raise(task, failure)
             case Branches():
                 task.position = request.after
@@ -267,8 +267,8 @@ class Following(Recorder):
                 self._jump(task, task.position + 1 if holds else instruction.otherwise)
             case Jump(to=to):
                 self._jump(task, to)
-            case Raise(exception=exception):
-                return self._raise(task, exception)
+            case Raise():
+                return self._raise(task, instruction)
             case Close(scope=scope):
                 self._process_ended(scope)
                 task.position += 1
@@ -379,18 +379,18 @@ class Following(Recorder):
             self.make_ready(branch)
         return False
 
-    def _raise(self, task: Task, exception: str) -> bool:
+    def _raise(self, task: Task, failure: Raise) -> bool:
         for item in self.code.around[task.position]:
             match item:
                 case Scope(process=process):
                     self._process_ended(process)
-                case Handler(exception=caught, handler=handler) if caught == exception:
+                case Handler(exception=caught, handler=handler) if caught == failure.action.exception:
                     task.position = handler
                     return True
-        self._end(task, exception)
+        self._end(task, failure)
         return False
 
-    def _end(self, task: Task, failure: str | None) -> None:
+    def _end(self, task: Task, failure: Raise | None) -> None:
         task.ended = True
         self.forget(task.key)
         if task.cancelled:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from cspdiag.network.optimize.fuse_code import Raise
 from cspdiag.network.optimize.fuse_media import Offer, SampledInput
 
 if TYPE_CHECKING:
@@ -244,14 +245,14 @@ class Branches(Request):
         super().__init__(world, task)
         self.after = after
         self.tasks: list[Task] = []
-        self.failure: str | None = None
+        self.failure: Raise | None = None
         self.abandoned = False
 
     def state(self) -> tuple[object, ...]:
         """See ``Request.state``."""
-        return (self.done, self.failure, self.abandoned, tuple(task.ended for task in self.tasks))
+        return (self.done, id(self.failure), self.abandoned, tuple(task.ended for task in self.tasks))
 
-    def branch_ended(self, failure: str | None, cancelled: bool) -> None:
+    def branch_ended(self, failure: Raise | None, cancelled: bool) -> None:
         """A branch has ended."""
         if cancelled:
             self.abandoned = True
