@@ -59,6 +59,8 @@ class Names:
     def __init__(self, taken: Iterable[str] = ()) -> None:
         self._taken = set(taken)
         self._given: dict[str, str] = {}
+        self._counts: dict[str, int] = {}
+        """The last number that was tried for a name: those below are taken."""
 
     def __getitem__(self, text: str) -> str:
         """The name that was given for a name of the text; made at the first time."""
@@ -73,10 +75,11 @@ class Names:
     def fresh(self, text: str) -> str:
         """A new name, as near to ``text`` as may be."""
         wanted = identifier(text)
-        name, count = wanted, 1
+        name, count = wanted, self._counts.get(wanted, 1)
         while name in self._taken:
             count += 1
             name = f"{wanted.rstrip('_')}_{count}"
+        self._counts[wanted] = count
         self._taken.add(name)
         return name
 
