@@ -54,9 +54,17 @@ def generate(
 
 
 def frame(
-    network: Network, names: PackageNames, external: ExternalModules, make_environment: EnvironmentMaker
+    network: Network,
+    names: PackageNames,
+    external: ExternalModules,
+    make_environment: EnvironmentMaker,
+    *,
+    optimized: bool = False,
 ) -> dict[str, str]:
-    """The files that are not the classes and the network: entry points, definitions, environments and the runtime."""
+    """The files that are not the classes and the network: entry points, definitions, environments and the runtime.
+
+    In ``optimized`` packages the linter lets pass what the optimizer leaves.
+    """
     render = renderer("python")
     package = names.package
     files: dict[str, str] = {}
@@ -65,7 +73,7 @@ def frame(
         files[path] = render(template, **values)
 
     project = project_view(network, names, external)
-    add("pyproject.toml", "pyproject.toml.j2", project=project)
+    add("pyproject.toml", "pyproject.toml.j2", project=project, optimized=optimized)
     add("README.md", "README.md.j2", project=project)
     add(f"{package}/__init__.py", "__init__.py.j2", project=project)
     add(f"{package}/__main__.py", "__main__.py.j2", project=project)

@@ -53,9 +53,14 @@ def run(code: Code, comment: str | None = None) -> Line:
 
 
 def lines(statements: Iterable[Statement], indent: str) -> list[str]:
-    """The lines of statements at an indentation."""
+    """The lines of statements at an indentation; a function among them stands between blank lines."""
     result: list[str] = []
+    after_function = False
     for item in statements:
+        is_function = isinstance(item, Block) and item.head.before.startswith("def ")
+        if result and (is_function or after_function):
+            result.append("")
+        after_function = is_function
         match item:
             case Line():
                 result += statement(item.before, item.code, item.after, indent, item.comment)

@@ -337,7 +337,9 @@ class Composition:
             yield assign(f"{ready}_mask", mask)
             mask = Atom(f"{ready}_mask")
         yield text(f"{ready} = {guards}.ready & {mask.flat}")
-        yield Block(text(f"if not {ready}:"), (*self._known(), text(f"{ready} = yield from {local}.wait({mask.flat})")))
+        bare = mask.flat[1:-1] if len(branches) == 1 and mask.flat.startswith("(") else mask.flat
+        waiting = call(f"yield from {local}.wait", Atom(bare))
+        yield Block(text(f"if not {ready}:"), (*self._known(), assign(ready, waiting)))
         if len(branches) > 1 and not choice.prioritized:
             above = self._memory(attribute, local)
             yield text(f"{bit} = {ready} & {above} or {ready}")

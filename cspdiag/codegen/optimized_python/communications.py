@@ -6,8 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from cspdiag.codegen.optimized_python.places import Spelling, at_once, is_alternated, is_inline, never_waits
+from cspdiag.codegen.python_code import AND, COMPARISON, SUM, Atom, Code, call, infix, tuple_of
 from cspdiag.codegen.python_imports import Imports
-from cspdiag.codegen.python_statements import Block, Line, Statement
+from cspdiag.codegen.python_statements import Block, Line, Statement, Unpack, run
 from cspdiag.model.types import BoolType, EnumType, IntType, RealType, TimeType
 from cspdiag.network.actions import End
 from cspdiag.network.ir import Medium
@@ -111,9 +112,11 @@ class Communications:
         if medium.guarded_reads:
             lower = text(f"{self.imports.runtime('lower_bits')}({end}.inputs)")
             in_place = (*in_place, Block(text(f"if {end}.inputs:"), (lower,)))
-        usual = f"if {end}.begun and not {end}.overdue and {scheduler}.observe is None:"
+        usual: Code = Atom(f"{end}.begun")
+        for also in (f"not {end}.overdue", f"{scheduler}.observe is None"):
+            usual = infix("and", AND, usual, Atom(also))
         rest = text(f"{into} = {end}.taken({self.spelling['me']})")
-        return (Block(text(usual), in_place), Block(text("else:"), (rest,)))
+        return (Block(Line("if ", usual, ":"), in_place), Block(text("else:"), (rest,)))
 
     def write(self, sink: End, value: str) -> Statements:
         """Writes a value that is simple enough to be evaluated twice."""
@@ -143,7 +146,8 @@ class Communications:
         refused = text(f"{end}.offer({me}, {value})")
         if not isinstance(type_, RealType):
             return (refused,)
-        return (Block(text(f"if {value} - {value} == 0.0:"), latch), Block(text("else:"), (refused,)))
+        finite = infix("==", COMPARISON, infix("-", SUM, Atom(value), Atom(value)), Atom("0.0"))
+        return (Block(Line("if ", finite, ":"), latch), Block(text("else:"), (refused,)))
 
     def _rendezvous_write(self, channel: str, value: str, alternated: bool) -> Statements:
         me, reader = self.spelling["me"], self.spelling["reader"]
@@ -190,9 +194,8 @@ class Communications:
         if all(is_inline(spelling.medium(end)) for end, _ in slow):
             return (*self.check(), *here, *self._rendezvous_reads(slow))
         ends = [spelling.source(end) for end, _ in slow]
-        names = ", ".join(into for _, into in slow)
-        call = self.imports.runtime("read_all")
-        wait = (*self.known(), text(f"{names} = yield from {call}({', '.join(ends)})"))
+        waiting = call(f"yield from {self.imports.runtime('read_all')}", *map(Atom, ends))
+        wait = (*self.known(), Unpack(tuple(into for _, into in slow), waiting))
         media = [spelling.medium(end) for end, _ in slow]
         if any(medium.kind != "sampled" for medium in media):
             return (*self.check_early(1), *here, *wait)
@@ -249,12 +252,12 @@ class Communications:
             return tuple(statements)
         if all(is_inline(medium) or at_once(sink, medium) for (sink, _), medium in zip(writes, media, strict=True)):
             return (*self.check(), *self._rendezvous_writes(writes))
-        pairs = ", ".join(
-            f"({spelling.sink(sink)}, {value})"
+        pairs = [
+            tuple_of((Atom(spelling.sink(sink)), Atom(value)))
             for (sink, value), medium in zip(writes, media, strict=True)
             if medium.kind != "discard"
-        )
-        return (*self.known(), text(f"yield from {self.imports.runtime('write_all')}({pairs})"))
+        ]
+        return (*self.known(), run(call(f"yield from {self.imports.runtime('write_all')}", *pairs)))
 
     def _unchecked(self, statements: Statements) -> Statements:
         check = self.check()

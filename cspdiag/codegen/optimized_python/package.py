@@ -25,7 +25,7 @@ def generate(network: Network, modules: Mapping[str, str], options: Options) -> 
     names = PackageNames(optimized)
     external = ExternalModules(modules)
     package = names.package
-    files = python.frame(optimized, names, external, environment_module)
+    files = python.frame(optimized, names, external, environment_module, optimized=True)
     files[f"{package}/network.py"] = render("network.py.j2", module=network_view(optimized, names, external))
     for class_ in optimized.classes:
         if isinstance(class_, ProcessClass):

@@ -18,6 +18,7 @@ from cspdiag.codegen.python_code import Argument, Atom, Call, Code, Comprehensio
 from cspdiag.codegen.python_docs import class_doc
 from cspdiag.codegen.python_external import ExternalModules
 from cspdiag.codegen.python_imports import Imports
+from cspdiag.codegen.python_layout import LINE_LENGTH
 from cspdiag.codegen.python_modules import ClassModule
 from cspdiag.codegen.python_names import PackageNames
 from cspdiag.codegen.python_processes import keywords_of, path
@@ -42,6 +43,8 @@ from cspdiag.network.ir import (
 from cspdiag.network.walk import parts
 
 _EXTERNAL_CLASSES = {"constant": "Constant", "sampled": "SampledInput", "latched": "SampledOutput"}
+_DECLARED = LINE_LENGTH - 12
+"""Room for a declaration in a function inside a method."""
 _CHANNEL_CLASSES = {
     "var": "Variable",
     "sync": "Channel",
@@ -68,6 +71,17 @@ def has_levels(network: Network) -> bool:
     """Whether the program has prioritized parallels."""
     bodies = [entry.body for entry in network.classes if isinstance(entry, ProcessClass)]
     return any(isinstance(part, ParallelSteps) and part.prioritized for body in bodies for part in parts(body))
+
+
+def _nonlocal(names: Sequence[str]) -> Statements:
+    """Declares variables of the function around, as many as there is room for in a line."""
+    rows: list[str] = []
+    for name in names:
+        if rows and len(rows[-1]) + len(name) + 2 <= _DECLARED:
+            rows[-1] += f", {name}"
+        else:
+            rows.append(f"nonlocal {name}")
+    return tuple(map(text, rows))
 
 
 class _ProcessWriter:
@@ -132,13 +146,15 @@ class _ProcessWriter:
         states = tuple(self._initial_states()) if not spelling.again else ()
         declared = tuple(self._declared_variables())
         memories = tuple(text(f"{name} = -1") for name in self.composition.memories.values())
+        for item in external_calls(process.body):
+            spelling.local(f"self.{spelling.signal(item.name).flat}")
         bound = tuple(text(f"{name} = self.{name}") for name in spelling.bound)
         task, steps = self.imports.runtime("Task"), self.imports.runtime("Steps")
         code: Statements = (*bound, *self.composition.prologue, *states, *declared, *memories)
         for name, function in self.composition.functions:
             rows = lines(function or (text("pass"),), "    ")
             shared = self._set_in(rows)
-            inner: Statements = (text(f"nonlocal {', '.join(shared)}"), *function) if shared else function
+            inner: Statements = (*_nonlocal(shared), *function)
             code += (Block(text(f"def {name}({me}: {task}) -> {steps}:"), self._generator(inner)),)
         code += (text(f"self.start({me})"),)
         failed = (text(f"self.fail({me}, {error})"), text("raise"))
@@ -260,6 +276,8 @@ class _ProcessWriter:
                 yield from assigned(typed, self.initial, state.initial, self.composition.place_of(state))
 
     def _parts(self) -> Iterator[Statement]:
+        if not self.spelling.parts:
+            return
         class_ = self.imports.runtime("Part")
         for scope in self.spelling.scopes:
             source = Argument(Atom(quoted(self.names.place(scope.span.file, scope.span.line))), "source")
@@ -274,7 +292,6 @@ class _ProcessWriter:
             given = {name: self.initial.print(value) for name, value in item.arguments}
             made = self.modules.construct(item.external, given, self.imports)
             yield assign(f"self.{self.spelling.signal(item.name).flat}", made)
-            self.spelling.bound[self.spelling.signal(item.name).flat] = None
 
     def _channels(self) -> Iterator[Statement]:
         kept = [channel for channel in self.process.channels if not self.spelling.is_local(channel.name)]
