@@ -23,8 +23,8 @@ class Rendezvous(In[T], Out[T]):
 
     def __init__(self, name: str = "channel") -> None:
         self.name = name
-        self.reading: Party | None = None
-        self.writing: Party | None = None
+        self.reading: Any = None
+        self.writing: Any = None
         self.offered: Any = None
         self.value: Any = None
 

@@ -40,11 +40,11 @@ def network(name: str) -> Network:
 
 
 @cache
-def package(name: str) -> Mapping[str, str]:
+def package(name: str, level: int = 0) -> Mapping[str, str]:
     """The generated files."""
-    return pipeline.generate(network(name), read)
+    return pipeline.generate(network(name), read, level=level)
 
 
-def written_by_generator(name: str) -> dict[str, str]:
+def written_by_generator(name: str, level: int = 0) -> dict[str, str]:
     """The generated files without the copied runtime."""
-    return {path: text for path, text in package(name).items() if path.split("/")[1:2] != ["runtime"]}
+    return {path: text for path, text in package(name, level).items() if path.split("/")[1:2] != ["runtime"]}

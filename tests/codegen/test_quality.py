@@ -15,11 +15,11 @@ RUNTIME = '"""Stands for the copied runtime, which is checked where it lives."""
 COMMAND_LINE = "from cspdiag.runtime.command_line import main as main\n"
 
 
-@pytest.fixture(scope="module")
-def workspace(tmp_path_factory: pytest.TempPathFactory) -> Path:
+@pytest.fixture(scope="module", params=[0, 1], ids=["O0", "O1"])
+def workspace(tmp_path_factory: pytest.TempPathFactory, request: pytest.FixtureRequest) -> Path:
     folder = tmp_path_factory.mktemp("packages")
     for name in NAMES:
-        files = written_by_generator(name)
+        files = written_by_generator(name, request.param)
         package = next(path.partition("/")[0] for path in files if path.endswith("/__init__.py"))
         files[f"{package}/runtime/__init__.py"] = RUNTIME
         files[f"{package}/runtime/command_line.py"] = COMMAND_LINE
