@@ -250,7 +250,8 @@ def _creation(entry: ProcessClass) -> tuple[Any, ...]:
             case _:
                 pass
     ends.update(connection.attachment for instance in entry.instances for connection in instance.connections)
-    ends.update(end for end in entry.creation if ends_of(end, places_waited_for(entry)))
+    waited_for = places_waited_for(entry)
+    ends.update(end for end in entry.creation if ends_of(end, waited_for))
     instances = {instance.name for instance in entry.instances}
 
     def still_is(item: Any) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Mapping
+from itertools import islice
 
 from cspdiag.diagnostics.record import replaced
 from cspdiag.network.actions import Action, End, Group, ParallelSteps, RunInstance
@@ -46,7 +47,8 @@ class _Flattening:
         if isinstance(entry, ProcessClass) and entry.body is not None:
             self._sizes[entry.name] = _size(entry)
             self._depths[entry.name] = _depth(entry.body)
-            entry = self._flattened(entry, entry.body)
+            if entry.instances:
+                entry = self._flattened(entry, entry.body)
         self.classes[entry.name] = entry
 
     def _flattened(self, entry: ProcessClass, body: Action) -> ProcessClass:
@@ -75,6 +77,8 @@ class _Flattening:
     def _moved(self, entry: ProcessClass, body: Action) -> dict[str, MovedUp]:
         """The instances to take in."""
         wanted = _run_in_sequence(body)
+        if not wanted:
+            return {}
         long = {name for name, count in Counter(i.array for i in entry.instances).items() if count > LONGEST}
         numbers = EndNumbers(entry)
         moved: dict[str, MovedUp] = {}
@@ -95,7 +99,9 @@ class _Flattening:
 
 
 def _size(entry: ProcessClass) -> int:
-    return sum(1 for _ in parts((entry.body, entry.channels, entry.instances, entry.constants, entry.states)))
+    """Of a class that is too large already, no more is counted than tells that."""
+    owned = parts((entry.body, entry.channels, entry.instances, entry.constants, entry.states))
+    return sum(1 for _ in islice(owned, LARGEST + 1))
 
 
 def _depth(action: Action) -> int:
