@@ -43,33 +43,32 @@ def simulate(
     fused: bool = False,
     options: tuple[str, ...] = ("-O2",),
 ) -> Run:
-    """Generate, build and run a program; ``until`` is a time limit in nanoseconds.
+    """Generate, build and run a program; ``until`` is a time limit in nanoseconds, ``real_time`` runs it against the clock of a POSIX system.
 
     ``fused`` programs run processes as one where that is possible, and do not tell when each starts and ends. ``on_start`` is handed what knows the present instant as ``now``. Ctrl-C and what the program raises end the run with an outcome, not with an
     exception. Raises NoEnvironmentError, TargetError for what C cannot express, and CompilerError.
     """
     chosen = chosen_environment(network, environment)
-    if real_time:
-        raise CompilerError("--real-time runs in Python: leave out --target c")
     if chosen is not None:
         refuse_devices(chosen)
     recorder = recorder if recorder is not None else Recorder()
     files = generate(network, read, "c", level, observed=not fused)
     sources = [path for path in files if path.endswith(".c")]
-    program = Build(files, _wanted(sources), (*options, "-DCSP_TRACE=1")).executable()
+    program = Build(files, _wanted(sources, real_time), (*options, "-DCSP_TRACE=1")).executable()
     command = [str(program), "--observe", observed]
     if chosen is not None:
         command += ["--environment", chosen.name]
     if until is not None:
         command += ["--for", str(until)]
     types = {net.path: net.type for net in network.nets}
-    outcome = _run(command, types, recorder, chosen, network, on_start)
+    outcome = _run(command, types, recorder, chosen, network, on_start, real_time=real_time)
     return Run(network, chosen, outcome, recorder)
 
 
-def _wanted(sources: list[str]) -> list[str]:
-    """The sources of the simulation: of the places to run, only virtual time."""
-    return [path for path in sources if "csp_port_" not in path or path.endswith("csp_port_simulation.c")]
+def _wanted(sources: list[str], real_time: bool) -> list[str]:
+    """The sources of the simulation: of the places to run, the one that is asked for."""
+    port = "csp_port_posix.c" if real_time else "csp_port_simulation.c"
+    return [path for path in sources if "csp_port_" not in path or path.endswith(port)]
 
 
 def _run(
@@ -79,9 +78,13 @@ def _run(
     environment: Environment | None,
     network: Network,
     on_start: Callable[[StreamReader], None] | None,
+    *,
+    real_time: bool,
 ) -> Outcome:
     # A session of its own: Ctrl-C comes to us, and we hand it on once, so that outputs are released and everything is told.
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True) as running:
+    # Against the clock it tells people itself how late it met the instants.
+    told = None if real_time else subprocess.PIPE
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=told, start_new_session=True) as running:
         assert running.stdout is not None
         reader = StreamReader(running.stdout, types, recorder)
         if on_start is not None:
@@ -97,9 +100,11 @@ def _run(
             raise
         _, said = running.communicate()
     if reader.end is None:
-        text = said.decode("utf-8", "replace").strip() or f"exit code {running.returncode}"
+        text = (said or b"").decode("utf-8", "replace").strip() or f"exit code {running.returncode}"
         raise CompilerError(f"the native program has failed: {text}")
-    return _outcome(reader, reader.end, environment, network)
+    outcome = _outcome(reader, reader.end, environment, network)
+    outcome.real_time = real_time
+    return outcome
 
 
 def _outcome(reader: StreamReader, end: EndRecord, environment: Environment | None, network: Network) -> Outcome:

@@ -23,7 +23,7 @@ from cspdiag.resources import template_folder
 SUPPORT = "support"
 """The folder of the kernel in a package."""
 
-_SIMULATION = ("csp_port_simulation.c", "csp_simulation.c", "csp_stream.c")
+_SIMULATION = ("csp_port_$(PORT).c", "csp_simulation.c", "csp_stream.c")
 _CONFIGURATION = "csp_config.h"
 
 
@@ -113,7 +113,7 @@ def generate(
         environments=[entry.name for entry in environments],
         files=rows,
         program=program,
-        kernel=kernel,
+        kernel=[f"{SUPPORT}/{path}" for path in kernel],
         simulation=_simulation(files, program),
         simulated=can_simulate,
     )
@@ -138,5 +138,7 @@ def support_files() -> dict[str, str]:
     """The files of the kernel, by path from its folder."""
     folder = template_folder("c") / SUPPORT
     return {
-        path.name: path.read_text(encoding="utf-8") for path in sorted(folder.iterdir()) if path.suffix in (".c", ".h")
+        path.name: path.read_text(encoding="utf-8")
+        for path in sorted(folder.iterdir())
+        if path.suffix in (".c", ".h", ".ld")
     }

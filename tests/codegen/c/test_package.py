@@ -1,0 +1,105 @@
+"""Packages in C: they compile without a warning, build by make and by CMake, and tell what memory they take."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+from collections.abc import Mapping
+from pathlib import Path
+
+import pytest
+
+from cspdiag import pipeline
+from cspdiag.network.ir import Network
+from cspdiag.simulate.native_memory import FunctionFacts, deepest, memory_report
+from cspdiag.sources import read_source
+
+MODELS = Path(__file__).parents[3] / "models"
+COMPILERS = [name for name in ("gcc", "clang") if shutil.which(name)]
+WARNINGS = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror", "-fsyntax-only")
+
+needs_compiler = pytest.mark.skipif(not COMPILERS, reason="there is no C compiler")
+
+
+def network_of(name: str) -> Network:
+    network = pipeline.build(read_source(str(MODELS / name)), read_source).network
+    assert network is not None
+    return network
+
+
+def written(files: Mapping[str, str], folder: Path) -> Path:
+    for path, text in files.items():
+        (folder / path).parent.mkdir(parents=True, exist_ok=True)
+        (folder / path).write_text(text)
+    return folder
+
+
+@needs_compiler
+@pytest.mark.parametrize("compiler", COMPILERS)
+@pytest.mark.parametrize("level", [0, 1])
+@pytest.mark.parametrize(
+    "name", ["jiwy/jiwy.csp", "cascade/cascade.csp", "watchdog/watchdog.csp", "emergency/emergency.csp"]
+)
+def test_generated_code_gives_no_warnings(name: str, level: int, compiler: str, tmp_path: Path) -> None:
+    folder = written(pipeline.generate(network_of(name), read_source, "c", level), tmp_path)
+    sources = [str(path) for path in folder.glob("*.c")]
+    for traced in ("0", "1"):
+        command = [compiler, *WARNINGS, f"-DCSP_TRACE={traced}", f"-I{folder}", f"-I{folder}/support", *sources]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stderr
+
+
+@needs_compiler
+@pytest.mark.skipif(shutil.which("make") is None, reason="there is no make")
+def test_make_builds_the_simulation(tmp_path: Path) -> None:
+    written(pipeline.generate(network_of("emergency/emergency.csp"), read_source, "c"), tmp_path)
+    make = ["make", "-s", f"CC={COMPILERS[0]}", "CFLAGS=-O0"]
+    subprocess.run(make, cwd=tmp_path, check=True, capture_output=True)
+    program = tmp_path / "emergency_simulation"
+    done = subprocess.run([program, "--for", "1000000000"], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert "1 s" in done.stderr
+    wrong = subprocess.run([program, "--until", "1"], capture_output=True, text=True, check=False)
+    assert wrong.returncode == 2
+    assert wrong.stderr.startswith("usage:")
+    unknown = subprocess.run([program, "--environment", "Mars"], capture_output=True, text=True, check=False)
+    assert unknown.returncode == 2
+    assert "no environment Mars; there are: " in unknown.stderr
+
+
+@needs_compiler
+@pytest.mark.skipif(shutil.which("cmake") is None, reason="there is no cmake")
+def test_cmake_knows_all_files(tmp_path: Path) -> None:
+    files = pipeline.generate(network_of("cascade/cascade.csp"), read_source, "c")
+    text = files["CMakeLists.txt"]
+    missing = [path for path in files if path.endswith(".c") and "csp_port_" not in path and f"  {path}\n" not in text]
+    assert missing == []
+    folder = written(files, tmp_path)
+    subprocess.run(["cmake", "-S", folder, "-B", folder / "build"], check=True, capture_output=True, env={**os.environ})
+
+
+@needs_compiler
+@pytest.mark.parametrize("compiler", COMPILERS)
+def test_the_memory_is_what_the_compiler_says(compiler: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("CC", compiler)
+    network = network_of("ring/ring.csp")
+    report = memory_report(network, pipeline.generate(network, read_source, "c"), 0)
+    cells = next(item for item in report.sizes.classes if item.name == "Cell")
+    assert cells.count == 10
+    assert 0 < cells.bytes <= 100
+    assert report.sizes.channels == 11
+    assert report.data > 10 * cells.bytes
+    assert 100 < report.stack < 10_000
+    assert report.text.splitlines()[-1].startswith("  total")
+
+
+def test_the_deepest_calls_make_the_stack() -> None:
+    functions = {
+        "main": FunctionFacts(10, ("run", "show")),
+        "run": FunctionFacts(20, ("__indirect_call",)),
+        "show": FunctionFacts(25, ()),
+        "step": FunctionFacts(100, ("helper",)),
+        "helper": FunctionFacts(7, ()),
+    }
+    assert deepest(functions) == 10 + 20 + 100 + 7
