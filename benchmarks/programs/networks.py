@@ -98,7 +98,10 @@ def memory(target: str, folder: Path) -> None:
         static = [static_memory(count, folder / str(count)) for count in (size, 2 * size)]
         report((static[1] - static[0]) / size)
         return
-    write(folder / "memory", pipeline.generate(network_of("memory", {"size": size}), read_source, "python", int(target[8])))
+    write(
+        folder / "memory",
+        pipeline.generate(network_of("memory", {"size": size}), read_source, "python", int(target[8])),
+    )
     script = Path(__file__).with_name("resident.py")
     subprocess.run([sys.executable, str(script), str(folder / "memory"), str(size)], check=True)
 
