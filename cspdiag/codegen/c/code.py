@@ -92,7 +92,9 @@ def _break(line: str) -> int | None:
         elif character == " " and position > start:
             rest = line[position + 1 :]
             operator = rest.partition(" ")[0]
-            if (line[position - 1] == "," or operator in _OPERATORS) and (best is None or depth <= best[0]):
+            # An assignment is broken only as a last resort: in an initializer the comma before it is the better place.
+            breaks = line[position - 1] == "," or (operator in _OPERATORS and (operator != "=" or depth == 0))
+            if breaks and (best is None or depth <= best[0]):
                 best = (depth, position)
     return None if best is None else best[1]
 
