@@ -44,6 +44,7 @@ from cspdiag.network.optimize.changes import changed, in_sequence, mapped
 from cspdiag.network.optimize.dead_values import without_dead_values
 from cspdiag.network.optimize.everywhere import rewritten
 from cspdiag.network.optimize.reachable import reachable
+from cspdiag.network.unwritten import may_be_unwritten
 from cspdiag.network.walk import parts
 
 Class: TypeAlias = "ProcessClass | SubmodelClass"
@@ -54,12 +55,13 @@ Raised: TypeAlias = "dict[str, frozenset[str] | None]"
 def remove_dead_parts(network: Network) -> Network:
     """The network without steps, handlers, equations, states, variables, ports, channels, instances, parameters and classes that have no effect."""
     raised: Raised = {}
+    unwritten = may_be_unwritten(network)
     results: dict[str, Class] = {}
     for entry in network.classes:
         if isinstance(entry, ProcessClass) and entry.body is not None:
             reached = _reached(entry, raised)
             raised[entry.name] = _Raising(reached, raised).by(reached.body)
-            live = _without_unused_instances(without_dead_values(reached), results)
+            live = _without_unused_instances(without_dead_values(reached, unwritten[entry.name]), results)
             results[entry.name] = _without_unused_parts(live, results, keep_ports=entry.name == network.top)
         else:
             raised[entry.name] = None if entry.external is not None else frozenset()

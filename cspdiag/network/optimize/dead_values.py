@@ -20,9 +20,12 @@ from cspdiag.network.walk import parts
 Name: TypeAlias = "tuple[type[SignalValue] | type[VariableValue], str]"
 
 
-def without_dead_values(entry: ProcessClass) -> ProcessClass:
-    """The class without them; variables that are left without any use stay, for the caller to find."""
-    values = _Values(entry)
+def without_dead_values(entry: ProcessClass, unwritten: frozenset[str]) -> ProcessClass:
+    """The class without them; variables that are left without any use stay, for the caller to find.
+
+    ``unwritten`` are the variables that may be read before they are written, which is a fault.
+    """
+    values = _Values(entry, unwritten)
     used = values.used
     own = {state.name for state in entry.states}
 
@@ -68,9 +71,9 @@ def _live_part(law: RunLaw, values: _Values) -> RunLaw | SkipStep:
 class _Values:
     """The signals and variables of a class that are ``used``, found by going on from what has an effect until nothing is added."""
 
-    def __init__(self, entry: ProcessClass) -> None:
+    def __init__(self, entry: ProcessClass, unwritten: frozenset[str]) -> None:
         self.used: set[Name] = set()
-        self._unwritten = {c.name for c in entry.channels if c.kind == "var" and c.initial is None}
+        self._unwritten = unwritten
         self._needs: dict[Name, list[Any]] = {}
         self._integrated: set[str] = set()
         for constant in entry.constants:

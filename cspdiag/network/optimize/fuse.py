@@ -31,6 +31,7 @@ from cspdiag.network.optimize.dead import remove_dead_parts
 from cspdiag.network.optimize.fuse_actions import Composition
 from cspdiag.network.optimize.fuse_check import same_schedule
 from cspdiag.network.optimize.fuse_code import NotStaticError
+from cspdiag.network.optimize.fuse_copies import without_copies
 from cspdiag.network.optimize.fuse_follow import Loops
 from cspdiag.network.optimize.fuse_open import opened
 from cspdiag.network.optimize.fuse_record import Step
@@ -68,6 +69,8 @@ def fused(network: Network) -> Network:
         single, counters = _single(entry, path, together=together, closing=closing)
         again = _followed_again(single, path, counters, network)
         if again is not None and same_schedule(path, again, counters):
+            assert single.body is not None
+            single = replaced(single, body=without_copies(single.body))
             return remove_dead_parts(replaced(network, classes=(single,)))
     raise NotStaticError("one process would take its samples at other instants")
 

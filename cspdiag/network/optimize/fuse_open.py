@@ -15,6 +15,7 @@ from cspdiag.network.optimize.flatten import creation_with
 from cspdiag.network.optimize.fuse_code import NotStaticError
 from cspdiag.network.optimize.moved import EndNumbers, MovedUp
 from cspdiag.network.optimize.variables import with_assignments
+from cspdiag.network.unwritten import may_be_unwritten
 from cspdiag.network.walk import instances_run, parts
 
 MOST_INSTANCES = 64
@@ -32,6 +33,9 @@ def opened(network: Network) -> ProcessClass:
         raise NotStaticError(f"{entry.name} is written by hand")
     while entry.instances:
         entry = _opened_once(entry, entry.body, classes)
+    unwritten = may_be_unwritten(replaced(network, classes=(entry,)))[entry.name]
+    if unwritten:
+        raise NotStaticError(f"{min(unwritten)} may be read before it is written")
     return _with_variables(entry)
 
 
