@@ -203,7 +203,8 @@ class SampledInput(In[T]):
         def sample() -> None:
             self.latest = value = signal.value
             self.sampled = True
-            for end in self._listening or self._ends_that_listen():
+            listening = self._listening
+            for end in self._ends_that_listen() if listening is None else listening:
                 if end.begun and end.pace.followed and not end.fresh:
                     end.value = value
                     end.fresh = True

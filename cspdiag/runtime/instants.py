@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from math import gcd, lcm
-from typing import Any, Protocol, TypeAlias, TypeVar
+from typing import Any, Protocol, TypeAlias
 
 from .durations import ms
 from .exceptions import EnvironmentFailure
@@ -17,16 +17,9 @@ from .places import statement_of
 from .scheduler import scheduler
 
 Plan: TypeAlias = tuple[Callable[[], None], ...]
-V = TypeVar("V")
 
-_NOT_PLANNED: Plan = (lambda: None,)
 _REMEMBERED = 1 << 14
 """So many phases are remembered: all of any usual hyperperiod, and a bounded number of periods that have nearly no common multiple."""
-
-
-def _remember(phases: dict[int, V], phase: int, value: V) -> None:
-    if len(phases) < _REMEMBERED:
-        phases[phase] = value
 
 
 class Environment(Protocol):
@@ -66,10 +59,8 @@ class Instants:
         self._grid = self._grid_of(environment)
         self._cycles = tuple(sorted(periods | ({self._grid} if self._grid else set())))
         self._hyperperiod = lcm(*self._cycles)
-        self._distances: dict[int, int] = {}
-        """From an instant to the next one, by the phase of the hyperperiod."""
-        self._plans: dict[int, Plan | None] = {}
-        """What happens at an instant, by the phase of the hyperperiod; None where nothing does."""
+        self._phases: dict[int, tuple[int, Plan | None]] = {}
+        """By the phase of the hyperperiod: the distance to the next instant, and what happens at this one; None where nothing does."""
         self._hopeful: Port | None = None
         """The port that could make a process ready when it was asked last."""
 
@@ -84,33 +75,35 @@ class Instants:
         """The next instant after ``instant``."""
         if not self._cycles:
             return None
-        phase = instant % self._hyperperiod
-        distance = self._distances.get(phase)
-        if distance is None:
-            distance = min([cycle - phase % cycle for cycle in self._cycles])
-            _remember(self._distances, phase, distance)
-        return instant + distance
+        return instant + self._phase(instant % self._hyperperiod)[0]
+
+    def _phase(self, phase: int) -> tuple[int, Plan | None]:
+        found = self._phases.get(phase)
+        if found is None:
+            found = min([cycle - phase % cycle for cycle in self._cycles]), self._plan(phase)
+            if len(self._phases) < _REMEMBERED:
+                self._phases[phase] = found
+        return found
 
     def periods_at(self, instant: int) -> list[int]:
         """The sample periods whose tick ``instant`` is."""
         return [period for period in self.periods if instant % period == 0]
 
-    def meet(self, instant: int) -> None:
-        """What happens at ``instant`` before any process runs, but for the timers."""
+    def meet(self, instant: int) -> int | None:
+        """What happens at ``instant`` before any process runs, but for the timers; the next instant after it."""
+        if not self._cycles:
+            return None
         phase = instant % self._hyperperiod
-        plan = self._plans.get(phase, _NOT_PLANNED)
-        if plan is _NOT_PLANNED:
-            plan = self._plan(phase)
-            _remember(self._plans, phase, plan)
-        if plan is None:
-            return
-        if self._advance is not None:
-            try:
-                self._advance(instant)
-            except Exception as error:
-                raise EnvironmentFailure(self._environment, error, statement_of(error)) from error
-        for action in plan:
-            action()
+        distance, plan = self._phases.get(phase) or self._phase(phase)
+        if plan is not None:
+            if self._advance is not None:
+                try:
+                    self._advance(instant)
+                except Exception as error:
+                    raise EnvironmentFailure(self._environment, error, statement_of(error)) from error
+            for action in plan:
+                action()
+        return instant + distance
 
     def _plan(self, phase: int) -> Plan | None:
         if all(phase % cycle for cycle in self._cycles):
@@ -134,8 +127,10 @@ class Instants:
 
     def can_come(self) -> bool:
         """Whether anything at a later instant can make a process ready or hand over a value."""
-        if scheduler.timers.next_instant() is not None:
-            return True
+        return scheduler.timers.next_instant() is not None or self.port_can_come()
+
+    def port_can_come(self) -> bool:
+        """The same without timers."""
         if self._hopeful is not None and self._hopeful.can_come:
             return True
         for port in self._ports:

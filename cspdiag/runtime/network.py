@@ -132,7 +132,7 @@ class _Run:
             if root.ended:
                 return self._ended_by_itself()
             timer = timers.next_instant()
-            if timer is None and not instants.can_come():
+            if timer is None and not instants.port_can_come():
                 return self._deadlocked()
             instant = tick if timer is None or (tick is not None and tick < timer) else timer
             assert instant is not None
@@ -140,8 +140,7 @@ class _Run:
                 return self._limit_reached()
             scheduler.now = instant
             if instant == tick:
-                instants.meet(instant)
-                tick = instants.after(instant)
+                tick = instants.meet(instant)
             if instant == timer:
                 timers.fall_due(instant)
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from cspdiag.codegen.optimized_python.places import Spelling, at_once, is_alternated, is_inline, never_waits
-from cspdiag.codegen.python_code import AND, COMPARISON, SUM, Atom, Code, call, infix, tuple_of
+from cspdiag.codegen.python_code import AND, COMPARISON, SUM, Atom, call, infix, tuple_of
 from cspdiag.codegen.python_imports import Imports
 from cspdiag.codegen.python_statements import Block, Line, Statement, Unpack, run
 from cspdiag.model.types import BoolType, EnumType, IntType, RealType, TimeType
@@ -106,16 +106,16 @@ class Communications:
         return (Block(text(f"if not {end}.fresh:"), wait), *self._sample_taken(end, into, medium))
 
     def _sample_taken(self, end: str, into: str, medium: Medium) -> Statements:
-        """Takes a sample that is there: in place where it is the next of a session and nobody is told of it."""
-        scheduler = self.imports.runtime("scheduler")
+        """Takes a sample that is there: in place where it is the next of a session."""
+        scheduler, me = self.imports.runtime("scheduler"), self.spelling["me"]
         in_place: Statements = (text(f"{end}.fresh = False"), text(f"{into} = {end}.value"))
         if medium.guarded_reads:
             lower = text(f"{self.imports.runtime('lower_bits')}({end}.inputs)")
             in_place = (*in_place, Block(text(f"if {end}.inputs:"), (lower,)))
-        usual: Code = Atom(f"{end}.begun")
-        for also in (f"not {end}.overdue", f"{scheduler}.observe is None"):
-            usual = infix("and", AND, usual, Atom(also))
-        rest = text(f"{into} = {end}.taken({self.spelling['me']})")
+        tell = text(f"{scheduler}.observe({end}.name, {into}, None, {me})")
+        in_place = (*in_place, Block(text(f"if {scheduler}.observe is not None:"), (tell,)))
+        usual = infix("and", AND, Atom(f"{end}.begun"), Atom(f"not {end}.overdue"))
+        rest = text(f"{into} = {end}.taken({me})")
         return (Block(Line("if ", usual, ":"), in_place), Block(text("else:"), (rest,)))
 
     def write(self, sink: End, value: str) -> Statements:
