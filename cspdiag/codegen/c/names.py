@@ -40,7 +40,7 @@ def identifier(text: str) -> str:
         joined = f"n{joined}"
     if joined.startswith("_"):
         joined = f"x{joined}"
-    clashes = joined in RESERVED or joined.lower().startswith("csp_") or joined in _MACROS
+    clashes = joined in RESERVED or f"{joined.lower()}_".startswith("csp_") or joined in _MACROS
     return f"{joined}_" if clashes else joined
 
 
