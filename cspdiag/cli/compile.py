@@ -87,10 +87,14 @@ def _emit_network(arguments: Namespace) -> int:
     from cspdiag.network.dump import dump
 
     if arguments.level == 1:
-        from cspdiag.network.optimize import optimize
+        from cspdiag.network.optimize import PASSES, explain_fusion, optimize
 
-        network = optimize(network)
-    sys.stdout.write(dump(network))
+        *before, last = PASSES
+        network = optimize(network, before)
+        explained = [f"// {line}\n" for line in explain_fusion(network)]
+        sys.stdout.write("".join([dump(optimize(network, (last,))), "\n", *explained]))
+    else:
+        sys.stdout.write(dump(network))
     return FINE
 
 

@@ -103,6 +103,7 @@ def test_the_optimized_network_is_printed(cspdiag: Command, good: Path) -> None:
     assert (result.code, result.err) == (0, "")
     assert "Relay" in result.out
     assert result.out != plain
+    assert result.out.splitlines()[-1].startswith("// Relay is ")
 
 
 @pytest.mark.parametrize(

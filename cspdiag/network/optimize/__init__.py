@@ -13,11 +13,13 @@ from cspdiag.network.optimize.bookkeeping import drop_bookkeeping
 from cspdiag.network.optimize.constants import fold_constants
 from cspdiag.network.optimize.dead import remove_dead_parts
 from cspdiag.network.optimize.flatten import flatten
-from cspdiag.network.optimize.fuse import fuse
+from cspdiag.network.optimize.fuse import explain_fusion, fuse
 from cspdiag.network.optimize.inline_laws import inline_laws
 from cspdiag.network.optimize.specialize import specialize
 from cspdiag.network.optimize.variables import variables
 from cspdiag.syntax.nesting import room_to_recurse
+
+__all__ = ["PASSES", "Pass", "explain_fusion", "lower_for_targets", "optimize", "pass_named"]
 
 
 @node
