@@ -1,4 +1,4 @@
-"""The reading ends of a process: in which order they come to be, and whose they are."""
+"""The reading ends and alternatives of a process: in which order they come to be, and whose they are."""
 
 from __future__ import annotations
 
@@ -29,6 +29,21 @@ def _ends_of_branch(branch: act.Branch) -> Iterator[act.End]:
     if isinstance(branch.event, act.InputEvent | act.ReadyEvent):
         yield branch.event.source
     yield from ends_read(branch.body)
+
+
+def choices(action: act.Action) -> Iterator[act.Choice]:
+    """The alternatives in an action, in text order."""
+    match action:
+        case act.Choice(branches=branches):
+            yield action
+            for branch in branches:
+                yield from choices(branch.body)
+        case act.InterruptOn():
+            yield from choices(action.body)
+            yield from choices(action.branch.body)
+        case _:
+            for inner in _inside(action):
+                yield from choices(inner)
 
 
 def flattened_ends(action: act.Action) -> Iterator[tuple[act.End, str]]:

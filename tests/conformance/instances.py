@@ -20,7 +20,7 @@ from cspdiag.network.ir import (
     SubmodelClass,
 )
 from tests.conformance import media
-from tests.conformance.ends import ends_read, flattened_ends
+from tests.conformance.ends import choices, ends_read, flattened_ends
 from tests.conformance.media import EndKey, Medium, Offer, RaisedFaultError, RaisedTimeoutError
 from tests.conformance.requests import Choose, Communicate, Interrupt, Parallel, Request, Steps, Wait
 from tests.conformance.scheduler import Scheduler
@@ -40,6 +40,8 @@ class Program:
     def __init__(self, network: Network, world: Scheduler) -> None:
         self.network = network
         self.world = world
+        self.alternatives: dict[tuple[str, str], int] = {}
+        """By the process and the name in it: their numbers, in the order in which they come to be."""
 
 
 class ProcessInstance:
@@ -76,12 +78,19 @@ class ProcessInstance:
                     self.medium(made).register(self.key(made))
                 case CreatedInstance():
                     self._create(instances.pop(made.instance))
-                case CreatedChoice():
-                    pass
+                case CreatedChoice(choice=name):
+                    self._number(name)
                 case _:
                     assert_never(made)
         for instance in instances.values():
             self._create(instance)
+        for choice in choices(cls.body):
+            self._number(_memory(choice))
+
+    def _number(self, alternative: str) -> None:
+        """The alternatives of a process come to be after its instances."""
+        numbers = self.program.alternatives
+        numbers.setdefault((self.path, alternative), len(numbers))
 
     def _in_text_order(self) -> Iterator[act.End | CreatedInstance]:
         """The ends of the process itself and of its submodels, and then what other processes make inside."""
@@ -201,8 +210,7 @@ class ProcessInstance:
                 yield from self._alone(event)
                 yield from self.steps(branch.body)
             case act.Choice():
-                memory = action.name or f"at {id(action)}"
-                chosen = yield self._alternative(action.branches, action.prioritized, memory)
+                chosen = yield self._alternative(action.branches, action.prioritized, _memory(action))
                 yield from self._guarded(action.branches, chosen)
             case act.Repeat():
                 while True:
@@ -291,7 +299,8 @@ class ProcessInstance:
         return Offer(request, self.medium(end), self.key(end), writes=True, value=value)
 
     def _alternative(self, branches: tuple[act.Branch, ...], prioritized: bool, memory: str) -> Choose:
-        request = Choose(prioritized, self.memories.setdefault(memory, {}))
+        number = self.program.alternatives.get((self.path, memory), 0)
+        request = Choose(prioritized, self.memories.setdefault(memory, {}), number)
         for index, branch in enumerate(branches):
             if branch.condition is not None and not self.value(branch.condition):
                 continue
@@ -329,6 +338,10 @@ def exception_name(error: Exception) -> str:
             return "Timeout"
         case _:
             return str(error)
+
+
+def _memory(choice: act.Choice) -> str:
+    return choice.name or f"at {id(choice)}"
 
 
 def _replaced(whole: Any, indexes: list[int], value: Any) -> Any:

@@ -41,6 +41,11 @@ class Request:
         """Whether it has branches that have not ended."""
         return False
 
+    @property
+    def turn(self) -> tuple[int, int]:
+        """Who is served first of those that one event wakes: readers and writers in the order in which they began come before alternatives."""
+        return (0, self.began)
+
     def begin(self) -> None:
         """Done once, before the first attempt."""
 
@@ -126,19 +131,25 @@ class Communicate(Request):
 class Choose(Request):
     """An alternative: ``offers`` by guard, ``deadlines_`` of time-outs, ``always`` ready guards. The result is a guard and its value.
 
-    ``memory`` keeps the guard that was chosen last.
+    ``memory`` keeps the guard that was chosen last; ``place`` counts the alternatives in the order in which they stand in the program.
     """
 
-    def __init__(self, prioritized: bool, memory: dict[str, int]) -> None:
+    def __init__(self, prioritized: bool, memory: dict[str, int], place: int) -> None:
         super().__init__()
         self.prioritized = prioritized
         self.memory = memory
+        self.place = place
         self.offers: dict[int, Offer] = {}
         self.timeouts: dict[int, int] = {}
         self.always: set[int] = set()
         self.chosen: int | None = None
         self.parked = False
         self.interrupt: Interrupt | None = None
+
+    @property
+    def turn(self) -> tuple[int, int]:
+        """See ``Request.turn``."""
+        return (1, self.place)
 
     def ready_guards(self) -> list[int]:
         """The guards that are ready now, in text order."""
@@ -294,6 +305,11 @@ class Interrupt(Request):
         self.body_steps = body
         self.guard = guard
         self.triggered = False
+
+    @property
+    def turn(self) -> tuple[int, int]:
+        """See ``Request.turn``: guards of interrupts come last, in the order in which they began."""
+        return (2, self.began)
 
     def begin(self) -> None:
         self.guard.task, self.guard.world, self.guard.began = self.task, self.world, self.began

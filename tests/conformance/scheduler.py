@@ -115,8 +115,11 @@ class Scheduler:
             task.request.abandon()
 
     def notice(self) -> None:
-        """Wake whoever may go on now."""
-        for request in list(self.waiting):
+        """Wake whoever may go on now, because of one event."""
+        self._wake(sorted(self.waiting, key=lambda request: request.turn))
+
+    def _wake(self, requests: Sequence[Request]) -> None:
+        for request in requests:
             task = request.task
             asleep = task is not self.running and task not in self.ready and not task.cancelled
             if asleep and request in self.waiting and not request.completed and request.may_go_on():
@@ -211,7 +214,7 @@ class Scheduler:
             if now % output.period == 0:
                 output.tick()
         self.due = now
-        self.notice()
+        self._wake(list(self.waiting))
 
     def _sampled(self) -> Sequence[SampledInput]:
         return [port for port in self.inputs if isinstance(port, SampledInput)]
