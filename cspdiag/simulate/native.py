@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import signal
 import subprocess
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from contextlib import suppress
 from typing import TYPE_CHECKING, Literal
 
 from cspdiag.codegen.c.refusals import refuse_devices
-from cspdiag.model.types import Type
 from cspdiag.network.ir import Environment, Network
 from cspdiag.pipeline import Reader, generate
 from cspdiag.simulate.execute import chosen_environment
@@ -60,8 +59,7 @@ def simulate(
         command += ["--environment", chosen.name]
     if until is not None:
         command += ["--for", str(until)]
-    types = {net.path: net.type for net in network.nets}
-    outcome = _run(command, types, recorder, chosen, network, on_start, real_time=real_time)
+    outcome = _run(command, recorder, chosen, network, on_start, real_time=real_time)
     return Run(network, chosen, outcome, recorder)
 
 
@@ -73,7 +71,6 @@ def _wanted(sources: list[str], real_time: bool) -> list[str]:
 
 def _run(
     command: list[str],
-    types: Mapping[str, Type],
     recorder: Recorder,
     environment: Environment | None,
     network: Network,
@@ -86,7 +83,7 @@ def _run(
     told = None if real_time else subprocess.PIPE
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=told, start_new_session=True) as running:
         assert running.stdout is not None
-        reader = StreamReader(running.stdout, types, recorder)
+        reader = StreamReader(running.stdout, network, recorder)
         if on_start is not None:
             on_start(reader)
         try:

@@ -8,6 +8,8 @@ from dataclasses import dataclass, field
 from typing import IO
 
 from cspdiag.model.types import Type
+from cspdiag.network.ir import Network
+from cspdiag.simulate.native_parties import Parties
 from cspdiag.simulate.native_values import Decoder, decoder, layout
 from cspdiag.simulate.recorder import Recorder
 
@@ -48,10 +50,10 @@ class EndRecord:
 
 @dataclass
 class StreamReader:
-    """Hands the records of one run to a recorder. ``types`` are the types of the channels by name."""
+    """Hands the records of one run of a network to a recorder."""
 
     stream: IO[bytes]
-    types: Mapping[str, Type]
+    network: Network
     recorder: Recorder
     now: int = 0
     end: EndRecord | None = None
@@ -61,6 +63,10 @@ class StreamReader:
     _position: int = 0
     _channels: dict[int, tuple[str, int, Decoder]] = field(default_factory=dict)
     _processes: dict[int, tuple[str, str]] = field(default_factory=lambda: {0: ("", "")})
+
+    def __post_init__(self) -> None:
+        self._types: Mapping[str, Type] = {net.path: net.type for net in self.network.nets}
+        self._parties = Parties(self.network, self.recorder.running.keys())
 
     def read(self) -> None:
         """All records, to the end of the stream."""
@@ -96,7 +102,7 @@ class StreamReader:
     def _channel(self) -> None:
         number, size = _CHANNEL.unpack(self._bytes(6))
         name = self._text()
-        type_ = self.types[name]
+        type_ = self._types[name]
         if layout(type_)[0] != size:
             raise ValueError(f"{name} has values of {size} bytes, and {type_} has {layout(type_)[0]}")
         self._channels[number] = (name, size, decoder(type_))
@@ -110,8 +116,9 @@ class StreamReader:
         name, size, decode = self._channels[channel]
         value = decode(self._bytes(size))
         self.now = time
-        processes = self._processes
-        self.recorder.communication(time, name, value, processes[writer][0], processes[reader][0])
+        source = self._parties.writer(name, self._processes[writer][0])
+        sink = self._parties.reader(name, self._processes[reader][0])
+        self.recorder.communication(time, name, value, source, sink)
 
     def _begin(self) -> None:
         self.now, number = _EVENT.unpack(self._bytes(12))

@@ -90,12 +90,11 @@ void csp_observe(uint32_t channel, const void *value, uint32_t writer, uint32_t 
         tell_time();
         return;
     }
-    struct {
-        int64_t time;
-        uint32_t channel, writer, reader;
-    } head = {csp.now, channel, writer, reader};
     put_kind(3);
-    put(&head, 20U);
+    put_time(csp.now);
+    put_number(channel);
+    put_number(writer);
+    put_number(reader);
     put(value, known->channel_sizes[channel]);
 }
 
