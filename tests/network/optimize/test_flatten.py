@@ -8,6 +8,7 @@ from cspdiag.network.ir import Network, ProcessClass
 from cspdiag.network.optimize import optimize, pass_named
 from cspdiag.network.optimize.flatten import LARGEST, LONGEST
 from cspdiag.network.walk import parts
+from cspdiag.syntax.nesting import DEEPEST
 from tests.network import programs
 
 
@@ -139,3 +140,20 @@ process Main { in u : int @ 1 ms  communication { r : Twice  u -> r.u  var x : i
     found = {part.instance: part.ends for part in parts(main.body) if isinstance(part, ProcessScope)}
     assert found == {"r": (PortEnd("u", end=1),), "r.one": (PortEnd("u", end=2),)}
     assert main.creation == (PortEnd("u"), PortEnd("u", end=1), PortEnd("u", end=2))
+
+
+def test_compositions_get_no_deeper_than_those_of_a_text() -> None:
+    levels = 2 * DEEPEST
+    text = "".join(
+        f"process P{level} {{ out y : int  communication {{ p : P{level + 1}  p.y -> y }}  composition {{ p }} }}\n"
+        for level in range(levels)
+    )
+    network = flattened(text + f"process P{levels} {{ out y : int  composition {{ y ! 1 }} }}\n")
+    deepest = [len(path) for entry in network.classes for path in scopes_below(entry)]
+    assert DEEPEST // 4 < max(deepest) <= DEEPEST
+    assert len(network.classes) < 10
+
+
+def scopes_below(entry: object) -> list[list[str]]:
+    assert isinstance(entry, ProcessClass)
+    return [name.split(".") for name in scopes(entry)]
