@@ -97,13 +97,15 @@ struct csp_alternative {
 static inline void csp_set_bit(const csp_guard *guard)
 {
     *guard->word |= guard->bit;
-    guard->alternative->ready |= guard->word_bit;
+    if (guard->word_bit != 0U) {
+        guard->alternative->ready |= guard->word_bit;
+    }
 }
 
 static inline void csp_clear_bit(const csp_guard *guard)
 {
     *guard->word &= ~guard->bit;
-    if (*guard->word == 0U) {
+    if ((guard->word_bit != 0U) && (*guard->word == 0U)) {
         guard->alternative->ready &= ~guard->word_bit;
     }
 }

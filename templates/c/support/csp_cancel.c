@@ -128,9 +128,8 @@ csp_parallel *csp_parallel_of(const csp_process *process)
 csp_process *csp_task_of(csp_process *process)
 {
     csp_process *outermost = process;
-    while ((outermost->caller != NULL) &&
-           (csp_place_of(outermost->caller)->waiting == (uint8_t)CSP_AT_CALL)) {
-        outermost = outermost->caller;
+    while (((outermost->party.flags & (unsigned)CSP_BRANCH) == 0U) && (outermost->above != NULL)) {
+        outermost = (csp_process *)outermost->above;
     }
     return outermost;
 }
@@ -209,14 +208,14 @@ void csp_cancel(csp_process *branch, csp_interrupt *interrupt)
     while (task != NULL) {
         csp_process *parent = cancel_task(task, interrupt);
         if (parent == NULL) {
-            parent = (task == branch) ? NULL : task->caller;
+            parent = (task == branch) ? NULL : csp_parent_of(task);
         }
         task = NULL;
         while ((parent != NULL) && (task == NULL)) {
-            task = csp_next_branch(parent, csp_parallel_of(parent));
+            task = csp_next_branch(csp_parallel_of(parent));
             if (task == NULL) {
                 const csp_process *const above = csp_task_of(parent);
-                parent = (above == branch) ? NULL : above->caller;
+                parent = (above == branch) ? NULL : csp_parent_of(above);
             }
         }
     }

@@ -45,7 +45,7 @@ enum {
     CSP_CANCELLED = 1, /* ends at its next communication */
     CSP_ABANDONED = 2, /* was cancelled while it waited: goes on in the failed state of its place */
     CSP_ENDED = 4,     /* does not run */
-    CSP_QUEUED = 8     /* an offer that is in the ready queue */
+    CSP_BRANCH = 8     /* of a parallel or an interrupt */
 };
 
 struct csp_party {
@@ -60,7 +60,7 @@ struct csp_party {
 
 struct csp_process {
     csp_party party;
-    csp_process *caller;   /* who called it, or whose parallel or interrupt it is a branch of; NULL: the program */
+    void *above;           /* a branch: its csp_parallel; otherwise the csp_process that called it, or NULL: the program */
     const csp_class *kind; /* of process */
 };
 

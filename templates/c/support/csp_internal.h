@@ -32,12 +32,19 @@ bool csp_withdraw_process(csp_process *process);
 
 /* ---- Parallel and cancellation ---- */
 
-/* A branch begins: it enters the ready queue. */
-void csp_start(csp_process *parent, csp_process *branch, uint8_t level);
+/* Whose branch it is, or who called it; NULL: the program. */
+static inline csp_process *csp_parent_of(const csp_process *process)
+{
+    if ((process->party.flags & (unsigned)CSP_BRANCH) != 0U) {
+        return ((const csp_parallel *)process->above)->parent;
+    }
+    return (csp_process *)process->above;
+}
+
 /* Cancels a branch and everything below. `canceller` is needed where the running process may be among them. */
 void csp_cancel(csp_process *branch, csp_interrupt *interrupt);
-/* The branch that a walk comes to next below `parent`, which waits at a parallel or an interrupt; NULL: no more. */
-csp_process *csp_next_branch(const csp_process *parent, csp_parallel *parallel);
+/* The branch that a walk comes to next; NULL: no more. */
+csp_process *csp_next_branch(csp_parallel *parallel);
 /* The first process of the task that `process` is the innermost of. */
 csp_process *csp_task_of(csp_process *process);
 /* The parallel, or that of the interrupt, at which the process waits; NULL. */

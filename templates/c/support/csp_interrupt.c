@@ -46,9 +46,7 @@ void csp_interrupt_wake(csp_interrupt *interrupt)
 {
     interrupt->body.run = 0U;
     interrupt->body.index = 0U;
-    csp_process *const body =
-        csp_next_branch((const csp_process *)(const void *)interrupt->alternative.process, &interrupt->body);
-    csp_cancel(body, interrupt);
+    csp_cancel(csp_next_branch(&interrupt->body), interrupt);
 }
 
 void csp_interrupt_retract(csp_interrupt *interrupt)
@@ -98,6 +96,7 @@ csp_progress csp_interruptible(csp_party *party, csp_interrupt *interrupt)
     interrupt->communicates = false;
     interrupt->taken = false;
     (void)csp_par(party, &interrupt->body, &interrupt->branch, 1U);
+    interrupt->body.interrupt = interrupt;
     csp_begin_waiting(party, alternative);
     if ((alternative->ready != 0U) || ((alternative->time_outs > 0U) && csp_time_outs_passed(alternative))) {
         alternative->woken = true;

@@ -7,7 +7,7 @@ static const csp_error no_error;
 void csp_process_init(csp_process *process, const csp_class *kind, uint32_t number)
 {
     process->kind = kind;
-    process->caller = NULL;
+    process->above = NULL;
     process->party.step = kind->step;
     process->party.number = number;
     process->party.flags = CSP_ENDED;
@@ -84,108 +84,19 @@ bool csp_catch(uint16_t exception)
 
 csp_party *csp_call(csp_party *party, csp_process *callee)
 {
-    callee->caller = (csp_process *)(void *)party;
+    callee->above = party;
     callee->party.state = 0U;
     callee->party.flags = (uint8_t)(party->flags & (unsigned)CSP_CANCELLED);
     callee->party.level = party->level;
     return &callee->party;
 }
 
-/* The first exception of a branch cancels the others, and is what the parallel raises. */
-static void branch_failed(csp_process *parent, csp_parallel *parallel)
-{
-    if (csp.error.exception == (uint16_t)CSP_CANCELLATION) {
-        parallel->cancelled = true;
-    } else if (parallel->error.exception == (uint16_t)CSP_NO_EXCEPTION) {
-        parallel->error = csp.error;
-        parallel->run = 0U;
-        parallel->index = 0U;
-        csp_process *branch = csp_next_branch(parent, parallel);
-        while (branch != NULL) {
-            csp_cancel(branch, NULL);
-            branch = csp_next_branch(parent, parallel);
-        }
-    } else {
-        /* A later one is not told. */
-    }
-}
-
-static inline void branch_ended(csp_process *parent, csp_parallel *parallel)
-{
-    parallel->pending--;
-    if (parallel->pending == 0U) {
-        csp_ready(&parent->party);
-    }
-}
-
-static csp_parallel *parallel_at(csp_process *parent, const csp_place *place)
-{
-    return (csp_parallel *)(void *)(((char *)parent - parent->kind->offset) + place->offset);
-}
-
-csp_party *csp_end(csp_party *party)
-{
-    csp_process *const process = (csp_process *)(void *)party;
-    csp_process *const caller = process->caller;
-    party->flags |= (uint8_t)CSP_ENDED;
-    if (caller == NULL) {
-        csp.error = no_error;
-        return NULL;
-    }
-    const csp_place *const place = csp_place_of(caller);
-    if (place->waiting == (uint8_t)CSP_AT_CALL) {
-        return &caller->party;
-    }
-    if (place->waiting == (uint8_t)CSP_AT_PARALLEL) {
-        branch_ended(caller, parallel_at(caller, place));
-    } else {
-        csp_interrupt *const interrupt = (csp_interrupt *)csp_object_at(caller, place);
-        branch_ended(caller, &interrupt->body);
-        csp_body_ended(interrupt, false);
-    }
-    return NULL;
-}
-
-csp_party *csp_fail(csp_party *party)
-{
-    csp_process *const process = (csp_process *)(void *)party;
-    csp_process *const caller = process->caller;
-    party->flags |= (uint8_t)CSP_ENDED;
-    if (caller == NULL) {
-        return NULL;
-    }
-    const csp_place *const place = csp_place_of(caller);
-    if (place->waiting == (uint8_t)CSP_AT_CALL) {
-        caller->party.state = place->failed;
-        return &caller->party;
-    }
-    if (place->waiting == (uint8_t)CSP_AT_PARALLEL) {
-        branch_failed(caller, parallel_at(caller, place));
-        branch_ended(caller, parallel_at(caller, place));
-    } else {
-        csp_interrupt *const interrupt = (csp_interrupt *)csp_object_at(caller, place);
-        branch_failed(caller, &interrupt->body);
-        branch_ended(caller, &interrupt->body);
-        csp_body_ended(interrupt, csp.error.exception == (uint16_t)CSP_CANCELLATION);
-    }
-    return NULL;
-}
-
-void csp_start(csp_process *parent, csp_process *branch, uint8_t level)
-{
-    branch->caller = parent;
-    branch->party.state = 0U;
-    branch->party.flags = 0U;
-    branch->party.level = (uint8_t)(((parent == NULL) ? 0U : (unsigned)parent->party.level) + level);
-    csp_ready(&branch->party);
-}
-
-csp_process *csp_next_branch(const csp_process *parent, csp_parallel *parallel)
+csp_process *csp_next_branch(csp_parallel *parallel)
 {
     while (parallel->run < parallel->runs) {
         const csp_branches *const branches = &parallel->branches[parallel->run];
         if (parallel->index < branches->count) {
-            char *const at = (char *)parent - parent->kind->offset;
+            char *const at = (char *)parallel->parent - parallel->parent->kind->offset;
             csp_process *const branch =
                 (csp_process *)(void *)(at + branches->offset + ((size_t)parallel->index * branches->stride));
             parallel->index++;
@@ -197,24 +108,94 @@ csp_process *csp_next_branch(const csp_process *parent, csp_parallel *parallel)
     return NULL;
 }
 
+static inline void branch_ended(csp_parallel *parallel, bool cancelled)
+{
+    parallel->pending--;
+    if (parallel->pending == 0U) {
+        csp_ready(&parallel->parent->party);
+    }
+    if (parallel->interrupt != NULL) {
+        csp_body_ended(parallel->interrupt, cancelled);
+    }
+}
+
+/* The first exception of a branch cancels the others, and is what the parallel raises. */
+static void branch_failed(csp_parallel *parallel)
+{
+    const bool cancelled = csp.error.exception == (uint16_t)CSP_CANCELLATION;
+    if (cancelled) {
+        parallel->cancelled = true;
+    } else if (parallel->error.exception == (uint16_t)CSP_NO_EXCEPTION) {
+        parallel->error = csp.error;
+        parallel->run = 0U;
+        parallel->index = 0U;
+        csp_process *branch = csp_next_branch(parallel);
+        while (branch != NULL) {
+            csp_cancel(branch, NULL);
+            branch = csp_next_branch(parallel);
+        }
+    } else {
+        /* A later one is not told. */
+    }
+    branch_ended(parallel, cancelled);
+}
+
+csp_party *csp_end(csp_party *party)
+{
+    const csp_process *const process = (const csp_process *)(const void *)party;
+    const unsigned flags = party->flags;
+    party->flags = (uint8_t)(flags | (unsigned)CSP_ENDED);
+    if ((flags & (unsigned)CSP_BRANCH) != 0U) {
+        branch_ended((csp_parallel *)process->above, false);
+        return NULL;
+    }
+    if (process->above == NULL) {
+        csp.error = no_error;
+    }
+    return (csp_party *)process->above;
+}
+
+csp_party *csp_fail(csp_party *party)
+{
+    const csp_process *const process = (const csp_process *)(const void *)party;
+    const unsigned flags = party->flags;
+    party->flags = (uint8_t)(flags | (unsigned)CSP_ENDED);
+    if ((flags & (unsigned)CSP_BRANCH) != 0U) {
+        branch_failed((csp_parallel *)process->above);
+        return NULL;
+    }
+    if (process->above != NULL) {
+        csp_process *const caller = (csp_process *)process->above;
+        caller->party.state = csp_place_of(caller)->failed;
+    }
+    return (csp_party *)process->above;
+}
+
 csp_progress csp_par(csp_party *party, csp_parallel *parallel, const csp_branches *branches, uint32_t runs)
 {
     if (csp_is_cancelled(party)) {
         return csp_refuse(party);
     }
     csp_process *const parent = (csp_process *)(void *)party;
-    char *const at = (char *)parent - parent->kind->offset;
     uint32_t pending = 0U;
+    parallel->parent = parent;
+    parallel->interrupt = NULL;
     parallel->branches = branches;
     parallel->runs = runs;
     parallel->abandoned = false;
     parallel->cancelled = false;
     parallel->error.exception = (uint16_t)CSP_NO_EXCEPTION;
     for (uint32_t run = 0U; run < runs; run++) {
-        char *branch = at + branches[run].offset;
+        char *at = ((char *)parent - parent->kind->offset) + branches[run].offset;
+        const uint8_t level = (uint8_t)(party->level + branches[run].level);
         for (uint32_t index = 0U; index < branches[run].count; index++) {
-            csp_start(parent, (csp_process *)(void *)branch, branches[run].level);
-            branch += branches[run].stride;
+            csp_process *const branch = (csp_process *)(void *)at;
+            branch->above = parallel;
+            branch->party.state = 0U;
+            branch->party.flags = (uint8_t)CSP_BRANCH;
+            branch->party.level = level;
+            csp_ready(&branch->party);
+            at += branches[run].stride;
         }
         pending += branches[run].count;
     }

@@ -103,9 +103,11 @@ typedef struct csp_branches {
 } csp_branches;
 
 typedef struct csp_parallel {
-    const csp_branches *branches;
-    uint32_t runs; /* number of csp_branches */
     uint32_t pending;
+    uint32_t runs; /* number of csp_branches */
+    csp_process *parent;
+    struct csp_interrupt *interrupt; /* whose body it is, or NULL */
+    const csp_branches *branches;
     uint32_t run; /* where a walk over the tree of processes stands */
     uint32_t index;
     bool abandoned; /* the parent was cancelled */

@@ -45,13 +45,13 @@ void csp_report_waiting(const csp_program *program, csp_report *report)
         } else {
             const csp_waiting_process waiting = {parent, csp_place_of(parent)};
             report(program, &waiting);
-            parent = task->caller;
+            parent = csp_parent_of(task);
         }
         task = NULL;
         while ((parent != NULL) && (task == NULL)) {
-            task = csp_next_branch(parent, csp_parallel_of(parent));
+            task = csp_next_branch(csp_parallel_of(parent));
             if (task == NULL) {
-                parent = csp_task_of((csp_process *)(void *)(uintptr_t)parent)->caller;
+                parent = csp_parent_of(csp_task_of((csp_process *)(void *)(uintptr_t)parent));
             } else if ((task->party.flags & (unsigned)CSP_ENDED) != 0U) {
                 task = NULL;
             } else {

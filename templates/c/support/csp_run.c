@@ -10,7 +10,8 @@
 enum { STEPS_IN_REAL_TIME = 64, STEPS_IN_VIRTUAL_TIME = 65536 };
 
 static volatile bool stop_requested;
-static int64_t next_grid;
+static int64_t next_grid; /* of the environment */
+static int64_t next_tick; /* of a port or the grid */
 
 void csp_request_stop(void)
 {
@@ -27,29 +28,20 @@ static int64_t later(int64_t one, int64_t other)
     return (one > other) ? one : other;
 }
 
-static void begin_ticks(const csp_program *program)
-{
-    next_grid = INT64_MAX;
-    if ((program->environment != NULL) && (program->environment->step > 0)) {
-        next_grid = program->environment->step;
-    }
-}
-
 /* The next instant of a tick or of the grid; INT64_MAX: none. */
-static int64_t next_tick(const csp_program *program)
+static void find_next_tick(const csp_program *program)
 {
-    int64_t next = next_grid;
+    next_tick = next_grid;
     for (uint32_t index = 0U; index < program->port_count; index++) {
         const csp_port *const port = &program->ports[index];
         if (port->kind == CSP_PORT_SAMPLED) {
-            next = earlier(next, ((const csp_sampled_input *)(const void *)port->medium)->next);
+            next_tick = earlier(next_tick, ((const csp_sampled_input *)(const void *)port->medium)->next);
         } else if (port->kind == CSP_PORT_LATCHED) {
-            next = earlier(next, ((const csp_latched_output *)(const void *)port->medium)->next);
+            next_tick = earlier(next_tick, ((const csp_latched_output *)(const void *)port->medium)->next);
         } else {
             /* Events come on the grid, and direct outputs have no instants. */
         }
     }
-    return next;
 }
 
 static void inputs_meet(const csp_program *program, int64_t instant)
@@ -62,6 +54,7 @@ static void inputs_meet(const csp_program *program, int64_t instant)
                 input->next += input->period;
                 csp_sampled_tick(input);
             }
+            next_tick = earlier(next_tick, input->next);
         } else if ((port->kind == CSP_PORT_EVENT) && (next_grid == instant)) {
             csp_event_poll((csp_event_input *)(void *)port->medium);
         } else {
@@ -80,24 +73,27 @@ static void outputs_meet(const csp_program *program, int64_t instant)
                 output->next += output->period;
                 csp_latched_tick(output);
             }
+            next_tick = earlier(next_tick, output->next);
         }
     }
 }
 
 /* False: the environment has failed. */
-static bool meet(const csp_program *program, int64_t instant, int64_t tick)
+static bool meet(const csp_program *program, int64_t instant)
 {
     csp.now = instant;
-    if (instant == tick) {
+    if (instant == next_tick) {
         if ((program->environment != NULL) && (program->environment->advance != NULL) &&
             !program->environment->advance(instant)) {
             return false;
         }
+        next_tick = INT64_MAX;
         inputs_meet(program, instant);
         if (next_grid == instant) {
             next_grid += program->environment->step;
         }
         outputs_meet(program, instant);
+        next_tick = earlier(next_tick, next_grid);
     }
     csp_timers_fall_due(instant);
     return true;
@@ -163,13 +159,12 @@ static csp_ending run_in_virtual_time(const csp_program *program, int64_t until)
         if ((timer == INT64_MAX) && !can_come(program)) {
             return CSP_DEADLOCK;
         }
-        const int64_t tick = next_tick(program);
-        const int64_t instant = earlier(tick, timer);
+        const int64_t instant = earlier(next_tick, timer);
         if ((until >= 0) && (instant > until)) {
             csp.now = until;
             return CSP_TIME_LIMIT;
         }
-        if (!meet(program, instant, tick)) {
+        if (!meet(program, instant)) {
             return environment_failed();
         }
     }
@@ -209,8 +204,7 @@ static csp_ending run_in_real_time(const csp_program *program, int64_t until)
             return CSP_DEADLOCK;
         }
         for (;;) {
-            const int64_t tick = next_tick(program);
-            const int64_t due = earlier(tick, csp_timer_next());
+            const int64_t due = earlier(next_tick, csp_timer_next());
             const int64_t instant = (until >= 0) ? earlier(due, until) : due;
             if (stop_requested) {
                 return CSP_STOPPED;
@@ -229,7 +223,7 @@ static csp_ending run_in_real_time(const csp_program *program, int64_t until)
                 return CSP_TIME_LIMIT;
             }
             csp_port_met(instant);
-            if (!meet(program, instant, tick)) {
+            if (!meet(program, instant)) {
                 return environment_failed();
             }
             ready = true;
@@ -267,8 +261,14 @@ csp_ending csp_run(const csp_program *program, int64_t until)
     if ((program->environment != NULL) && (program->environment->start != NULL) && !program->environment->start()) {
         ending = environment_failed();
     } else {
-        begin_ticks(program);
-        csp_start(NULL, program->process, 0U);
+        next_grid = INT64_MAX;
+        if ((program->environment != NULL) && (program->environment->step > 0)) {
+            next_grid = program->environment->step;
+        }
+        find_next_tick(program);
+        program->process->party.flags = 0U;
+        program->process->party.state = 0U;
+        csp_ready(&program->process->party);
         csp_port_start();
         ending = csp_port_virtual_time ? run_in_virtual_time(program, until) : run_in_real_time(program, until);
     }
