@@ -43,8 +43,6 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 def run(arguments: Namespace) -> int:
     """Generate the package, or print what was asked for."""
-    if arguments.level == 1 and arguments.emit != "network":
-        raise UsageError("-O1 is not in this version; -O0 generates the readable package")
     match arguments.emit:
         case "ast":
             return _emit_tree(arguments)

@@ -22,16 +22,15 @@ def test_a_package_is_made(cspdiag: Command, good: Path, tmp_path: Path) -> None
     assert (folder / folder.name / "runtime").is_dir()
 
 
-def test_a_package_runs_with_nothing_but_python(cspdiag: Command, tmp_path: Path) -> None:
-    assert cspdiag("compile", JIWY, "-o", tmp_path).code == 0
+@pytest.mark.parametrize("level", ["-O0", "-O1"])
+def test_a_package_runs_with_nothing_but_python(cspdiag: Command, tmp_path: Path, level: str) -> None:
+    assert cspdiag("compile", level, JIWY, "-o", tmp_path).code == 0
+    run = "import sys; sys.path.insert(0, '.'); sys.argv[1:] = ['--for', '50ms']; import jiwy.__main__ as j; j.main()"
     result = subprocess.run(
-        [sys.executable, "-I", "-S", "-c", "import sys; sys.path.insert(0, '.'); import jiwy.network"],
-        cwd=tmp_path / "jiwy",
-        env={},
-        capture_output=True,
-        text=True,
+        [sys.executable, "-I", "-S", "-c", run], cwd=tmp_path / "jiwy", env={}, capture_output=True, text=True
     )
     assert result.returncode == 0, result.stderr
+    assert result.stdout.startswith("reached the time limit at 50 ms")
 
 
 def test_a_program_with_errors_makes_nothing(cspdiag: Command, bad: Path, tmp_path: Path) -> None:

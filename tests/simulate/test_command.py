@@ -44,7 +44,8 @@ def test_quiet_run_says_nothing(heater: Path, capsys: pytest.CaptureFixture[str]
         (["--for", "soon"], "soon"),
         (["--set", "chamber"], "a setting is NAME=VALUE"),
         (["--set", "chamber.ambiant=3"], "chamber.ambiant"),
-        (["--target", "c"], "invalid choice"),
+        (["--target", "cobol"], "invalid choice"),
+        (["-O2"], "-O2"),
     ],
 )
 def test_wrong_use_is_one_line(
