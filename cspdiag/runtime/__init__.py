@@ -41,7 +41,7 @@ from .broadcast import Broadcast
 from .buffers import Buffer, Overwriting
 from .channel import Channel
 from .choice import After, Input, Output, Ready, Skip
-from .composition import group, parallel, prioritized_parallel, stop, wait
+from .composition import Rounds, begin_delay, group, parallel, prioritized_parallel, stop, wait
 from .deadlock import DeadlockReport, WaitingProcess
 from .drivers import DevicePort, Driver, Signal
 from .durations import ms, nanoseconds, ns, s, seconds, us
@@ -107,6 +107,7 @@ __all__ = [
     "ProcessError",
     "Ready",
     "Rendezvous",
+    "Rounds",
     "Routine",
     "SampledInput",
     "SampledOutput",
@@ -119,6 +120,7 @@ __all__ = [
     "Variable",
     "WaitingProcess",
     "atan2",
+    "begin_delay",
     "ceil",
     "cos",
     "deadzone",

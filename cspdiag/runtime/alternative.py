@@ -12,7 +12,7 @@ from typing import Any
 
 from .choice import Choice, Guard, waits_of_guard
 from .exceptions import Cancelled
-from .scheduler import Party, Waits, scheduler
+from .scheduler import Party, Task, Waits, scheduler
 
 _NOTHING: Mapping[int, Any] = {}
 
@@ -92,6 +92,17 @@ class Alternative(Choice):
             raise Cancelled
         self.after_last = -1 << (self.chosen + 1)
         return 0
+
+    def park(self, me: Task, mask: int) -> None:
+        """From now on the first guard of ``mask`` that becomes ready readies ``me``, optimized code; no guard is a time-out."""
+        self.task = me
+        self.mask = mask
+        self.chosen = -1
+        self.woken = False
+        selector = self.selector
+        selector.waiting = self
+        selector.armed = mask
+        me.waiting = self
 
     def withdraw(self, party: Party) -> bool:
         """See ``Waiting.withdraw``. False also if the task is ready; it will then find out by itself."""

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Awaitable, Coroutine, Generator
 from contextlib import suppress
+from functools import partial
 from inspect import iscoroutine, isfunction
 from types import coroutine
 from typing import Any, TypeAlias, TypeVar, cast
@@ -90,6 +91,54 @@ class Branches:
         return (("for its parallel branches to end", None),)
 
 
+class Rounds(Branches):
+    """A parallel of optimized code that is run again and again: its tasks are made once.
+
+    The code of each branch calls ``done`` where the branch ends, and begins anew when it is resumed. ``failed``: whether ``conclude`` is to be
+    called by the parent, once it goes on.
+    """
+
+    __slots__ = ("_bodies", "failed")
+
+    def __init__(self, parent: Task, *bodies: Branch) -> None:
+        super().__init__(parent)
+        self._bodies = bodies
+        self.failed = False
+
+    def begin(self) -> None:
+        """Puts the branches into the ready queue; the parent then waits."""
+        if not self.tasks:
+            self.tasks = [routine_task(body, self, self._parent) for body in self._bodies]
+        self.pending = len(self.tasks)
+        for task in self.tasks:
+            task.ended = False
+            scheduler.enqueue(task)
+        self._parent.waiting = self
+
+    def done(self, branch: Task) -> None:
+        """A branch has come to its end; it will wait to be resumed."""
+        branch.ended = True
+        self.pending -= 1
+        if not self.pending:
+            scheduler.enqueue(self._parent)
+
+    def branch_ended(self, branch: Task, error: BaseException | None) -> None:
+        """See ``Branches.branch_ended``: this branch will not begin anew."""
+        self.failed = True
+        super().branch_ended(branch, error)
+
+    def conclude(self) -> None:
+        """Raises what the first unsuccessful branch raised."""
+        self.tasks = []
+        self.failed = False
+        error, self._error = self._error, None
+        cancelled, self.cancelled = self.cancelled, False
+        if error is not None:
+            raise error
+        if self._abandoned and cancelled:
+            raise Cancelled
+
+
 def end_all(task: Task) -> None:
     """Closes the coroutines of a task and of all below it, innermost first, when a run is over."""
     tasks = [task]
@@ -109,7 +158,7 @@ async def _awaited(body: Awaitable[T]) -> T:
 
 def task_for(body: Body, join: Join, parent: Task | None) -> Task:
     """What executes ``body``."""
-    if isinstance(body, Routine) or isfunction(body):
+    if isinstance(body, Routine | partial) or isfunction(body):
         return routine_task(body, join, parent)
     return Task(as_coroutine(cast("Awaitable[object]", body)), join, parent)
 
@@ -199,11 +248,16 @@ def wait(duration: int) -> Generator[None, None, None]:
     if task.cancelled:
         raise Cancelled
     if duration > 0:
-        instant = scheduler.now + duration
-        delay = _Delay(task, instant)
-        scheduler.timers.begin(instant, delay)
-        task.waiting = delay
+        begin_delay(task, duration)
         yield
+
+
+def begin_delay(task: Task, duration: int) -> None:
+    """``task`` will be readied when ``duration``, which is positive, has passed."""
+    instant = scheduler.now + duration
+    delay = _Delay(task, instant)
+    scheduler.timers.begin(instant, delay)
+    task.waiting = delay
 
 
 class _Stop:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from itertools import groupby
 from typing import assert_never
@@ -14,7 +15,7 @@ from cspdiag.codegen.optimized_python.laws import InlineLaw, external_calls, res
 from cspdiag.codegen.optimized_python.places import Spelling
 from cspdiag.codegen.optimized_python.statements import assigned
 from cspdiag.codegen.optimized_python.storage import never_ends
-from cspdiag.codegen.python_code import Argument, Atom, Call, Code, call
+from cspdiag.codegen.python_code import Argument, Atom, Call, Code, Comprehension, Starred, call
 from cspdiag.codegen.python_external import ExternalModules
 from cspdiag.codegen.python_imports import Imports
 from cspdiag.codegen.python_rolling import LEAST, statements_template
@@ -59,7 +60,7 @@ from cspdiag.network.actions import (
 )
 from cspdiag.network.expressions import Expression, LiteralValue, ParameterValue, SignalValue, VariableValue
 from cspdiag.network.ir import Declared, InstanceOf, ProcessClass
-from cspdiag.network.walk import mentions_variable
+from cspdiag.network.walk import mentions_variable, parts
 
 _LONGEST_COMMENT = 70
 
@@ -78,13 +79,19 @@ class Composition:
     """For expressions in the constructor."""
     imports: Imports
     modules: ExternalModules
-    functions: list[tuple[str, Statements]] = field(default_factory=list)
+    functions: list[tuple[str, str, Statements]] = field(default_factory=list)
+    """Name, further parameters, and body."""
+    prepared: list[Statement] = field(default_factory=list)
+    """What the code makes once of its functions."""
     prologue: list[Statement] = field(default_factory=list)
     choices: dict[str, Code] = field(default_factory=dict)
     """How the alternatives are made, by name."""
     choice_names: dict[str, str] = field(default_factory=dict)
+    selectors: dict[str, str] = field(default_factory=dict)
+    """Local variables for the selectors of alternatives."""
     memories: dict[str, str] = field(default_factory=dict)
     """Local variables that remember what fair alternatives chose last."""
+    _loops: int = 0
     _process: str = "self"
     """The process or law that is executed at this place."""
 
@@ -109,18 +116,21 @@ class Composition:
             case ResetInstance(instance=instance):
                 return (text(f"{self._instance(instance)}.reset()"),)
             case Repeat(body=body, until=until):
-                return (self._repeat(body, until),)
+                with self._loop():
+                    return (self._repeat(body, until),)
             case WhileLoop(condition=condition, body=body):
-                return (Block(Line("while ", self.printer.print(condition), ":"), self.statements(body)),)
+                with self._loop():
+                    return (Block(Line("while ", self.printer.print(condition), ":"), self.statements(body)),)
             case IfElse():
                 return self._if(action)
             case CatchException():
                 return self._catch(action)
             case WaitStep(duration=duration):
-                waited = call(self.imports.runtime("wait"), self.printer.print(duration))
-                return (self._comment(action), *self._known(), Line("yield from ", waited))
+                return (self._comment(action), *self._delay(duration))
             case StopStep():
                 return (self._comment(action), *self._known(), text(f"yield from {self.imports.runtime('stop')}()"))
+            case ParallelSteps(steps=steps, prioritized=False) if self._are_functions(steps):
+                return (self._comment(action), *self._rounds(steps))
             case ParallelSteps(steps=steps, prioritized=prioritized):
                 name = self.imports.runtime("prioritized_parallel" if prioritized else "parallel")
                 branches = Call(name, tuple(Argument(branch) for branch in self._branches(steps)))
@@ -226,7 +236,40 @@ class Composition:
             Block(Line("except ", exception, ":"), handler or (text("pass"),)),
         )
 
+    @contextmanager
+    def _loop(self) -> Iterator[None]:
+        self._loops += 1
+        try:
+            yield
+        finally:
+            self._loops -= 1
+
+    def _delay(self, duration: Expression) -> Statements:
+        before, simple = self._simple(duration)
+        begin = text(f"{self.imports.runtime('begin_delay')}({self.spelling['me']}, {simple})")
+        waits: Statements = (begin, text("yield"))
+        known = self.printer.value(duration)
+        if known is None:
+            waits = (Block(text(f"if {simple} > 0:"), waits),)
+        elif not isinstance(known, int) or known <= 0:
+            waits = ()
+        return (*before, *self.communications.check(), *waits)
+
     # Processes
+
+    def _are_functions(self, steps: Sequence[Action]) -> bool:
+        """Whether a parallel in a loop consists of code of this process only, so that its tasks can be kept."""
+        return self._loops > 0 and len(steps) < LEAST and not any(isinstance(step, RunInstance) for step in steps)
+
+    def _rounds(self, steps: Sequence[Action]) -> Iterator[Statement]:
+        me = self.spelling["me"]
+        rounds = self.spelling.names.fresh("rounds")
+        functions = ", ".join(self._function(step, rounds) for step in steps)
+        self.prepared.append(text(f"{rounds} = {self.imports.runtime('Rounds')}({me}, {functions})"))
+        yield from self.communications.check()
+        yield text(f"{rounds}.begin()")
+        yield text("yield")
+        yield Block(text(f"if {rounds}.failed:"), (text(f"{rounds}.conclude()"),))
 
     def _instance(self, name: str) -> str:
         return self.spelling.local(self.spelling.members.instance(name))
@@ -256,6 +299,10 @@ class Composition:
             yield text(f"{part}.end({me})")
 
     def _branches(self, steps: Sequence[Action]) -> Iterator[Code]:
+        alike = self._alike(steps)
+        if alike is not None:
+            yield Starred(alike)
+            return
         position = 0
         while position < len(steps):
             step = steps[position]
@@ -282,16 +329,32 @@ class Composition:
             return None
         return self.spelling.local(f"self.{array.name}"), len(array.elements)
 
-    def _function(self, action: Action) -> str:
-        """A generator function for what runs beside others."""
+    def _function(self, action: Action, rounds: str | None = None) -> str:
+        """A generator function for what runs beside others, again and again if it belongs to ``rounds``."""
         name = self.spelling.names.fresh(f"_{branch_name(action)}")
         position = len(self.functions)
-        self.functions.append((name, ()))
-        outer = self._process
+        self.functions.append((name, "", ()))
+        outer, loops, self._loops = self._process, self._loops, 0
         body = self.statements(action)
-        self._process = outer
-        self.functions[position] = (name, body)
+        self._process, self._loops = outer, loops
+        if rounds is not None:
+            body = (*body, text(f"{rounds}.done({self.spelling['me']})"), text("yield"))
+            body = (Block(text("while True:"), body),)
+        self.functions[position] = (name, "", body)
         return name
+
+    def _alike(self, steps: Sequence[Action]) -> Code | None:
+        """Branches that differ only in an index, as one function with that index as its last parameter."""
+        if len(steps) < LEAST or not all(map(_is_plain, steps)):
+            return None
+        k = self.spelling["k"]
+        body = statements_template([self.statements(step) for step in steps], k, 0)
+        if body is None:
+            return None
+        name = self.spelling.names.fresh(f"_{branch_name(steps[0])}")
+        self.functions.append((name, f", {k}: int", body))
+        made = f"{self.imports.standard('functools', 'partial')}({name}, {k}={k})"
+        return Comprehension(Atom(made), f"for {k} in range({len(steps)})", "()")
 
     def _group(self, label: str, body: Action) -> Iterator[Statement]:
         group = self.spelling.names.fresh(self.spelling["group"])
@@ -323,6 +386,10 @@ class Composition:
                         return False
                 case SkipEvent():
                     pass
+                case AfterEvent(duration=duration):
+                    known = self.printer.value(duration)
+                    if not isinstance(known, int) or known <= 0:
+                        return False
                 case _:
                     return False
         return True
@@ -330,16 +397,14 @@ class Composition:
     def _selection(self, choice: Choice, attribute: str, local: str) -> Iterator[Statement]:
         spelling, branches = self.spelling, choice.branches
         ready, bit = spelling["ready"], spelling["bit"]
-        guards = f"{local}.selector"
+        guards = self._guards(attribute, local)
         yield from self.communications.check()
         mask = self._mask(branches)
         if len(mask.flat) > 12:
             yield assign(f"{ready}_mask", mask)
             mask = Atom(f"{ready}_mask")
         yield text(f"{ready} = {guards}.ready & {mask.flat}")
-        bare = mask.flat[1:-1] if len(branches) == 1 and mask.flat.startswith("(") else mask.flat
-        waiting = call(f"yield from {local}.wait", Atom(bare))
-        yield Block(text(f"if not {ready}:"), (*self._known(), assign(ready, waiting)))
+        yield from self._parked(choice, local, guards, mask.flat)
         if len(branches) > 1 and not choice.prioritized:
             above = self._memory(attribute, local)
             yield text(f"{bit} = {ready} & {above} or {ready}")
@@ -348,6 +413,36 @@ class Composition:
         else:
             yield text(f"{bit} = {ready} & -{ready}")
         yield from self._chosen(branches, lambda event: self._taken(event, guards))
+
+    def _guards(self, attribute: str, local: str) -> str:
+        """A local variable for the selector of an alternative."""
+        if attribute not in self.selectors:
+            self.selectors[attribute] = self.spelling.names.fresh(f"{attribute}_guards")
+            self.prologue.append(text(f"{self.selectors[attribute]} = {local}.selector"))
+        return self.selectors[attribute]
+
+    def _parked(self, choice: Choice, local: str, guards: str, mask: str) -> Iterator[Statement]:
+        """Waits while no guard is ready."""
+        bare = mask[1:-1] if len(choice.branches) == 1 and mask.startswith("(") else mask
+        me, ready = self.spelling["me"], self.spelling["ready"]
+        if all(self._only_wakes(branch.event) for branch in choice.branches):
+            waits = (
+                text(f"{local}.park({me}, {bare})"),
+                text("yield"),
+                text(f"{guards}.waiting = None"),
+                *self.communications.check(),
+                text(f"{ready} = {guards}.ready & {mask}"),
+            )
+            yield Block(text(f"while not {ready}:"), waits)
+        else:
+            waiting = call(f"yield from {local}.wait", Atom(bare))
+            yield Block(text(f"if not {ready}:"), (*self._known(), assign(ready, waiting)))
+
+    def _only_wakes(self, event: Event) -> bool:
+        """Whether the end of a guard need not be told that an alternative waits."""
+        if isinstance(event, InputEvent | ReadyEvent):
+            return self.spelling.medium(event.source).kind in ("sync", "event", "buffer", "overwrite", "any")
+        return isinstance(event, SkipEvent)
 
     def _memory(self, attribute: str, local: str) -> str:
         if self.spelling.again:
@@ -553,6 +648,13 @@ class Composition:
         yield from before
         tell = text(f'{scheduler}.observe(f"{{self.name}}.{channel}", {simple}, {me}, {me})')
         yield Block(text(f"if {scheduler}.observe is not None:"), (tell,))
+
+
+def _is_plain(action: Action) -> bool:
+    """Whether an action needs no alternative and no function of its own."""
+    return not any(
+        isinstance(p, Choice | ParallelSteps | InterruptOn | Group | RunInstance | RunLaw) for p in parts(action)
+    )
 
 
 def _law_of(action: Action) -> str:

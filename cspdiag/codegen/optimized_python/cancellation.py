@@ -30,7 +30,7 @@ def checked_classes(network: Network) -> frozenset[str]:
                 found |= _below(process, instances_run(part.body), classes)
             elif isinstance(part, CatchException):
                 branches = [item for item in parts(part.body) if isinstance(item, ParallelSteps)]
-                if any(not isinstance(step, RunInstance) for item in branches for step in item.steps):
+                if any(not isinstance(s, RunInstance | ParallelSteps) for item in branches for s in item.steps):
                     found.add(process.name)
                 run = _below(process, instances_run(part.body), classes)
                 found |= {name for name in run if name in again or _has_shared_variables(classes[name])}

@@ -151,12 +151,12 @@ class _ProcessWriter:
         bound = tuple(text(f"{name} = self.{name}") for name in spelling.bound)
         task, steps = self.imports.runtime("Task"), self.imports.runtime("Steps")
         code: Statements = (*bound, *self.composition.prologue, *states, *declared, *memories)
-        for name, function in self.composition.functions:
+        for name, parameters, function in self.composition.functions:
             rows = lines(function or (text("pass"),), "    ")
             shared = self._set_in(rows)
             inner: Statements = (*_nonlocal(shared), *function)
-            code += (Block(text(f"def {name}({me}: {task}) -> {steps}:"), self._generator(inner)),)
-        code += (text(f"self.start({me})"),)
+            code += (Block(text(f"def {name}({me}: {task}{parameters}) -> {steps}:"), self._generator(inner)),)
+        code += (*self.composition.prepared, text(f"self.start({me})"))
         failed = (text(f"self.fail({me}, {error})"), text("raise"))
         code += (
             Block(text("try:"), self._generator(body)),
