@@ -121,3 +121,8 @@ DOUBLE = RealType()
 TIME = TimeType()
 TEXT = TextType()
 UNKNOWN = UnknownType()
+
+
+def has_unit(type_: Type) -> bool:
+    """Whether values of the type are quantities with a unit."""
+    return isinstance(type_, RealType) and bool(type_.unit.text)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from cspdiag.model.types import RealType
+from cspdiag.model.types import has_unit
 from cspdiag.network.ir import Network
 
 if TYPE_CHECKING:
@@ -18,9 +18,7 @@ def probe(running: RunningNetwork, network: Network, recorder: Recorder) -> None
     """Let every variable with a unit report its writes to ``recorder``, from now on."""
     from cspdiag.runtime import Variable
 
-    wanted = {
-        net.path for net in network.nets if net.kind == "var" and isinstance(net.type, RealType) and net.type.unit.text
-    }
+    wanted = {net.path for net in network.nets if net.kind == "var" and has_unit(net.type)}
 
     class ProbedVariable(Variable[float]):
         """Reports its writes; a class of its own for each run, because variables have no room for a recorder."""
@@ -37,7 +35,7 @@ def probe(running: RunningNetwork, network: Network, recorder: Recorder) -> None
 
 
 def _variables(process: object) -> Iterator[Variable[float]]:
-    from cspdiag.runtime import Process, Variable
+    from cspdiag.runtime import Process, Routine, Variable
 
     pending: list[object] = [process]
     seen: set[int] = set()
@@ -50,5 +48,5 @@ def _variables(process: object) -> Iterator[Variable[float]]:
             yield item
         elif isinstance(item, list | tuple):
             pending += item
-        elif isinstance(item, Process):
+        elif isinstance(item, Process | Routine):
             pending += vars(item).values()

@@ -15,12 +15,17 @@ from cspdiag.codegen.render import renderer
 from cspdiag.network.ir import Network, ProcessClass
 from cspdiag.network.optimize import PASSES, optimize
 
+_OF_PROCESSES = ("fuse",)
+"""Passes after which nobody can tell any more when each process starts and ends."""
+
+_OF_VARIABLES = ("constants", "dead", "fuse")
+"""Passes after which variables that are there to be watched may be gone."""
+
 
 def generate(network: Network, modules: Mapping[str, str], options: Options) -> dict[str, str]:
     """The files of a package, by path from its folder; see ``python.generate``."""
-    if options.probed:
-        return python.generate(network, modules, environment_module)
-    optimized = optimize(network, [entry for entry in PASSES if entry.name != "fuse"] if options.observed else PASSES)
+    left_out = _OF_PROCESSES * options.observed + _OF_VARIABLES * options.probed
+    optimized = optimize(network, [entry for entry in PASSES if entry.name not in left_out])
     render = renderer("python")
     names = PackageNames(optimized)
     external = ExternalModules(modules)
@@ -31,7 +36,7 @@ def generate(network: Network, modules: Mapping[str, str], options: Options) -> 
         if isinstance(class_, ProcessClass):
             if class_.external is not None:
                 continue
-            module = process_module(class_, optimized, names, external, traced=options.traced)
+            module = process_module(class_, optimized, names, external, options)
         else:
             module = submodel_module(class_, names, external)
         files[f"{package}/{names.modules[class_.name]}.py"] = render("class.py.j2", module=module)

@@ -29,12 +29,14 @@ class Spelling:
     network: Network
     again: bool
     """Whether the process may be run more than once."""
+    probed: bool = False
+    """Whether variables that have a unit are watched from outside."""
     bound: dict[str, None] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self.members = Members(self.process, self.network)
         names = self.names = self.members.names
-        self._locals = local_variables(self.process, self.again)
+        self._locals = local_variables(self.process, self.again, self.probed)
         self._media = {port.name: port.media for port in self.process.ports}
         self._channels = {channel.name: channel for channel in self.process.channels}
         self.helpers = {name: names.fresh(name) for name in _HELPERS}

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 
+from cspdiag.codegen import Options
 from cspdiag.codegen.optimized_python.actions import Composition, code_lines
 from cspdiag.codegen.optimized_python.cancellation import checked_classes
 from cspdiag.codegen.optimized_python.communications import Communications, Statements, text
@@ -56,10 +57,10 @@ _CHANNEL_CLASSES = {
 
 
 def process_module(
-    process: ProcessClass, network: Network, names: PackageNames, modules: ExternalModules, *, traced: bool
+    process: ProcessClass, network: Network, names: PackageNames, modules: ExternalModules, options: Options
 ) -> ClassModule:
     """The module of a process class of an optimized network."""
-    return _ProcessWriter(process, network, names, modules, traced).module()
+    return _ProcessWriter(process, network, names, modules, options).module()
 
 
 def has_parts_by_hand(network: Network) -> bool:
@@ -86,13 +87,13 @@ def _nonlocal(names: Sequence[str]) -> Statements:
 
 class _ProcessWriter:
     def __init__(
-        self, process: ProcessClass, network: Network, names: PackageNames, modules: ExternalModules, traced: bool
+        self, process: ProcessClass, network: Network, names: PackageNames, modules: ExternalModules, options: Options
     ) -> None:
         self.process = process
         self.network = network
         self.names = names
         self.modules = modules
-        self.spelling = Spelling(process, network, process.name in run_again(network))
+        self.spelling = Spelling(process, network, process.name in run_again(network), options.probed)
         self.members = self.spelling.members
         self._name_everything()
         self.imports = Imports(names, taken=self.spelling.taken())
@@ -111,7 +112,9 @@ class _ProcessWriter:
         )
         self.checked = process.name in checked_classes(network)
         self.tracked = has_parts_by_hand(network)
-        communications = Communications(spelling, self.imports, self.checked, traced, self.tracked, has_levels(network))
+        communications = Communications(
+            spelling, self.imports, self.checked, options.traced, self.tracked, has_levels(network)
+        )
         self.composition = Composition(spelling, communications, running, self.initial, self.imports, modules)
 
     def _name_everything(self) -> None:

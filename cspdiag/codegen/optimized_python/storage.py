@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import assert_never
 
+from cspdiag.model.types import has_unit
 from cspdiag.network.actions import (
     Action,
     AssignValue,
@@ -41,10 +42,11 @@ from cspdiag.network.ir import Network, ProcessClass
 from cspdiag.network.walk import instances_run, parts
 
 
-def local_variables(process: ProcessClass, again: bool) -> frozenset[str]:
+def local_variables(process: ProcessClass, again: bool, probed: bool) -> frozenset[str]:
     """The variables that can be local: no instance has them, no guard, and every read surely comes after a write.
 
-    ``again`` tells that the process may be run more than once, with its variables as they were left.
+    ``again`` tells that the process may be run more than once, with its variables as they were left; ``probed`` that those with a unit
+    are watched from outside.
     """
     variables = {channel.name: channel for channel in process.channels if channel.kind == "var"}
     shared = {
@@ -63,7 +65,8 @@ def local_variables(process: ProcessClass, again: bool) -> frozenset[str]:
     flow = _Flow()
     if process.body is not None:
         flow.after(process.body, written)
-    return frozenset(variables) - shared - flow.read_early
+    watched = {name for name, channel in variables.items() if probed and has_unit(channel.type)}
+    return frozenset(variables) - shared - flow.read_early - watched
 
 
 class _Flow:
