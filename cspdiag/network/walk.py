@@ -14,11 +14,36 @@ def parts(item: object) -> Iterator[object]:
     pending: list[object] = [item]
     while pending:
         part = pending.pop()
-        if isinstance(part, tuple | list):
+        names = _INSIDE.get(type(part))
+        if names is None:
+            names = _INSIDE[type(part)] = _names_inside(part)
+        if names:
+            yield part
+            for name in names:
+                inner = getattr(part, name)
+                if inner is not None:
+                    pending.append(inner)
+        elif isinstance(part, tuple | list):
             pending.extend(reversed(part))
         elif is_record(part):
             yield part
-            pending.extend(getattr(part, name) for name in reversed(field_names(part)) if name not in ("span", "type"))
+
+
+_INSIDE: dict[type, tuple[str, ...]] = {}
+"""By type, the fields that are looked into, the last one first: networks have millions of parts."""
+
+
+def _names_inside(part: object) -> tuple[str, ...]:
+    if not is_record(part):
+        return ()
+    annotations = {
+        name: kind for cls in type(part).__mro__ for name, kind in getattr(cls, "__annotations__", {}).items()
+    }
+    names = (name for name in field_names(part) if name not in ("span", "type") and annotations[name] not in _ATOMS)
+    return tuple(names)[::-1]
+
+
+_ATOMS = frozenset({"str", "str | None", "int", "int | None", "bool"})
 
 
 def instances_run(action: Action) -> list[str]:
