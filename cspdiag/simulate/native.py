@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import signal
 import subprocess
+import threading
 from collections.abc import Callable
-from contextlib import suppress
-from typing import TYPE_CHECKING, Literal
+from types import FrameType
+from typing import TYPE_CHECKING, Any, Literal
 
 from cspdiag.codegen.c.refusals import refuse_devices
 from cspdiag.network.ir import Environment, Network
@@ -86,22 +87,48 @@ def _run(
         reader = StreamReader(running.stdout, network, recorder)
         if on_start is not None:
             on_start(reader)
-        try:
-            reader.read()
-        except KeyboardInterrupt:
-            running.send_signal(signal.SIGINT)
-            with suppress(KeyboardInterrupt):
+        with _Interrupts(running) as interrupts:
+            try:
                 reader.read()
-        except BaseException:
-            running.kill()
-            raise
+            except BaseException:
+                running.kill()
+                raise
         _, said = running.communicate()
     if reader.end is None:
+        if interrupts.count > 1:
+            raise KeyboardInterrupt
         text = (said or b"").decode("utf-8", "replace").strip() or f"exit code {running.returncode}"
         raise CompilerError(f"the native program has failed: {text}")
     outcome = _outcome(reader, reader.end, environment, network)
     outcome.real_time = real_time
     return outcome
+
+
+class _Interrupts:
+    """Hands Ctrl-C, and what ends a service, on to the program, which then ends by itself; at the second time it is killed.
+
+    Only the main thread gets signals, and an exception in the middle of a record would lose what follows.
+    """
+
+    def __init__(self, program: subprocess.Popen[bytes]) -> None:
+        self._program = program
+        self._before: dict[int, Any] = {}
+        self.count = 0
+
+    def __enter__(self) -> _Interrupts:
+        if threading.current_thread() is threading.main_thread():
+            self._before = {
+                number: signal.signal(number, self._interrupt) for number in (signal.SIGINT, signal.SIGTERM)
+            }
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for number, handler in self._before.items():
+            signal.signal(number, handler)
+
+    def _interrupt(self, number: int, frame: FrameType | None) -> None:
+        self.count += 1
+        self._program.send_signal(signal.SIGINT if self.count == 1 else signal.SIGKILL)
 
 
 def _outcome(reader: StreamReader, end: EndRecord, environment: Environment | None, network: Network) -> Outcome:

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import os
 import shutil
+import signal
 import stat
+import threading
+import time
 from pathlib import Path
 
 import pytest
@@ -16,6 +19,7 @@ from cspdiag.network.ir import Network
 from cspdiag.runtime.exceptions import described
 from cspdiag.simulate import execute, native
 from cspdiag.simulate.native_build import Build, CompilerError, explained, find_compiler
+from cspdiag.simulate.native_stream import StreamReader
 from cspdiag.simulate.result import Run
 from cspdiag.sources import read_source
 
@@ -268,3 +272,21 @@ def test_the_cache_keeps_what_was_used_last(monkeypatch: pytest.MonkeyPatch, tmp
     program = Build({"main.c": "int main(void) { return 0; }\n"}, ["main.c"], folder=tmp_path).executable()
     assert not program.exists()
     assert not list((tmp_path / "objects").iterdir())
+
+
+@needs_compiler
+def test_an_interrupted_run_is_told_to_its_end() -> None:
+    endless = FAULTY.replace("n + 10", "n")
+
+    def interrupt_later(reader: StreamReader) -> None:
+        def interrupt() -> None:
+            while reader.now == 0:
+                time.sleep(0.001)
+            os.kill(os.getpid(), signal.SIGINT)
+
+        threading.Thread(target=interrupt, daemon=True).start()
+
+    run = native.simulate(network_of(endless), read_source, on_start=interrupt_later, observed="ports", options=FAST)
+    assert run.outcome.ended == "stopped"
+    assert run.releases == [(run.outcome.time, "Main.y", 0.0)]
+    assert run.communications[-1].time <= run.outcome.time
