@@ -9,7 +9,7 @@ from cspdiag.codegen.c.faults import can_fault
 from cspdiag.codegen.c.flow import ends
 from cspdiag.codegen.c.media import Spelling
 from cspdiag.codegen.c.members import SELF, Member
-from cspdiag.codegen.c.plain_steps import WRITES, finite_rows, store_rows
+from cspdiag.codegen.c.plain_steps import WRITES, finite_rows, flag_rows, store_rows, take_rows
 from cspdiag.codegen.c.rows import Row, block, rows
 from cspdiag.codegen.c.writer import Writer
 from cspdiag.network.actions import (
@@ -177,13 +177,14 @@ def taken_rows(writer: Writer, guard: Guard) -> list[Row]:
         case InputEvent(source=source, target=target):
             end = writer.members.source(source)
             if end.at_once:
-                return [comment, *store_rows(writer, target, end.pointer, end.type, where)]
+                return [comment, *take_rows(writer, target, end, where)]
             if guard.kept is not None:
                 return [comment, *store_rows(writer, target, guard.kept, end.type, where)]
+            return [comment, *writer.wrote(target.channel)]
         case OutputEvent(sink=sink):
             end, value = writer.members.sink(sink), guard.kept or ""
             if end.access == "variable":
-                return [comment, *rows(f"{end.pointer} = {value};")]
+                return [comment, *rows(f"{end.pointer} = {value};"), *flag_rows(end)]
             if end.access in ("latched", "direct"):
                 written = f"(void){WRITES[end.access]}(party, {end.pointer}, &{value}, sizeof({value}));"
                 return [comment, *finite_rows(writer, end, value, where), Row(written)]

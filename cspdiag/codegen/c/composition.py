@@ -164,6 +164,8 @@ class Composition(Writer):
         then, otherwise = self.rows(action.then), self.rows(action.otherwise)
         if not otherwise:
             return [*setup, *block(f"if ({condition})", then)]
+        if not then:
+            return [*setup, *block(f"if (!({condition}))", otherwise)]
         chained = isinstance(action.otherwise, IfElse) and otherwise[0].text.startswith("if (")
         if chained:
             first, *rest = otherwise

@@ -87,6 +87,9 @@ class _Initialization:
             if access != "discard" and not (port.direction == "in" and access in READING_ENDS):
                 member = members.layout.member(port, index)
                 yield f"{SELF}{member} = ports->{member};"
+                if members.unwritten.has_port(self.process.name, port.name, index):
+                    flag = members.layout.written(port, index)
+                    yield f"{SELF}{flag} = ports->{flag};"
 
     def _channels(self) -> list[Row]:
         groups: list[list[str]] = []
@@ -95,6 +98,9 @@ class _Initialization:
             if access == "variable":
                 if channel.initial is not None:
                     groups.append([f"{lvalue} = {self._printed(channel.initial)};"])
+                flag = self.members.written(channel.name)
+                if flag is not None:
+                    groups.append([f"{SELF}{flag}.number = numbers->variable;", "numbers->variable++;"])
             elif access == "buffer":
                 values = SELF + self.members.storage(channel.name, self.members.arrays.subscript(channel.name))
                 overwrites = "true" if channel.kind == "overwrite" else "false"
@@ -166,7 +172,7 @@ class _Initialization:
         arguments = [f"&{lvalue}", "numbers"]
         layout = self._layout(class_)
         if any(layout.designator(port.name, index) for port in class_.ports for index in elements(port)):
-            fields = self._fields(instance.connections, layout)
+            fields = self._fields(class_.name, instance.connections, layout)
             arguments.append(f"&(const struct {struct}_ports){{{', '.join(fields)}}}")
         return [f"{struct}_initialize({', '.join([*arguments, *given])});"]
 
@@ -175,12 +181,26 @@ class _Initialization:
             self.layouts[class_.name] = PortLayout(class_)
         return self.layouts[class_.name]
 
-    def _fields(self, connections: Sequence[Connection], layout: PortLayout) -> Iterator[str]:
+    def _flag(self, connection: Connection) -> str | None:
+        """A pointer to what tells whether the variable at a connection was written; None where that is sure."""
+        members = self.members
+        match connection.attachment:
+            case ChannelEnd(channel=channel):
+                flag = members.written(channel)
+                return None if flag is None else f"&{SELF}{flag}"
+            case PortEnd(port=port, index=index) if members.unwritten.has_port(self.process.name, port, index):
+                return f"ports->{members.layout.written(members.ports[port], index)}"
+        return None
+
+    def _fields(self, class_: str, connections: Sequence[Connection], layout: PortLayout) -> Iterator[str]:
         for connection in connections:
             designator = layout.designator(connection.port, connection.index)
             if designator is None:
                 continue
             yield f".{designator} = {self._attached(connection)}"
+            flag = self._flag(connection)
+            if flag is not None and self.members.unwritten.has_port(class_, connection.port, connection.index):
+                yield f".{layout.written(layout.ports[connection.port], connection.index)} = {flag}"
 
     def _attached(self, connection: Connection) -> str:
         members = self.members

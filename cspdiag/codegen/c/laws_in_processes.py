@@ -11,7 +11,7 @@ from cspdiag.codegen.c.inlined_laws import reset_states, run_law, run_law_signal
 from cspdiag.codegen.c.laws import law_can_fault, law_members
 from cspdiag.codegen.c.media import Spelling
 from cspdiag.codegen.c.members import SELF
-from cspdiag.codegen.c.plain_steps import READS, WRITES, finite_check, finite_rows, receive_rows, send_rows
+from cspdiag.codegen.c.plain_steps import READS, WRITES, finite_check, finite_rows, flag_rows, receive_rows, send_rows
 from cspdiag.codegen.c.rows import Row, block, rows
 from cspdiag.codegen.c.writer import Writer
 from cspdiag.network.actions import (
@@ -170,7 +170,7 @@ def reset_states_rows(writer: Writer, step: ResetStates) -> list[Row]:
 def _reading(writer: Writer, step: Step, name: str, reads: Sequence[_Read]) -> list[Row]:
     """Reads all; with no more than one that can wait, that is a plain communication."""
     waiting = [read for read in reads if read.source is not None and not read.source.at_once]
-    at_once = [_had(read) for read in reads if read not in waiting]
+    at_once = [row for read in reads if read not in waiting for row in _had(writer, step, read)]
     if not waiting:
         return [Row(f"CSP_CHECK({writer.failing()})", comment=writer.comment(step)), *at_once]
     if len(waiting) == 1:
@@ -183,12 +183,20 @@ def _reading(writer: Writer, step: Step, name: str, reads: Sequence[_Read]) -> l
         if read in waiting and read.source is not None:
             found += offers.offer(READS[read.source.access], read.source, read.into)
         else:
-            found.append(_had(read))
+            found += _had(writer, step, read, offers)
     return [*found, *offers.wait()]
 
 
-def _had(read: _Read) -> Row:
-    return Row(f"{read.into} = {read.constant if read.source is None else read.source.pointer};")
+def _had(writer: Writer, step: Step, read: _Read, offers: _Offers | None = None) -> list[Row]:
+    """What never waits; a variable may turn out not to have been written."""
+    taken = Row(f"{read.into} = {read.constant if read.source is None else read.source.pointer};")
+    if read.source is None or read.source.written is None:
+        return [taken]
+    fault = writer.fault(writer.where(step))
+    if offers is None:
+        return [taken, fault]
+    given_up = Row(f"csp_offers_give_up(&{SELF}{offers.member});")
+    return [taken, *block("if (csp_faulted())", [given_up, fault])]
 
 
 def _writing(writer: Writer, step: Step, name: str, writes: Sequence[_Write]) -> list[Row]:
@@ -221,7 +229,7 @@ def _at_once(writer: Writer, step: Step, write: _Write, offers: _Offers | None =
     if sink.access == "discard":
         return []
     if sink.access == "variable":
-        return rows(f"{sink.pointer} = {value};")
+        return [*rows(f"{sink.pointer} = {value};"), *flag_rows(sink)]
     checked = finite_rows(writer, sink, value, writer.where(step))
     if offers is not None and checked:
         check = finite_check(writer, sink.type, value, f"{sink.pointer}->name")

@@ -28,6 +28,8 @@ class Spelling:
     indirect: bool
     type: Type
     name: str
+    written: str | None = None
+    """A pointer to what tells whether a variable was written, where that is not sure."""
 
     @property
     def at_once(self) -> bool:

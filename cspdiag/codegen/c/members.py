@@ -21,10 +21,11 @@ from cspdiag.codegen.c.port_layout import TAKEN, PortLayout, elements
 from cspdiag.codegen.c.rows import Row
 from cspdiag.codegen.c.signals import kept_signals, signals_of
 from cspdiag.codegen.c.types import CTypes
+from cspdiag.codegen.c.unwritten import Unwritten
 from cspdiag.codegen.places_in_arrays import Arrays
 from cspdiag.model.types import Type
 from cspdiag.network.actions import ChannelEnd, End, PortEnd, ProcessScope
-from cspdiag.network.expressions import ParameterValue
+from cspdiag.network.expressions import ParameterValue, VariableValue
 from cspdiag.network.ir import (
     CreatedChoice,
     CreatedInstance,
@@ -57,6 +58,7 @@ class Members:
     process: ProcessClass
     network: Network
     types: CTypes
+    unwritten: Unwritten
     work: list[Member] = field(default_factory=list)
     structs: dict[str, list[Member]] = field(default_factory=dict)
     """Members that are structs: what an alternative consists of."""
@@ -148,6 +150,22 @@ class Members:
         """The lvalue of a variable."""
         return SELF + self.member(name)
 
+    def written(self, name: str) -> str | None:
+        """The member that tells whether a variable was written; None where that is sure."""
+        if name not in self.unwritten.variables[self.process.name]:
+            return None
+        return f"{self.names[f'{self._plain[name]} written']}{self.arrays.subscript(name)}"
+
+    def value(self, name: str) -> str:
+        """A variable in an expression; a fault is noted if it was not written."""
+        written = self.written(name)
+        return required(f"&{SELF}{written}", self.variable(name)) if written is not None else self.variable(name)
+
+    def is_sure(self, value: object) -> bool:
+        """Whether all variables in an expression were written when it is evaluated."""
+        flagged = self.unwritten.variables[self.process.name]
+        return not any(isinstance(part, VariableValue) and part.channel in flagged for part in parts(value))
+
     def running_parameter(self, name: str) -> str:
         """A parameter in a step function."""
         return SELF + self.parameters[name]
@@ -164,7 +182,7 @@ class Members:
     @property
     def initial_printer(self) -> Printer:
         """For expressions in the function that initializes the process."""
-        return Printer(self.types, parameter=self.initial_parameter, signal=self.signal, variable=self.variable)
+        return Printer(self.types, parameter=self.initial_parameter, signal=self.signal, variable=self.value)
 
     @property
     def running_printer(self) -> Printer:
@@ -215,10 +233,16 @@ class Members:
         if isinstance(end, ChannelEnd):
             member = self.member(end.channel)
             pointer = SELF + member if access == "variable" else f"&{SELF}{member}"
-            return Spelling(access, pointer, member, False, type_, name)
-        member = self.layout.member(self.ports[end.port], end.index)
-        pointer = f"*{SELF}{member}" if access == "variable" else SELF + member
-        return Spelling(access, pointer, member, True, type_, name)
+            flag = self.written(end.channel)
+            written = f"&{SELF}{flag}" if flag is not None else None
+        else:
+            member = self.layout.member(self.ports[end.port], end.index)
+            pointer = f"*{SELF}{member}" if access == "variable" else SELF + member
+            flagged = self.unwritten.has_port(self.process.name, end.port, end.index)
+            written = SELF + self.layout.written(self.ports[end.port], end.index) if flagged else None
+        if reads and written is not None:
+            pointer = required(written, pointer)
+        return Spelling(access, pointer, member, isinstance(end, PortEnd), type_, name, written)
 
     def end_member(self, end: End) -> str:
         """The member of a reading end that is an object of its own, or of the pointer to a latch of an event input."""
@@ -251,6 +275,7 @@ class Members:
                 if type_ is not None:
                     name = f"{self.names[port.name]}[{port.size}]" if whole else self.layout.member(port, index)
                     found.append(Member(f"{type_}{name}"))
+            found += self._flag_pointers(port, elements(port))
         return found
 
     def declared(self) -> list[Member]:
@@ -287,7 +312,15 @@ class Members:
             if type_ is not None and name not in done:
                 done.add(name)
                 yield Member(f"{type_}{name}", port.doc)
+            yield from self._flag_pointers(port, [index])
         yield from self._end_declarations()
+
+    def _flag_pointers(self, port: Port, indexes: Sequence[int | None]) -> list[Member]:
+        """Pointers to what tells whether the variables behind a port were written."""
+        constant = "const " if port.direction == "in" else ""
+        flagged = [i for i in indexes if self.unwritten.has_port(self.process.name, port.name, i)]
+        names = (self.layout.written(port, index) for index in flagged)
+        return [Member(f"{constant}csp_written *{name}") for name in names]
 
     def _end_declarations(self) -> Iterator[Member]:
         done: set[str] = set()
@@ -320,6 +353,8 @@ class Members:
             name, access = self._plain[channel.name], access_of_channel(channel)
             type_name = self.types.type_name(channel.type)
             yield Member(f"{channel_type(access, type_name)} {name}{count}", channel.doc)
+            if channel.name in self.unwritten.variables[self.process.name]:
+                yield Member(f"csp_written {self.names[f'{name} written']}{count}")
             if access == "buffer":
                 yield Member(f"{type_name} {self.storage(channel.name, '')}{count}[{channel.capacity}]")
 
@@ -340,6 +375,11 @@ class Members:
                 done.add(base)
                 size = self.arrays.size(item.name)
                 yield item, "" if size is None else f"[{size}]"
+
+
+def required(written: str, lvalue: str) -> str:
+    """An lvalue that is looked at only if it was written."""
+    return f"(*(csp_require_written({written}), &{lvalue}))"
 
 
 def name_of(end: End) -> str:

@@ -12,9 +12,10 @@ from cspdiag.codegen.c.levels import Levels
 from cspdiag.codegen.c.names import Names, PackageNames
 from cspdiag.codegen.c.network_names import names_file
 from cspdiag.codegen.c.port_layout import PortLayout
-from cspdiag.codegen.c.processes import ProcessFiles, process_files
+from cspdiag.codegen.c.processes import Facts, ProcessFiles, process_files
 from cspdiag.codegen.c.rows import Row, block, lines, rows
 from cspdiag.codegen.c.types import CTypes, duration
+from cspdiag.codegen.c.unwritten import Unwritten
 from cspdiag.network.expressions import Value
 from cspdiag.network.ir import ExternalPort, Network, ProcessClass
 
@@ -34,14 +35,14 @@ _KINDS = {
 
 def network_files(network: Network, names: PackageNames, types: CTypes) -> dict[str, str]:
     """The pairs of files of all process classes, `network.h`, `network.c`, `network_names.c` and `csp_config.h`."""
-    levels = Levels(network)
+    facts = Facts(Levels(network), Unwritten(network))
     files: dict[str, str] = {}
     described: dict[str, ProcessFiles] = {}
     for class_ in network.classes:
         if isinstance(class_, ProcessClass) and class_.external is None:
-            described[class_.name] = process_files(class_, network, names, types, levels)
+            described[class_.name] = process_files(class_, network, names, types, facts)
             files |= described[class_.name].files
-    writer = _NetworkFiles(network, names, types, levels)
+    writer = _NetworkFiles(network, names, types, facts.levels)
     files |= {"network.h": writer.header(), "network.c": writer.source(), "csp_config.h": writer.configuration()}
     return files | {"network_names.c": names_file(network, types, described)}
 

@@ -17,7 +17,7 @@ def names_file(network: Network, types: CTypes, described: Mapping[str, ProcessF
     numbering = _Numbering(network, described)
     processes, channels = numbering.processes, numbering.channels
     sizes = [f"sizeof({types.type_name(type_)})" for _, type_ in channels]
-    found = ['#include "network.h"', '#include "types.h"', "", "#if CSP_TRACE"]
+    found = ['#include "network.h"', '#include "csp_arithmetic.h"', '#include "types.h"', "", "#if CSP_TRACE"]
     found += [f"const uint32_t network_channel_count = {len(channels)}U;"]
     found += _table("const char *const network_channel_names[]", [_quoted(name) for name, _ in channels])
     found += _table("const uint16_t network_channel_sizes[]", sizes or ["0"])
@@ -25,7 +25,14 @@ def names_file(network: Network, types: CTypes, described: Mapping[str, ProcessF
     found += [f"const uint32_t network_process_count = {len(processes)}U;"]
     found += _table("const char *const network_process_names[]", ['""', *(_quoted(name) for name, _ in processes)])
     found += _table("const char *const network_process_kinds[]", ['""', *(_quoted(kind) for _, kind in processes)])
-    return "\n".join([*found, "#else", "typedef int network_has_no_names;", "#endif", ""])
+    found += ["#else", "typedef int network_has_no_names;", "#endif", ""]
+    if numbering.variables:
+        found += ["/* Variables that may be read before they were written. */"]
+        found += [*_table("static const char *const variable_names[]", [_quoted(v) for v in numbering.variables]), ""]
+        found += ["void csp_require_written(const csp_written *written)", "{"]
+        found += ["    if ((written != NULL) && !written->done) {"]
+        found += ["        csp_not_written(variable_names[written->number]);", "    }", "}", ""]
+    return "\n".join(found)
 
 
 class _Numbering:
@@ -39,6 +46,7 @@ class _Numbering:
         self.channels: list[tuple[str, Type]] = [
             (f"{network.top}.{port_key(port)}", port.type) for port in network.external_ports
         ]
+        self.variables: list[str] = []
         pending = [(network.top, self.classes[network.top])]
         while pending:
             path, class_ = pending.pop()
@@ -53,6 +61,7 @@ class _Numbering:
         described = self.described.get(class_.name)
         if described is not None:
             self.processes += [(f"{path}.{name}", kind) for name, kind in described.observed]
+            self.variables += [f"{path}.{name}" for name in described.variables]
             self.channels += [(f"{path}.{name}", type_) for name, type_ in described.reports]
 
     def _inner(self, path: str, class_: ProcessClass) -> Iterator[tuple[str, ProcessClass]]:

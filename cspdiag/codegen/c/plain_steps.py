@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from cspdiag.codegen.c.faults import can_fault
 from cspdiag.codegen.c.media import Spelling
 from cspdiag.codegen.c.members import SELF
 from cspdiag.codegen.c.rows import Row, block, rows
@@ -27,10 +26,11 @@ def read_rows(writer: Writer, step: ReadValue) -> list[Row]:
     """A communication that reads into a variable."""
     source, target = writer.members.source(step.source), step.target
     if source.at_once:
-        stored = store_rows(writer, target, source.pointer, source.type, writer.where(step))
+        stored = take_rows(writer, target, source, writer.where(step))
         return [Row("", comment=writer.comment(step)), *stored]
     if not target.indexes:
-        return receive_rows(writer, step, source, writer.members.variable(target.channel))
+        variable = writer.members.variable(target.channel)
+        return [*receive_rows(writer, step, source, variable), *writer.wrote(target.channel)]
     received = writer.slot(source.name, source.type, "received")
     stored = store_rows(writer, target, received, source.type, writer.where(step))
     return [*receive_rows(writer, step, source, received), *stored]
@@ -51,10 +51,12 @@ def write_rows(writer: Writer, step: WriteValue) -> list[Row]:
     """A communication that writes a value."""
     sink, value, where = writer.members.sink(step.sink), step.value, writer.where(step)
     if sink.access == "variable":
-        return [Row("", comment=writer.comment(step)), *writer.evaluated(f"{sink.pointer} = ", value, ";", where)]
+        stored = writer.evaluated(f"{sink.pointer} = ", value, ";", where)
+        return [Row("", comment=writer.comment(step)), *stored, *flag_rows(sink)]
     if sink.access == "discard":
         return discard_rows(writer, value, where)
-    if writer.alone and isinstance(value, VariableValue) and writer.members.is_own(value.channel):
+    own = isinstance(value, VariableValue) and writer.members.is_own(value.channel) and writer.members.is_sure(value)
+    if writer.alone and own and isinstance(value, VariableValue):
         return send_rows(writer, step, sink, writer.members.variable(value.channel))
     slot = writer.slot(sink.name, sink.type)
     computed = writer.evaluated(f"{slot} = ", value, ";", where)
@@ -64,7 +66,7 @@ def write_rows(writer: Writer, step: WriteValue) -> list[Row]:
 
 def discard_rows(writer: Writer, value: Expression, where: str) -> list[Row]:
     """A value that nobody takes: it can only fault."""
-    if not can_fault(value):
+    if not writer.can_fault(value):
         return []
     slot = writer.slot("unused", value.type)
     return writer.evaluated(f"{slot} = ", value, ";", where)
@@ -102,17 +104,35 @@ def assign_rows(writer: Writer, target: Target, value: Expression, where: str) -
     """Sets a variable, or an element of it once the value is known."""
     variable = writer.members.variable(target.channel)
     if not target.indexes:
-        return writer.evaluated(f"{variable} = ", value, ";", where)
+        return [*writer.evaluated(f"{variable} = ", value, ";", where), *writer.wrote(target.channel)]
     computed, code = writer.operand(value, where, target.channel)
     return [*computed, *store_rows(writer, target, code, value.type, where)]
+
+
+def take_rows(writer: Writer, target: Target, source: Spelling, where: str) -> list[Row]:
+    """Reads what is had at once."""
+    stored = store_rows(writer, target, source.pointer, source.type, where)
+    return stored if source.written is None else [*stored[:1], writer.fault(where), *stored[1:]]
+
+
+def flag_rows(sink: Spelling) -> list[Row]:
+    """Behind a write to a variable."""
+    if sink.written is None:
+        return []
+    if sink.written.startswith("&"):
+        return rows(f"{sink.written[1:]}.done = true;")
+    return block(f"if ({sink.written} != NULL)", rows(f"{sink.written}->done = true;"))
 
 
 def store_rows(writer: Writer, target: Target, value: str, type_: Type, where: str) -> list[Row]:
     """Puts a value that is known into a variable or an element of it; an index out of range changes nothing."""
     lvalue = writer.members.variable(target.channel)
     if not target.indexes:
-        return rows(f"{lvalue} = {value};")
+        return [*rows(f"{lvalue} = {value};"), *writer.wrote(target.channel)]
     setup: list[Row] = []
+    flag = writer.members.written(target.channel)
+    if flag is not None:
+        setup += [Row(f"csp_require_written(&{SELF}{flag});"), writer.fault(where)]
     kind: Type = writer.members.channels[target.channel].type
     for number, index in enumerate(target.indexes, 1):
         assert isinstance(kind, ArrayType)

@@ -31,6 +31,11 @@ class PortLayout:
         """The member of a port, or of an element of an array of ports."""
         return self.element(self.names[port.name], port, index)
 
+    def written(self, port: Port, index: int | None) -> str:
+        """The member for the pointer to what tells whether the variable behind a port was written."""
+        suffix = "" if index is None else f"_{index}"
+        return self.names[f"{self.names[port.name]}{suffix} written"]
+
     def element(self, base: str, port: Port, index: int | None) -> str:
         """The member with a name of its own for each port, or for each element."""
         if index is None:

@@ -14,8 +14,17 @@ from cspdiag.codegen.c.members import Member, Members
 from cspdiag.codegen.c.names import PackageNames
 from cspdiag.codegen.c.rows import Row, block, lines
 from cspdiag.codegen.c.types import CTypes
+from cspdiag.codegen.c.unwritten import Unwritten
 from cspdiag.model.types import Type
 from cspdiag.network.ir import Network, ProcessClass
+
+
+@dataclass(frozen=True)
+class Facts:
+    """What is known of the whole network."""
+
+    levels: Levels
+    unwritten: Unwritten
 
 
 @dataclass(frozen=True)
@@ -29,28 +38,31 @@ class ProcessFiles:
     files: dict[str, str]
     observed: Sequence[tuple[str, str]]
     reports: Sequence[tuple[str, Type]]
+    variables: Sequence[str]
+    """Those that may be read before they were written."""
 
 
 def process_files(
-    process: ProcessClass, network: Network, names: PackageNames, types: CTypes, levels: Levels
+    process: ProcessClass, network: Network, names: PackageNames, types: CTypes, facts: Facts
 ) -> ProcessFiles:
     """The files of a process class that is not written by hand."""
-    writer = _Writer(process, network, names, types, levels)
+    writer = _Writer(process, network, names, types, facts)
     files = {f"{writer.struct}.h": writer.header(), f"{writer.struct}.c": writer.source()}
     reports = [(path, type_) for path, (_, type_) in writer.members.reports.items()]
-    return ProcessFiles(files, writer.composition.observed, reports)
+    variables = [c.name for c in process.channels if c.name in facts.unwritten.variables[process.name]]
+    return ProcessFiles(files, writer.composition.observed, reports, variables)
 
 
 class _Writer:
     def __init__(
-        self, process: ProcessClass, network: Network, names: PackageNames, types: CTypes, levels: Levels
+        self, process: ProcessClass, network: Network, names: PackageNames, types: CTypes, facts: Facts
     ) -> None:
         self.process = process
         self.names = names
         self.struct = names.classes[process.name]
-        self.members = Members(process, network, types)
+        self.members = Members(process, network, types, facts.unwritten)
         self.types = types
-        self.composition = Composition(self.members, self.members.running_printer, names, levels, self.struct)
+        self.composition = Composition(self.members, self.members.running_printer, names, facts.levels, self.struct)
         self.place = names.place(process.span.file, process.span.line)
 
     # The header

@@ -197,9 +197,18 @@ class Writer:
         text = f"{before}{self.printer.print(expression)}{after}"
         temporaries = self.printer.take_temporaries()
         found = rows(text)
-        if can_fault(expression):
+        if self.can_fault(expression):
             found.append(self.fault(where))
         return block("", [*rows(*temporaries), *found]) if temporaries else found
+
+    def can_fault(self, expression: Expression) -> bool:
+        """Whether the evaluation of an expression can note a fault."""
+        return can_fault(expression) or not self.members.is_sure(expression)
+
+    def wrote(self, variable: str) -> list[Row]:
+        """Behind a write to a variable of the class."""
+        flag = self.members.written(variable)
+        return [] if flag is None else rows(f"{SELF}{flag}.done = true;")
 
     def fault(self, where: str) -> Row:
         """Raises the fault that has been noted, if there is one."""
@@ -209,7 +218,7 @@ class Writer:
     def condition(self, expression: Expression, step: Step) -> tuple[list[Row], str]:
         """What must be done first, and the condition."""
         code = str(self.printer.print(expression))
-        if not can_fault(expression) and not self.printer.take_temporaries():
+        if not self.can_fault(expression) and not self.printer.take_temporaries():
             return [], code
         self.current.condition = True
         span = expression.span or step.span
@@ -219,7 +228,7 @@ class Writer:
     def operand(self, expression: Expression, where: str, name: str) -> tuple[list[Row], str]:
         """What must be done first, and the value; a value that can fault is kept in a slot of that name."""
         code = str(self.printer.print(expression))
-        if not can_fault(expression) and not self.printer.take_temporaries():
+        if not self.can_fault(expression) and not self.printer.take_temporaries():
             return [], code
         slot = self.slot(name, expression.type, "computed")
         return self.evaluated(f"{slot} = ", expression, ";", where), slot

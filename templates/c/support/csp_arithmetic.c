@@ -141,6 +141,11 @@ void csp_finite_fails(double value, const char *port)
     note(csp_describe_not_finite, (csp_operands){{0, 0, 0}, value, port});
 }
 
+void csp_not_written(const char *variable)
+{
+    note(csp_describe_not_written, (csp_operands){{0, 0, 0}, 0.0, variable});
+}
+
 double csp_exp(double x)
 {
     return exp(x);

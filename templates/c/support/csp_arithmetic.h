@@ -276,6 +276,9 @@ static inline double csp_seconds(int64_t nanoseconds)
 
 void csp_finite_fails(double value, const char *port);
 
+/* Notes the fault that a variable is read before it was written. */
+void csp_not_written(const char *variable);
+
 /* Notes a fault unless the value that is written to a port is finite. */
 static inline void csp_finite(double value, const char *port)
 {

@@ -24,6 +24,7 @@ CSP_SILENT(csp_describe_outside)
 CSP_SILENT(csp_describe_real_outside)
 CSP_SILENT(csp_describe_index)
 CSP_SILENT(csp_describe_not_finite)
+CSP_SILENT(csp_describe_not_written)
 
 #else
 
@@ -291,6 +292,13 @@ void csp_describe_not_finite(const csp_operands *operands, char *text, size_t si
     say(text, size, value);
     say(text, size, " is written to ");
     say(text, size, operands->name);
+}
+
+void csp_describe_not_written(const csp_operands *operands, char *text, size_t size)
+{
+    text[0] = '\0';
+    say(text, size, operands->name);
+    say(text, size, " is read before it was written");
 }
 
 #endif

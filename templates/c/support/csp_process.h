@@ -50,7 +50,16 @@
 typedef struct csp_numbers {
     uint32_t process;
     uint32_t channel;
+    uint32_t variable; /* without an initial value, that a process may read before it was written */
 } csp_numbers;
+
+typedef struct csp_written {
+    bool done;
+    uint32_t number; /* of the variable */
+} csp_written;
+
+/* Notes a fault unless the variable was written; NULL: it surely was. */
+void csp_require_written(const csp_written *written);
 
 /* Before the program starts. */
 void csp_process_init(csp_process *process, const csp_class *kind, uint32_t number);
