@@ -30,6 +30,8 @@ class Alternative(Choice):
         self._all = (1 << len(guards)) - 1
         self.after_last = -1
         """The bits of the guards after the one chosen last."""
+        self.after = 0
+        """For optimized code: the number of the guard after the one chosen last."""
 
     @coroutine
     def select(

@@ -396,23 +396,29 @@ class Composition:
 
     def _selection(self, choice: Choice, attribute: str, local: str) -> Iterator[Statement]:
         spelling, branches = self.spelling, choice.branches
-        ready, bit = spelling["ready"], spelling["bit"]
+        ready, k, first = spelling["ready"], spelling["k"], spelling["first"]
         guards = self._guards(attribute, local)
         yield from self.communications.check()
-        mask = self._mask(branches)
-        if len(mask.flat) > 12:
-            yield assign(f"{ready}_mask", mask)
-            mask = Atom(f"{ready}_mask")
-        yield text(f"{ready} = {guards}.ready & {mask.flat}")
-        yield from self._parked(choice, local, guards, mask.flat)
+        mask: str | None = None
+        if any(branch.condition is not None for branch in branches):
+            mask = spelling["mask"]
+            yield assign(mask, self._mask(branches))
+        yield self._ready(guards, mask)
+        yield from self._parked(choice, local, guards, mask)
         if len(branches) > 1 and not choice.prioritized:
-            above = self._memory(attribute, local)
-            yield text(f"{bit} = {ready} & {above} or {ready}")
-            yield text(f"{bit} &= -{bit}")
-            yield text(f"{above} = -{bit} << 1")
-        else:
-            yield text(f"{bit} = {ready} & -{ready}")
-        yield from self._chosen(branches, lambda event: self._taken(event, guards))
+            after = self._memory(attribute, local)
+            yield text(f"{first} = {ready} >> {after}")
+            begin_again = (text(f"{first} = {ready}"), text(f"{after} = 0"))
+            yield Block(text(f"if not {first}:"), begin_again)
+            yield text(f"{k} = {after} + ({first} & -{first}).bit_length() - 1")
+            yield text(f"{after} = {k} + 1")
+        elif len(branches) > 1:
+            yield text(f"{k} = ({ready} & -{ready}).bit_length() - 1")
+        yield from self._chosen(branches, lambda event, bit: self._taken(event, guards, bit))
+
+    def _ready(self, guards: str, mask: str | None) -> Statement:
+        """The guards that are ready now."""
+        return text(f"{self.spelling['ready']} = {guards}.ready" + (f" & {mask}" if mask else ""))
 
     def _guards(self, attribute: str, local: str) -> str:
         """A local variable for the selector of an alternative."""
@@ -421,21 +427,20 @@ class Composition:
             self.prologue.append(text(f"{self.selectors[attribute]} = {local}.selector"))
         return self.selectors[attribute]
 
-    def _parked(self, choice: Choice, local: str, guards: str, mask: str) -> Iterator[Statement]:
+    def _parked(self, choice: Choice, local: str, guards: str, mask: str | None) -> Iterator[Statement]:
         """Waits while no guard is ready."""
-        bare = mask[1:-1] if len(choice.branches) == 1 and mask.startswith("(") else mask
         me, ready = self.spelling["me"], self.spelling["ready"]
         if all(self._only_wakes(branch.event) for branch in choice.branches):
             waits = (
-                text(f"{local}.park({me}, {bare})"),
+                text(f"{local}.park({me}, {mask or -1})"),
                 text("yield"),
                 text(f"{guards}.waiting = None"),
                 *self.communications.check(),
-                text(f"{ready} = {guards}.ready & {mask}"),
+                self._ready(guards, mask),
             )
             yield Block(text(f"while not {ready}:"), waits)
         else:
-            waiting = call(f"yield from {local}.wait", Atom(bare))
+            waiting = call(f"yield from {local}.wait", Atom(mask or "-1"))
             yield Block(text(f"if not {ready}:"), (*self._known(), assign(ready, waiting)))
 
     def _only_wakes(self, event: Event) -> bool:
@@ -446,9 +451,9 @@ class Composition:
 
     def _memory(self, attribute: str, local: str) -> str:
         if self.spelling.again:
-            return f"{local}.after_last"
+            return f"{local}.after"
         if attribute not in self.memories:
-            self.memories[attribute] = self.spelling.names.fresh(f"{attribute}_after_last")
+            self.memories[attribute] = self.spelling.names.fresh(f"{attribute}_after")
         return self.memories[attribute]
 
     def _mask(self, branches: Sequence[Branch]) -> Code:
@@ -464,38 +469,38 @@ class Composition:
             return Atom(str(fixed))
         return Atom(" | ".join([*parts, *([str(fixed)] if fixed else [])]))
 
-    def _chosen(self, branches: Sequence[Branch], taken: Callable[[Event], Statements]) -> Iterator[Statement]:
-        bodies = [(*taken(branch.event), *self.statements(branch.body)) for branch in branches]
+    def _chosen(self, branches: Sequence[Branch], taken: Callable[[Event, int], Statements]) -> Iterator[Statement]:
+        bodies = [(*taken(branch.event, index), *self.statements(branch.body)) for index, branch in enumerate(branches)]
         if len(branches) == 1:
             yield from bodies[0]
             return
-        bit, k = self.spelling["bit"], self.spelling["k"]
+        k = self.spelling["k"]
         alike = statements_template(bodies, k, 0) if len(bodies) >= LEAST else None
         if alike is not None:
-            yield text(f"{k} = {bit}.bit_length() - 1")
             yield from alike
             return
         for index, (branch, body) in enumerate(zip(branches, bodies, strict=True)):
             head = "if" if index == 0 else "elif"
-            test = f"{head} {bit} == {1 << index}:" if index < len(bodies) - 1 else "else:"
+            test = f"{head} {k} == {index}:" if index < len(bodies) - 1 else "else:"
             yield Block(Line(test, comment=self._what(branch.event)), body)
 
     def _what(self, event: Event) -> str | None:
         return _one_line(event.span) or None
 
-    def _taken(self, event: Event, guards: str) -> Statements:
+    def _taken(self, event: Event, guards: str, index: int) -> Statements:
         if not isinstance(event, InputEvent):
             return ()
         source = event.source
-        return self._read_into(event.target, lambda into: self.communications.take(source, into, guards))
+        return self._read_into(event.target, lambda into: self.communications.take(source, into, guards, index))
 
     def _slow_selection(self, choice: Choice, local: str) -> Iterator[Statement]:
-        bit = self.spelling["bit"]
+        k = self.spelling["k"]
         selected = Call(f"{local}.select", tuple(self._select_arguments(choice.branches)))
         yield from self._known()
-        yield Line(f"{bit} = 1 << (yield from ", selected, ")")
+        chosen = "" if len(choice.branches) == 1 else f"{k} = "
+        yield Line(f"{chosen}yield from ", selected)
 
-        def taken(event: Event) -> Statements:
+        def taken(event: Event, index: int) -> Statements:
             if not isinstance(event, InputEvent):
                 return ()
             return self._read_into(event.target, lambda into: (text(f"{into} = {local}.value"),))

@@ -287,13 +287,14 @@ class Communications:
             ]
         return (*begun, *self._all_done())
 
-    def take(self, source: End, into: str, guards: str) -> Statements:
-        """The communication of an input guard that was chosen, whose bit is ``bit`` of ``guards``."""
+    def take(self, source: End, into: str, guards: str, index: int) -> Statements:
+        """The communication of an input guard that was chosen, which is number ``index`` of ``guards``."""
         end = self.spelling.source(source)
         if not is_alternated(self.spelling.medium(source)):
             return (*self.known(), text(f"{into} = {end}.take()"))
-        me, writer, bit = (self.spelling[name] for name in ("me", "writer", "bit"))
+        me, writer = self.spelling["me"], self.spelling["writer"]
         before, channel = self._channel(end)
+        bit = f"{channel}.bit" if before else str(1 << index)
         return (
             *before,
             text(f"{writer} = {channel}.writing"),

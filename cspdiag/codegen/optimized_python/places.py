@@ -15,7 +15,21 @@ from cspdiag.network.ir import Medium, Network, ProcessClass
 from cspdiag.network.walk import parts
 
 _ATTRIBUTE = re.compile(r"self\.(\w+)(.*)", re.DOTALL)
-_HELPERS = ("me", "writer", "reader", "value", "channel", "ready", "bit", "waiting", "error", "group", "guard", "k")
+_HELPERS = (
+    "me",
+    "writer",
+    "reader",
+    "value",
+    "channel",
+    "ready",
+    "mask",
+    "first",
+    "waiting",
+    "error",
+    "group",
+    "guard",
+    "k",
+)
 
 AT_ONCE = frozenset({"var", "constant", "discard"})
 """Media whose accesses are no communications."""

@@ -148,7 +148,7 @@ class _ProcessWriter:
         me, error = spelling["me"], spelling["error"]
         states = tuple(self._initial_states()) if not spelling.again else ()
         declared = tuple(self._declared_variables())
-        memories = tuple(text(f"{name} = -1") for name in self.composition.memories.values())
+        memories = tuple(text(f"{name} = 0") for name in self.composition.memories.values())
         for item in external_calls(process.body):
             spelling.local(f"self.{spelling.signal(item.name).flat}")
         bound = tuple(text(f"{name} = self.{name}") for name in spelling.bound)
