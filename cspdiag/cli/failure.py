@@ -1,4 +1,4 @@
-"""Exit codes, and the failures that end a command with one line."""
+"""Exit codes, and the failures that end a command with a message."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ BROKEN_PIPE = 141
 
 
 class NoResultError(Exception):
-    """The command was right but has no result; the message is one line for the person who gave it."""
+    """The command was right but has no result; the message is for the person who gave it, a line or a few."""
 
 
 class UsageError(Exception):

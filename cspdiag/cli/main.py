@@ -79,7 +79,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except UsageError as problem:
         return _refuse(str(problem))
     except NoResultError as problem:
-        _refuse(str(problem))
+        _refuse(str(problem), lines=True)
         return UNSUCCESSFUL
     except KeyboardInterrupt:
         return INTERRUPTED
@@ -167,11 +167,11 @@ def _unknown(verb: str) -> str:
     return f"unknown {kind} {verb!r} ({help_})"
 
 
-def _refuse(message: str) -> int:
+def _refuse(message: str, *, lines: bool = False) -> int:
     from cspdiag.diagnostics.snippet import printable
 
-    line = " ".join(printable(message).split("\n"))
-    sys.stderr.write(f"cspdiag: {line}\n")
+    text = printable(message) if lines else " ".join(printable(message).split("\n"))
+    sys.stderr.write(f"cspdiag: {text}\n")
     return WRONG_USAGE
 
 

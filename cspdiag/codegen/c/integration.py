@@ -121,11 +121,10 @@ class Integration:
         shared = [owner] if self._mentions_owner(printer) else []
         kept = [outer(name) for name in self._held_read]
         inner = indent + INDENT if count is not None else indent
-        rows = (
-            []
-            if self.method == "euler"
-            else [f"{indent}const double half = h / 2.0;", f"{indent}const double sixth = h / 6.0;"]
-        )
+        rows: list[str] = []
+        if self.method != "euler":
+            rows += [f"{indent}const double half = h / 2.0;"] if self._states_read or self.timed else []
+            rows += [f"{indent}const double sixth = h / 6.0;"]
         if count is not None:
             rows += [f"{indent}for (int64_t step = 0; step < {count}; step++) {{"]
         if self.timed:
