@@ -64,6 +64,7 @@ from cspdiag.network.actions import (
     WriteValue,
 )
 from cspdiag.network.expressions import Expression
+from cspdiag.network.optimize.faults import may_fault
 from cspdiag.network.walk import mentions_variable, parts
 
 _MAY_FAULT = re.compile(r"[(/%]")
@@ -111,10 +112,10 @@ class Composition:
                 return (Line("raise ", Atom(self.imports.exception(exception)), comment=self._place(action)),)
             case ResetInstance(instance=instance):
                 return (run(self._call(self.members.instance(instance), "reset")),)
-            case Repeat(body=body, until=until):
-                return (self._repeat(body, until),)
+            case Repeat(until=until):
+                return (self._repeat(action, until),)
             case WhileLoop(condition=condition, body=body):
-                head = Line("while ", self.printer.print(condition), ":")
+                head = Line("while ", self.printer.print(condition), ":", self._place_of_fault(condition, action))
                 return (Block(head, self.statements(body)),)
             case IfElse():
                 return self._if(action)
@@ -210,10 +211,11 @@ class Composition:
         self.methods[position] = Method(name, self.statements(action))
         return call(f"self.{name}")
 
-    def _repeat(self, body: Action, until: Expression | None) -> Block:
-        statements = self.statements(body)
+    def _repeat(self, action: Repeat, until: Expression | None) -> Block:
+        statements = self.statements(action.body)
         if until is not None:
-            statements += (Block(Line("if ", self.printer.print(until), ":"), (Line("break"),)),)
+            head = Line("if ", self.printer.print(until), ":", self._place_of_fault(until, action))
+            statements += (Block(head, (Line("break"),)),)
         return Block(Line("while True:"), statements)
 
     def _if(self, action: IfElse) -> tuple[Statement, ...]:
@@ -221,7 +223,8 @@ class Composition:
         blocks: list[Statement] = []
         rest: Action = action
         while isinstance(rest, IfElse):
-            head = Line(keyword, self.printer.print(rest.condition), ":")
+            place = self._place_of_fault(rest.condition, rest)
+            head = Line(keyword, self.printer.print(rest.condition), ":", place)
             blocks.append(Block(head, self.statements(rest.then)))
             keyword, rest = "elif ", rest.otherwise
         otherwise = self.statements(rest)
@@ -391,11 +394,27 @@ class Composition:
     def _place(self, action: Step) -> str:
         return self.imports.names.place(action.span.file, action.span.line)
 
+    def _place_of_fault(self, expression: Expression, action: Step) -> str | None:
+        """The place of an expression of an action, if it can fault."""
+        if not may_fault(expression):
+            return None
+        span = expression.span or action.span
+        return self.imports.names.place(span.file, span.line)
+
     def _checked_place(self, action: Action) -> str | None:
         """The place of what waits in this very statement, rather than in a process or coroutine that it runs."""
         match action:
             case WriteValue() | StopStep():
                 return self._place(action)
+            case WaitStep(duration=value):
+                return self._place_of_fault(value, action)
+            case InterruptOn(branch=branch):
+                values = (
+                    branch.condition,
+                    getattr(branch.event, "value", None),
+                    getattr(branch.event, "duration", None),
+                )
+                return self._place(action) if any(value is not None and may_fault(value) for value in values) else None
             case ParallelSteps(steps=steps) if any(isinstance(step, WriteValue) for step in steps):
                 return self._place(action)
         return None
