@@ -12,20 +12,14 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from cspdiag.network.actions import (
-    AfterEvent,
     ChannelEnd,
-    Choice,
     End,
-    InputEvent,
-    OutputEvent,
     PortEnd,
     ProcessScope,
-    ReadyEvent,
-    SkipEvent,
 )
 from cspdiag.network.expressions import Expression, LiteralValue
 from cspdiag.network.ir import ExternalPort, ProcessClass
-from cspdiag.network.optimize.folding import is_literal
+from cspdiag.network.optimize.fuse_begin import delay, exchange, selection
 from cspdiag.network.optimize.fuse_code import (
     Close,
     Code,
@@ -42,9 +36,9 @@ from cspdiag.network.optimize.fuse_code import (
     Select,
     Start,
 )
-from cspdiag.network.optimize.fuse_media import AtOnce, Broadcast, Fifo, Medium, Offer, Rendezvous, SampledInput
+from cspdiag.network.optimize.fuse_media import AtOnce, Medium, SampledInput, channel_medium
 from cspdiag.network.optimize.fuse_record import Recorder
-from cspdiag.network.optimize.fuse_tasks import Branches, Exchange, Request, Selection, Task, Waiting
+from cspdiag.network.optimize.fuse_tasks import Branches, Exchange, Request, Selection, Task
 from cspdiag.network.walk import parts
 
 LONGEST = 1000
@@ -111,7 +105,7 @@ class Following(Recorder):
         ends = [end for end in entry.creation if isinstance(end, PortEnd | ChannelEnd)]
         for channel in entry.channels:
             readers: list[End] = [e for e in ends if isinstance(e, ChannelEnd) and e.channel == channel.name]
-            self.media[channel.name, None] = _medium(self, channel.name, channel.kind, channel.capacity, readers)
+            self.media[channel.name, None] = channel_medium(self, channel, readers)
         for port in ports:
             name = port.name.partition("[")[0]
             readers = [e for e in ends if isinstance(e, PortEnd) and (e.port, e.index) == (name, port.index)]
@@ -123,7 +117,8 @@ class Following(Recorder):
             elif port.direction == "out":
                 self.media[name, port.index] = AtOnce(self, port.name)
 
-    def _medium_of(self, end: End) -> Medium:
+    def medium_of(self, end: End) -> Medium:
+        """What an end belongs to. Raises NotStaticError where that is an input without a period."""
         key = (end.port, end.index) if isinstance(end, PortEnd) else (end.channel, None)
         medium = self.media.get(key)
         if medium is None:
@@ -278,11 +273,11 @@ class Following(Recorder):
             case Start():
                 return self._start(task, instruction)
             case Communicate():
-                return self._begin(task, self._exchange(task, instruction))
+                return self._begin(task, exchange(self, task, instruction))
             case Delay():
-                return self._begin(task, self._delay(task, instruction))
+                return self._begin(task, delay(self, task, instruction))
             case Select():
-                return self._begin(task, self._selection(task, instruction.choice))
+                return self._begin(task, selection(self, task, instruction.choice))
         return True
 
     def _jump(self, task: Task, to: int) -> None:
@@ -315,58 +310,6 @@ class Following(Recorder):
         self.waiting.remove(request)
         task.request = None
         return self._go_on(task, request)
-
-    def _exchange(self, task: Task, instruction: Communicate) -> Exchange:
-        request = Exchange(self, task)
-        for end, target in instruction.reads:
-            number = len(request.offers)
-            request.offers.append(Offer(request, self._medium_of(end), end, number, instruction.span, target=target))
-        several = len(instruction.writes) > 1
-        for end, value in instruction.writes:
-            number = len(request.offers)
-            offer = Offer(request, self._medium_of(end), end, number, instruction.span, value=value)
-            request.offers.append(offer)
-            if several:
-                self.compute_beside(offer)
-        return request
-
-    def _delay(self, task: Task, instruction: Delay) -> Waiting:
-        if instruction.duration is None:
-            return Waiting(self, task, None)
-        return Waiting(self, task, max(0, self._time(instruction.duration)))
-
-    def _time(self, duration: Expression) -> int:
-        value = self.folded(duration)
-        if not isinstance(value, LiteralValue) or not isinstance(value.value, int):
-            raise NotStaticError("the length of a delay is not known", duration.span)
-        return value.value
-
-    def _selection(self, task: Task, choice: Choice) -> Selection:
-        request = Selection(self, task, choice.name, choice.prioritized)
-        for index, branch in enumerate(choice.branches):
-            if branch.condition is not None:
-                condition = self.folded(branch.condition)
-                if is_literal(condition, False):
-                    continue
-                if not is_literal(condition, True):
-                    raise NotStaticError("whether a guard is enabled is not known", branch.span)
-            event = branch.event
-            match event:
-                case SkipEvent():
-                    request.always.add(index)
-                case AfterEvent():
-                    request.timeouts[index] = self.now + self._time(event.duration)
-                case OutputEvent():
-                    offer = Offer(request, self._medium_of(event.sink), event.sink, index, event.span)
-                    offer.value, offer.guard = event.value, index
-                    self.compute_beside(offer)
-                    request.offers[index] = offer
-                case InputEvent() | ReadyEvent():
-                    offer = Offer(request, self._medium_of(event.source), event.source, index, event.span)
-                    offer.guard, offer.only_ready = index, isinstance(event, ReadyEvent)
-                    offer.target = event.target if isinstance(event, InputEvent) else None
-                    request.offers[index] = offer
-        return request
 
     def _start(self, task: Task, instruction: Start) -> bool:
         request = Branches(self, task, instruction.after)
@@ -425,19 +368,6 @@ class Following(Recorder):
                 self.notice()
         self.due = now
         self.notice()
-
-
-def _medium(world: Following, name: str, kind: str, capacity: int | None, ends: list[End]) -> Medium:
-    match kind:
-        case "sync" | "any":
-            return Rendezvous(world, name)
-        case "broadcast":
-            return Broadcast(world, name, ends)
-        case "buffer" | "overwrite":
-            assert capacity is not None
-            return Fifo(world, name, capacity, kind == "overwrite")
-        case _:
-            return AtOnce(world, name)
 
 
 def _owners(entry: ProcessClass) -> Mapping[End, str]:

@@ -7,11 +7,12 @@ an assignment and, for the trace, a report.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Protocol, assert_never
 
 from cspdiag.diagnostics import Span
 from cspdiag.network.actions import End, Target
 from cspdiag.network.expressions import Expression
+from cspdiag.network.ir import LocalChannel
 from cspdiag.network.optimize.fuse_code import NotStaticError
 
 if TYPE_CHECKING:
@@ -377,3 +378,19 @@ class SampledInput(Medium):
         else:
             offer.guard = None
             self.arrive(offer)
+
+
+def channel_medium(world: Follower, channel: LocalChannel, ends: list[End]) -> Medium:
+    """The medium of a channel with these reading ends."""
+    match channel.kind:
+        case "sync" | "any":
+            return Rendezvous(world, channel.name)
+        case "broadcast":
+            return Broadcast(world, channel.name, ends)
+        case "buffer" | "overwrite":
+            assert channel.capacity is not None
+            return Fifo(world, channel.name, channel.capacity, channel.kind == "overwrite")
+        case "var":
+            return AtOnce(world, channel.name)
+        case _:
+            assert_never(channel.kind)
