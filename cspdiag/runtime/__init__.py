@@ -65,7 +65,7 @@ from .outcome import Jitter, Outcome
 from .ports import In, Out
 from .process import Process, Submodel
 from .rendezvous import Alternated, Rendezvous
-from .routine import Part, Routine, Steps, end_group, push, start_group
+from .routine import Inlined, Part, Routine, Steps, end_group, push, start_group
 from .scheduler import Task, scheduler
 from .selector import lower_bits
 from .together import read_all, write_all
@@ -94,6 +94,7 @@ __all__ = [
     "EventOutput",
     "Fault",
     "In",
+    "Inlined",
     "Input",
     "Jitter",
     "Network",

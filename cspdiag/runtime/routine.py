@@ -28,18 +28,19 @@ push = scheduler.queue.append
 
 
 class Part:
-    """A process by its path ``name``, or a control law of one, that is executed by the code around it.
+    """What is executed: a process with code of its own, or a process or a control law that is executed by the code around it.
 
-    ``source`` is the file and line of its definition. ``ends`` are its reading ends, closed when it ends. ``kind`` is its class in the text,
-    or "" for a control law, of which observers are not told.
+    ``name`` is its path. ``kind`` is its class in the text, or "" for a control law, of which observers are not told; ``source`` is the file and line
+    of its definition. ``ends`` are its reading ends, closed when it ends.
     """
 
-    __slots__ = ("_enclosing", "ends", "kind", "name", "source")
+    __slots__ = ("_enclosing", "ends", "name")
 
-    def __init__(self, name: str, kind: str = "", *, source: str | None = None) -> None:
+    kind: str
+    source: str | None
+
+    def __init__(self, name: str) -> None:
         self.name = name
-        self.kind = kind
-        self.source = source
         self.ends: tuple[In[Any], ...] = ()
         self._enclosing: Any = None
 
@@ -81,6 +82,17 @@ class Part:
             error.add_note(f"in {place_of(error, self)}")
 
 
+class Inlined(Part):
+    """A process or a control law whose code is part of the code of another process."""
+
+    __slots__ = ("kind", "source")
+
+    def __init__(self, name: str, kind: str = "", *, source: str | None = None) -> None:
+        super().__init__(name)
+        self.kind = kind
+        self.source = source
+
+
 class Routine(Part):
     """A process with code of its own: ``steps``.
 
@@ -90,6 +102,8 @@ class Routine(Part):
 
     __slots__ = ()
 
+    kind = ""
+    source = None
     checked = False
     tracked = False
 

@@ -15,7 +15,7 @@ from cspdiag.codegen.optimized_python.places import Spelling, is_alternated, is_
 from cspdiag.codegen.optimized_python.statements import assigned
 from cspdiag.codegen.optimized_python.storage import never_ends, run_again
 from cspdiag.codegen.optimized_python.temporaries import Temporaries
-from cspdiag.codegen.python_code import Argument, Atom, Call, Code, Comprehension, call
+from cspdiag.codegen.python_code import Argument, Atom, Call, Code, Comprehension, call, tuple_of
 from cspdiag.codegen.python_docs import class_doc
 from cspdiag.codegen.python_external import ExternalModules
 from cspdiag.codegen.python_imports import Imports
@@ -130,15 +130,19 @@ class _ProcessWriter:
         process = self.process
         body = self.composition.statements(process.body) if process.body is not None else ()
         steps = self._steps(body)
-        functions = [self._constructor(), steps]
+        constructor = self._constructor()
+        slots = tuple_of(Atom(quoted(attribute)) for attribute in _assigned(constructor))
+        attributes = lines((assign("__slots__", slots),), "    ") if slots.flat != "()" else ["    __slots__ = ()"]
+        functions = [constructor, steps]
         name, base = self.names.classes[process.name], self.imports.runtime("Routine")
-        attributes = ["    checked = True"] * self.checked + ["    tracked = True"] * self.tracked
+        attributes += ["", f"    kind = {quoted(process.definition)}", f"    source = {quoted(self.place)}"]
+        attributes += ["    checked = True"] * self.checked + ["    tracked = True"] * self.tracked
         return ClassModule(
             f"The process {process.definition}.",
             self.imports.lines(),
             f"class {name}({base}):",
             docstring(class_doc(process, self.place, "process"), "    "),
-            [*([attributes] if attributes else []), *functions],
+            [attributes, *functions],
         )
 
     # The code
@@ -208,10 +212,8 @@ class _ProcessWriter:
     # The constructor
 
     def _constructor(self) -> list[str]:
-        source = Argument(Atom(quoted(self.place)), "source")
-        kind = Argument(Atom(quoted(self.process.definition)))
         statements: list[Statement] = [
-            Line("", Call("super().__init__", (Argument(Atom("name")), kind, source))),
+            Line("", Call("super().__init__", (Argument(Atom("name")),))),
             *self._stored_arguments(),
             *self._constants(),
             *self._parts(),
@@ -281,7 +283,7 @@ class _ProcessWriter:
     def _parts(self) -> Iterator[Statement]:
         if not self.spelling.parts:
             return
-        class_ = self.imports.runtime("Part")
+        class_ = self.imports.runtime("Inlined")
         for scope in self.spelling.scopes:
             source = Argument(Atom(quoted(self.names.place(scope.span.file, scope.span.line))), "source")
             arguments = (Argument(path(scope.instance)), Argument(Atom(quoted(scope.class_name))), source)
@@ -425,3 +427,9 @@ class _ProcessWriter:
                 if by_submodel and port.direction == "in":
                     return Atom(self.members.source(attachment))
                 return Atom(self.members.handed_on(attachment))
+
+
+def _assigned(constructor: Sequence[str]) -> list[str]:
+    """The attributes that a constructor sets."""
+    found = (re.match(r"\s*self\.(\w+)(?:: .*)? = ", row) for row in constructor)
+    return sorted({match[1] for match in found if match is not None})
