@@ -38,11 +38,14 @@ static void wake(csp_alternative *alternative)
     }
 }
 
-void csp_wake(csp_guard *guard)
+void csp_raise_all(csp_guard *watchers)
 {
-    if (csp_is_enabled(guard)) {
-        guard->alternative->armed = false;
-        wake(guard->alternative);
+    for (csp_guard *guard = watchers; guard != NULL; guard = guard->next) {
+        csp_set_bit(guard);
+        if (guard->alternative->armed && csp_is_enabled(guard)) {
+            guard->alternative->armed = false;
+            wake(guard->alternative);
+        }
     }
 }
 
@@ -243,7 +246,7 @@ csp_progress csp_choose(csp_party *party, csp_alternative *alternative, uint32_t
     csp_guard *const guard = &alternative->guard[index];
     csp_any_channel *const channel = guard->channel;
     remember(alternative, index);
-    if ((channel != NULL) && (channel->writers.first != NULL) && (alternative->time_outs == 0U)) {
+    if ((channel->writers.first != NULL) && (alternative->time_outs == 0U)) {
         csp_any_from_writer(party, channel, guard->slot, guard->size);
         return CSP_DONE;
     }
@@ -302,7 +305,7 @@ void csp_alternative_init(csp_alternative *alternative, csp_guard *guard, uint16
     alternative->count = count;
     alternative->prioritized = prioritized;
     alternative->fair = prioritized ? 0U : ~(csp_word)0U;
-    alternative->quick = words == NULL;
+    alternative->quick = (words == NULL) ? ~(csp_word)0U : 0U;
     alternative->more_ready = words;
     alternative->more_enabled = (words == NULL) ? NULL : &words[CSP_WORDS(count)];
     for (uint16_t index = 0U; index < count; index++) {
@@ -323,7 +326,7 @@ void csp_guard_read(csp_alternative *alternative, uint16_t index, csp_medium *me
     csp_guard *const guard = &alternative->guard[index];
     guard->kind = (uint8_t)CSP_GUARD_INPUT;
     guard->medium = medium;
-    guard->channel = (medium->kind == (uint8_t)CSP_ANY) ? (csp_any_channel *)(void *)medium : NULL;
+    guard->channel = (medium->kind == (uint8_t)CSP_ANY) ? (csp_any_channel *)(void *)medium : &csp_no_channel;
     guard->slot = value;
     guard->size = (uint32_t)size;
     csp_watch_input(guard);
@@ -333,7 +336,7 @@ void csp_guard_ready(csp_alternative *alternative, uint16_t index, csp_medium *m
 {
     csp_guard *const guard = &alternative->guard[index];
     guard->kind = (uint8_t)CSP_GUARD_READY;
-    guard->channel = NULL;
+    guard->channel = &csp_no_channel;
     guard->medium = medium;
     csp_watch_input(guard);
 }
@@ -342,7 +345,7 @@ void csp_guard_write(csp_alternative *alternative, uint16_t index, csp_medium *m
 {
     csp_guard *const guard = &alternative->guard[index];
     guard->kind = (uint8_t)CSP_GUARD_OUTPUT;
-    guard->channel = NULL;
+    guard->channel = &csp_no_channel;
     guard->medium = medium;
     guard->slot = value;
     guard->size = (uint32_t)size;
@@ -353,18 +356,19 @@ void csp_guard_after(csp_alternative *alternative, uint16_t index, csp_timer *ti
 {
     csp_guard *const guard = &alternative->guard[index];
     guard->kind = (uint8_t)CSP_GUARD_AFTER;
-    guard->channel = NULL;
+    guard->next = NULL;
+    guard->channel = &csp_no_channel;
     guard->medium = NULL;
     guard->timer = timer;
     alternative->time_outs++;
-    alternative->quick = false;
+    alternative->quick = 0U;
 }
 
 void csp_guard_skip(csp_alternative *alternative, uint16_t index)
 {
     csp_guard *const guard = &alternative->guard[index];
     guard->kind = (uint8_t)CSP_GUARD_SKIP;
-    guard->channel = NULL;
+    guard->channel = &csp_no_channel;
     guard->medium = NULL;
     csp_set_bit(guard);
 }

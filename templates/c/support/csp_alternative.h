@@ -53,7 +53,7 @@ struct csp_guard {
     csp_word bit;
     csp_word word_bit;   /* of that word among the words that are not 0; 0 where there is only one */
     csp_medium *medium;
-    csp_any_channel *channel; /* the medium, where this is an input guard on a rendezvous */
+    csp_any_channel *channel; /* the medium, where this is an input guard on a rendezvous; otherwise csp_no_channel */
     csp_timer *timer;
     void *slot;
     int64_t duration; /* of a time-out */
@@ -72,6 +72,7 @@ struct csp_alternative {
     csp_word enabled; /* bits of the guards, or not used */
     csp_word after;   /* bits of the guards after the one that was chosen last */
     csp_word fair;    /* all bits, or none: prioritized */
+    csp_word quick;   /* all bits, or none: more than one word, or time-outs */
     csp_word *more_ready;
     csp_word *more_enabled;
     csp_guard *guard;
@@ -82,7 +83,6 @@ struct csp_alternative {
     uint16_t time_outs;  /* number of guards with `after` */
     uint16_t attending;  /* number of guards that attend */
     bool prioritized;
-    bool quick;  /* one word, no time-outs */
     bool waits;  /* registered */
     bool enrolls; /* some guards are enrolled */
     bool armed;  /* the first guard that becomes ready wakes it */
@@ -110,15 +110,16 @@ static inline void csp_clear_bit(const csp_guard *guard)
     }
 }
 
-/* The guard has become ready, and its alternative waits: wakes it if the guard is enabled. */
-void csp_wake(csp_guard *guard);
+/* Guards have become ready: wakes the alternatives that wait for them. */
+void csp_raise_all(csp_guard *watchers);
 
 static inline void csp_raise_bits(csp_guard *watchers)
 {
-    for (csp_guard *guard = watchers; guard != NULL; guard = guard->next) {
-        csp_set_bit(guard);
-        if (guard->alternative->armed) {
-            csp_wake(guard);
+    if (watchers != NULL) {
+        if ((watchers->next == NULL) && !watchers->alternative->armed) {
+            csp_set_bit(watchers);
+        } else {
+            csp_raise_all(watchers);
         }
     }
 }

@@ -17,6 +17,7 @@ struct csp_any_channel {
     csp_queue writers;
     csp_guard *inputs;  /* guards that watch for a writer, and for a reader */
     csp_guard *outputs;
+    csp_guard *only;    /* the input guard, where there is one alone */
     csp_guard *reading; /* guards of alternatives that wait, where the other side alternates too */
     csp_guard *writing;
 };
@@ -82,20 +83,23 @@ static inline csp_progress csp_any_write(csp_party *party, csp_any_channel *chan
 csp_progress csp_select_any(csp_party *party, csp_alternative *alternative);
 csp_progress csp_choose(csp_party *party, csp_alternative *alternative, uint32_t index);
 
+/* Stands for the channel of a guard that is not an input guard on a rendezvous. */
+extern csp_any_channel csp_no_channel;
+
 /* The common case at once: an alternative of one word takes from a waiting writer, whom nobody else watches. */
 static inline csp_progress csp_select(csp_party *party, csp_alternative *alternative)
 {
-    const csp_word ready = alternative->ready & alternative->enabled;
+    const csp_word ready = alternative->ready & alternative->enabled & alternative->quick;
     const csp_word after = ready & alternative->after;
     const csp_word candidates = (after != 0U) ? after : ready;
-    if ((candidates == 0U) || !alternative->quick || csp_is_cancelled(party)) {
+    if ((candidates == 0U) || csp_is_cancelled(party)) {
         return csp_select_any(party, alternative);
     }
     const csp_word bit = candidates & (csp_word)(0U - candidates);
     const uint32_t index = csp_lowest_bit(bit);
     const csp_guard *const guard = &alternative->guard[index];
     csp_any_channel *const channel = guard->channel;
-    if ((channel == NULL) || (channel->inputs != guard) || (guard->next != NULL) || (channel->writers.first == NULL)) {
+    if ((channel->only != guard) || (channel->writers.first == NULL)) {
         return csp_choose(party, alternative, index);
     }
     csp_party *const writer = csp_leave(&channel->writers);

@@ -64,12 +64,21 @@ void csp_attend(csp_guard *watchers)
     }
 }
 
+csp_any_channel csp_no_channel;
+
+/* Whether one input guard stands alone. */
+static void find_only(csp_any_channel *channel)
+{
+    channel->only = ((channel->inputs != NULL) && (channel->inputs->next == NULL)) ? channel->inputs : NULL;
+}
+
 void csp_watch_input(csp_guard *guard)
 {
     switch (guard->medium->kind) {
     case CSP_ANY: {
         csp_any_channel *const channel = (csp_any_channel *)(void *)guard->medium;
         csp_watch(&channel->inputs, guard);
+        find_only(channel);
         if ((channel->writers.first != NULL) || (channel->writing != NULL)) {
             csp_set_bit(guard);
         }
@@ -171,6 +180,7 @@ void csp_unwatch_guard(csp_guard *guard)
         csp_any_channel *const channel = (csp_any_channel *)(void *)guard->medium;
         csp_unwatch(&channel->inputs, guard);
         csp_unwatch(&channel->outputs, guard);
+        find_only(channel);
         break;
     }
     case CSP_BUFFER: {

@@ -113,10 +113,7 @@ void csp_timers_fall_due(int64_t instant)
         if (timer->party != NULL) {
             csp_ready(timer->party);
         } else {
-            csp_set_bit(timer->guard);
-            if (timer->guard->alternative->armed) {
-                csp_wake(timer->guard);
-            }
+            csp_raise_all(timer->guard);
         }
     }
 }
