@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from cspdiag.codegen.c.leaves import KINDS
 from cspdiag.codegen.c.media import READING_ENDS, access_of_channel, access_of_medium
-from cspdiag.codegen.c.members import SELF, Members
+from cspdiag.codegen.c.members import SELF, Member, Members
 from cspdiag.codegen.c.port_layout import PortLayout, elements
 from cspdiag.codegen.c.rolling import marked, rolled
 from cspdiag.codegen.c.rows import Row, rows
@@ -171,6 +172,8 @@ class _Initialization:
             return [f"{struct}_initialize({', '.join([f'&{lvalue}', *given])});"]
         arguments = [f"&{lvalue}", "numbers"]
         layout = self._layout(class_)
+        if class_.external is not None:
+            return self._by_hand(instance, class_, layout, [*arguments], given)
         if any(layout.designator(port.name, index) for port in class_.ports for index in elements(port)):
             fields = self._fields(class_.name, instance.connections, layout)
             arguments.append(f"&(const struct {struct}_ports){{{', '.join(fields)}}}")
@@ -180,6 +183,36 @@ class _Initialization:
         if class_.name not in self.layouts:
             self.layouts[class_.name] = PortLayout(class_)
         return self.layouts[class_.name]
+
+    def _by_hand(
+        self, instance: InstanceOf, class_: ProcessClass, layout: PortLayout, arguments: list[str], given: list[str]
+    ) -> list[str]:
+        """A process that is written by hand; a constant input is a variable that nobody writes."""
+        struct, found, fields = self.writer.names.classes[class_.name], [], []
+        for connection in instance.connections:
+            port = layout.ports[connection.port]
+            access = access_of_medium(port.media[connection.index or 0])
+            name = layout.names[port.name] + ("" if connection.index is None else f"[{connection.index}]")
+            match connection.attachment:
+                case ConstantEnd(value=value):
+                    kept = self.members.names[f"{instance.name} {name} constant"]
+                    self.members.work.append(Member(f"{self.writer.members.types.type_name(port.type)} {kept}"))
+                    found.append(f"{SELF}{kept} = {self._printed(value)};")
+                    at = f"&{SELF}{kept}"
+                case DiscardEnd():
+                    at = "NULL"
+                case ChannelEnd(channel=channel):
+                    at = f"&{SELF}{self.members.member(channel)}"
+                case PortEnd():
+                    at = (
+                        f"(void *)({self._attached(connection)})"
+                        if access == "variable"
+                        else self._attached(connection)
+                    )
+            fields.append(f".{name} = {{{KINDS[access]}, {at}}}")
+        if fields:
+            arguments.append(f"&(const struct {struct}_ports){{{', '.join(fields)}}}")
+        return [*found, f"{struct}_initialize({', '.join([*arguments, *given])});"]
 
     def _flag(self, connection: Connection) -> str | None:
         """A pointer to what tells whether the variable at a connection was written; None where that is sure."""

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from cspdiag.codegen.c.code import broken
 from cspdiag.codegen.c.documents import comment
 from cspdiag.codegen.c.environments import port_groups, port_key
+from cspdiag.codegen.c.leaves import ports_header
 from cspdiag.codegen.c.levels import Levels
 from cspdiag.codegen.c.names import Names, PackageNames
 from cspdiag.codegen.c.network_names import names_file
@@ -39,7 +40,11 @@ def network_files(network: Network, names: PackageNames, types: CTypes) -> dict[
     files: dict[str, str] = {}
     described: dict[str, ProcessFiles] = {}
     for class_ in network.classes:
-        if isinstance(class_, ProcessClass) and class_.external is None:
+        if not isinstance(class_, ProcessClass):
+            continue
+        if class_.external is not None:
+            files |= ports_header(class_, names, types)
+        else:
             described[class_.name] = process_files(class_, network, names, types, facts)
             files |= described[class_.name].files
     writer = _NetworkFiles(network, names, types, facts.levels)

@@ -9,6 +9,7 @@ from cspdiag.codegen.c.code import INDENT, broken
 from cspdiag.codegen.c.composition import Composition
 from cspdiag.codegen.c.documents import comment, wrapped
 from cspdiag.codegen.c.initialization import initialize_rows
+from cspdiag.codegen.c.leaves import leaf_header
 from cspdiag.codegen.c.levels import Levels
 from cspdiag.codegen.c.members import Member, Members
 from cspdiag.codegen.c.names import PackageNames
@@ -16,7 +17,7 @@ from cspdiag.codegen.c.rows import Row, block, lines
 from cspdiag.codegen.c.types import CTypes
 from cspdiag.codegen.c.unwritten import Unwritten
 from cspdiag.model.types import Type
-from cspdiag.network.ir import Network, ProcessClass
+from cspdiag.network.ir import Network, ProcessClass, SubmodelClass
 
 
 @dataclass(frozen=True)
@@ -63,6 +64,7 @@ class _Writer:
         self.members = Members(process, network, types, facts.unwritten)
         self.types = types
         self.composition = Composition(self.members, self.members.running_printer, names, facts.levels, self.struct)
+        self.initial = initialize_rows(self.composition)
         self.place = names.place(process.span.file, process.span.line)
 
     # The header
@@ -71,7 +73,7 @@ class _Writer:
         guard, struct = f"{self.struct.upper()}_H", self.struct
         told = [*wrapped(self.process.doc or f"The process {self.process.definition}."), "", f"Source: {self.place}"]
         rows = [*comment(told), f"#ifndef {guard}", f"#define {guard}", ""]
-        rows += [f'#include "{name}.h"' for name in ("csp", "types", *self._included())]
+        rows += [f'#include "{name}"' for name in ("csp.h", "types.h", *self._included())]
         ports = self.members.port_members()
         if ports:
             rows += ["", "/* What the ports are connected to. */"]
@@ -81,7 +83,13 @@ class _Writer:
         return "\n".join([*rows, "", "#endif", ""])
 
     def _included(self) -> Iterable[str]:
-        return dict.fromkeys(self.names.classes[item.class_name] for item in self.process.instances)
+        classes = dict.fromkeys(item.class_name for item in self.process.instances)
+        return dict.fromkeys(self._header_of(self.members.classes[name]) for name in classes)
+
+    def _header_of(self, class_: ProcessClass | SubmodelClass) -> str:
+        if isinstance(class_, ProcessClass) and class_.external is not None:
+            return leaf_header(class_)
+        return f"{self.names.classes[class_.name]}.h"
 
     def _struct(self) -> list[Row]:
         members = self.members
@@ -111,7 +119,7 @@ class _Writer:
         rows += [line for function in composition.functions for line in function]
         for routine in reversed(composition.routines):
             rows += [*routine.text(), "", *routine.table(), ""]
-        rows += [*broken(signature(self.members, self.struct), INDENT), *lines(block("", initialize_rows(composition)))]
+        rows += [*broken(signature(self.members, self.struct), INDENT), *lines(block("", self.initial))]
         return "\n".join([*rows, ""])
 
 

@@ -218,7 +218,8 @@ class Writer:
     def condition(self, expression: Expression, step: Step) -> tuple[list[Row], str]:
         """What must be done first, and the condition."""
         code = str(self.printer.print(expression))
-        if not self.can_fault(expression) and not self.printer.take_temporaries():
+        temporaries = self.printer.take_temporaries()
+        if not temporaries and not self.can_fault(expression):
             return [], code
         self.current.condition = True
         span = expression.span or step.span
@@ -228,7 +229,8 @@ class Writer:
     def operand(self, expression: Expression, where: str, name: str) -> tuple[list[Row], str]:
         """What must be done first, and the value; a value that can fault is kept in a slot of that name."""
         code = str(self.printer.print(expression))
-        if not self.can_fault(expression) and not self.printer.take_temporaries():
+        temporaries = self.printer.take_temporaries()
+        if not temporaries and not self.can_fault(expression):
             return [], code
         slot = self.slot(name, expression.type, "computed")
         return self.evaluated(f"{slot} = ", expression, ";", where), slot

@@ -1,0 +1,99 @@
+/* Ports of processes that are written by hand. */
+#include "csp_leaf.h"
+
+void csp_in_init(csp_in *in, csp_connection connection, csp_ends *ends)
+{
+    in->connection = connection;
+    switch (connection.kind) {
+    case CSP_END_BROADCAST:
+        csp_broadcast_end_init(&in->end.broadcast, (csp_broadcast *)connection.at);
+        in->medium = &in->end.broadcast.medium;
+        break;
+    case CSP_END_SAMPLED:
+        csp_sampled_end_init(&in->end.sampled, (csp_sampled_input *)connection.at, ends);
+        in->medium = &in->end.sampled.medium;
+        break;
+    case CSP_END_EVENT:
+        in->connection.at = csp_event_reader(&in->end.event, (csp_event_input *)connection.at);
+        in->medium = (csp_medium *)in->connection.at;
+        break;
+    case CSP_END_VARIABLE:
+        in->medium = NULL;
+        break;
+    default:
+        in->medium = (csp_medium *)connection.at;
+        break;
+    }
+}
+
+void csp_out_init(csp_out *out, csp_connection connection)
+{
+    out->connection = connection;
+    out->medium = (connection.kind == CSP_END_VARIABLE) ? NULL : (csp_medium *)connection.at;
+}
+
+csp_progress csp_in_read(csp_party *party, csp_in *in, void *value, size_t size)
+{
+    void *const at = in->connection.at;
+    if (in->connection.kind == CSP_END_VARIABLE) {
+        (void)memcpy(value, at, size);
+        return CSP_DONE;
+    }
+    if (csp_is_cancelled(party)) {
+        return csp_refuse(party);
+    }
+    switch (in->connection.kind) {
+    case CSP_END_CHANNEL:
+        return csp_channel_read(party, (csp_channel *)at, value, size);
+    case CSP_END_ANY:
+        return csp_any_read(party, (csp_any_channel *)at, value, size);
+    case CSP_END_BUFFER:
+        return csp_buffer_read(party, (csp_buffer *)at, value, size);
+    case CSP_END_BROADCAST:
+        return csp_broadcast_read(party, &in->end.broadcast, value, size);
+    case CSP_END_SAMPLED:
+        return csp_sampled_read(party, &in->end.sampled, value, size);
+    default:
+        return csp_event_read(party, (csp_event_end *)at, value, size);
+    }
+}
+
+csp_progress csp_in_read_again(csp_party *party, csp_in *in, void *value, size_t size)
+{
+    switch (in->connection.kind) {
+    case CSP_END_SAMPLED:
+        return csp_sampled_read_again(party, &in->end.sampled, value, size);
+    case CSP_END_EVENT:
+        return csp_event_read_again(party, (csp_event_end *)in->connection.at, value, size);
+    default:
+        return CSP_DONE;
+    }
+}
+
+csp_progress csp_out_write(csp_party *party, csp_out *out, void *value, size_t size)
+{
+    void *const at = out->connection.at;
+    if (out->connection.kind == CSP_END_VARIABLE) {
+        if (at != NULL) {
+            (void)memcpy(at, value, size);
+        }
+        return CSP_DONE;
+    }
+    if (csp_is_cancelled(party)) {
+        return csp_refuse(party);
+    }
+    switch (out->connection.kind) {
+    case CSP_END_CHANNEL:
+        return csp_channel_write(party, (csp_channel *)at, value, size);
+    case CSP_END_ANY:
+        return csp_any_write(party, (csp_any_channel *)at, value, size);
+    case CSP_END_BUFFER:
+        return csp_buffer_write(party, (csp_buffer *)at, value, size);
+    case CSP_END_BROADCAST:
+        return csp_broadcast_write(party, (csp_broadcast *)at, value, size);
+    case CSP_END_LATCHED:
+        return csp_latched_write(party, (csp_latched_output *)at, value, size);
+    default:
+        return csp_direct_write(party, (csp_direct_output *)at, value, size);
+    }
+}

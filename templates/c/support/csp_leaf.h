@@ -1,0 +1,123 @@
+/* For processes that are written by hand: ports that can be connected to anything.
+ *
+ * The body of `process Logger c "logger.c"` is a pair of files, logger.h and logger.c. The header includes the generated logger_ports.h and
+ * defines `struct logger`, whose first member is `csp_process process`; the source defines `logger_initialize`, which logger_ports.h declares, and
+ * a step function. The whole of a process that writes down what it reads:
+ *
+ *     struct logger {                              // logger.h
+ *         csp_process process;
+ *         csp_ends ends;
+ *         csp_in level;
+ *         double value;
+ *     };
+ *
+ *     enum { READS_LEVEL = 1, FAILS };             // logger.c: where it waits, and where it ends unsuccessfully
+ *
+ *     static csp_party *logger_step(csp_party *party)
+ *     {
+ *         struct logger *const self = (struct logger *)(void *)party;
+ *         csp_progress progress;
+ *         switch (party->state) {
+ *         case 0:
+ *             csp_observe_begin(party->number);
+ *             for (;;) {
+ *                 CSP_READ(self->level, self->value, READS_LEVEL, fails)
+ *                 keep(self->value);
+ *             }
+ *         case FAILS:
+ *         fails:
+ *             csp_unwind(party);
+ *             csp_ends_close(&self->ends);
+ *             csp_observe_end(party->number);
+ *             return csp_fail(party);              // at its end: the same with csp_end, and without csp_unwind
+ *         default:
+ *             return NULL;
+ *         }
+ *     }
+ *
+ *     static const csp_place logger_places[] = {
+ *         [0] = {.waiting = CSP_AT_NOTHING, .where = "logger.c"},
+ *         [READS_LEVEL] = CSP_PLACE_READ(struct logger, level, FAILS, "logger.c"),
+ *         [FAILS] = {.waiting = CSP_AT_NOTHING, .failed = FAILS, .where = "logger.c"},
+ *     };
+ *     static const csp_class logger_class = {
+ *         .step = logger_step, .places = logger_places, .name = "Logger", .where = "logger.c", .offset = 0};
+ *
+ *     void logger_initialize(struct logger *self, csp_numbers *numbers, const struct logger_ports *ports)
+ *     {
+ *         csp_process_init(&self->process, &logger_class, numbers->process++);
+ *         csp_in_init(&self->level, ports->level, &self->ends);
+ *     }
+ *
+ * A variable in a step function lives until the process waits; what has to live longer is a member of the struct. It waits with CSP_READ,
+ * CSP_WRITE, and CSP_AWAIT with csp_wait; it fails with `(void)csp_raise(party, EXCEPTION_..., "logger.c:12"); goto fails;`.
+ */
+#ifndef CSP_LEAF_H
+#define CSP_LEAF_H
+
+#include "csp_channels.h"
+#include "csp_external.h"
+#include "csp_process.h"
+
+typedef enum csp_end_kind {
+    CSP_END_VARIABLE, /* a variable or a constant; NULL: takes everything */
+    CSP_END_CHANNEL,
+    CSP_END_ANY,
+    CSP_END_BROADCAST,
+    CSP_END_BUFFER,
+    CSP_END_SAMPLED,
+    CSP_END_EVENT,
+    CSP_END_LATCHED,
+    CSP_END_DIRECT
+} csp_end_kind;
+
+/* What a port is connected to. */
+typedef struct csp_connection {
+    csp_end_kind kind;
+    void *at;
+} csp_connection;
+
+typedef struct csp_in {
+    csp_connection connection;
+    csp_medium *medium; /* where it waits */
+    union {
+        csp_broadcast_end broadcast;
+        csp_sampled_end sampled;
+        csp_event_end event;
+    } end;
+} csp_in;
+
+typedef struct csp_out {
+    csp_connection connection;
+    csp_medium *medium;
+} csp_out;
+
+/* Before the program starts. `ends` are closed when the process ends. */
+void csp_in_init(csp_in *in, csp_connection connection, csp_ends *ends);
+void csp_out_init(csp_out *out, csp_connection connection);
+
+csp_progress csp_in_read(csp_party *party, csp_in *in, void *value, size_t size);
+csp_progress csp_in_read_again(csp_party *party, csp_in *in, void *value, size_t size);
+/* A value for the outside has to be finite: csp_finite of csp_arithmetic.h refuses others. */
+csp_progress csp_out_write(csp_party *party, csp_out *out, void *value, size_t size);
+
+#define CSP_READ(in, variable, PLACE, FAILED)                                                                          \
+    CSP_AWAIT(csp_in_read(party, &(in), &(variable), sizeof(variable)),                                                \
+              csp_in_read_again(party, &(in), &(variable), sizeof(variable)), PLACE, FAILED)
+
+#define CSP_WRITE(out, variable, PLACE, FAILED)                                                                        \
+    CSP_AWAIT(csp_out_write(party, &(out), &(variable), sizeof(variable)), CSP_DONE, PLACE, FAILED)
+
+#define CSP_PLACE_READ(TYPE, MEMBER, FAILED, WHERE)                                                                    \
+    {                                                                                                                  \
+        .waiting = CSP_AT_READ, .indirect = true, .failed = (FAILED), .offset = offsetof(TYPE, MEMBER.medium),         \
+        .where = (WHERE)                                                                                               \
+    }
+
+#define CSP_PLACE_WRITE(TYPE, MEMBER, FAILED, WHERE)                                                                   \
+    {                                                                                                                  \
+        .waiting = CSP_AT_WRITE, .indirect = true, .failed = (FAILED), .offset = offsetof(TYPE, MEMBER.medium),        \
+        .where = (WHERE)                                                                                               \
+    }
+
+#endif

@@ -1,0 +1,185 @@
+"""Processes that are written by hand in C do what the same processes in the language do."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from cspdiag import pipeline
+from cspdiag.diagnostics import SourceFile
+from cspdiag.network.ir import Network
+from cspdiag.simulate import execute, native
+from cspdiag.simulate.result import Run
+from cspdiag.sources import read_source
+
+MS = 1_000_000
+NEEDS_COMPILER = pytest.mark.skipif(
+    not any(shutil.which(name) for name in ("cc", "gcc", "clang")), reason="there is no C compiler"
+)
+
+SCALE = """process Scale(gain: int) {
+  in  input  : int
+  in  offset : int = 7
+  out output : int
+  communication { var value : int = 0  var other : int = 0 }
+  composition { mu (input ? value ; offset ? other ; output ! gain * value + other) }
+}
+"""
+
+HEADER = """\
+#ifndef SCALE_H
+#define SCALE_H
+#include "scale_ports.h"
+
+struct scale {
+    csp_process process;
+    csp_ends ends;
+    csp_in input, offset;
+    csp_out output;
+    int64_t gain, value, other;
+};
+
+#endif
+"""
+
+SOURCE = """\
+#include "scale.h"
+
+enum { READS_INPUT = 1, READS_OFFSET, WRITES_OUTPUT, FAILS };
+
+static csp_party *scale_step(csp_party *party)
+{
+    struct scale *const self = (struct scale *)(void *)party;
+    csp_progress progress;
+
+    switch (party->state) {
+    case 0:
+        csp_observe_begin(party->number);
+        for (;;) {
+            CSP_READ(self->input, self->value, READS_INPUT, fails)
+            CSP_READ(self->offset, self->other, READS_OFFSET, fails)
+            self->value = self->gain * self->value + self->other;
+            CSP_WRITE(self->output, self->value, WRITES_OUTPUT, fails)
+        }
+    case FAILS:
+    fails:
+        csp_unwind(party);
+        csp_ends_close(&self->ends);
+        csp_observe_end(party->number);
+        return csp_fail(party);
+    default:
+        return NULL;
+    }
+}
+
+static const csp_place scale_places[] = {
+    [0] = {.waiting = CSP_AT_NOTHING, .where = "scale.c"},
+    [READS_INPUT] = CSP_PLACE_READ(struct scale, input, FAILS, "scale.c"),
+    [READS_OFFSET] = CSP_PLACE_READ(struct scale, offset, FAILS, "scale.c"),
+    [WRITES_OUTPUT] = CSP_PLACE_WRITE(struct scale, output, FAILS, "scale.c"),
+    [FAILS] = {.waiting = CSP_AT_NOTHING, .failed = FAILS, .where = "scale.c"},
+};
+
+static const csp_class scale_class = {
+    .step = scale_step, .places = scale_places, .name = "Scale", .where = "scale.c", .offset = 0};
+
+void scale_initialize(struct scale *self, csp_numbers *numbers, const struct scale_ports *ports, int64_t gain)
+{
+    csp_process_init(&self->process, &scale_class, numbers->process++);
+    csp_in_init(&self->input, ports->input, &self->ends);
+    csp_in_init(&self->offset, ports->offset, &self->ends);
+    csp_out_init(&self->output, ports->output);
+    self->gain = gain;
+}
+"""
+
+PROGRAM = """
+process Source {
+  out value : int
+  communication { var n : int = 0 }
+  composition { mu (value ! n ; n := n + 1 ; wait 3 ms) until n == 9 }
+}
+
+process Sink {
+  in value : int
+  communication { var got : int }
+  composition { mu (value ? got) }
+}
+
+process Top {
+  in  level   : int @ 2 ms
+  in  pressed : int
+  out shown   : int
+  out kept    : int @ 5 ms
+  communication {
+    source   : Source
+    plain    : Scale(gain = 3)
+    buffered : Scale(gain = -1)
+    first    : Scale(gain = 10)
+    second   : Scale(gain = 1)
+    sampled  : Scale(gain = 2)
+    pressing : Scale(gain = 5)
+    sink     : Sink
+    last     : Sink
+
+    source.value    -> broadcast -> plain.input, buffered.input
+    plain.output    -> a : int -> first.input
+    first.output    -> shown
+    buffered.output -> b : int buffer 2 -> second.input
+    level           -> sampled.input
+    sampled.output  -> kept
+    second.output   -> c : int any -> sink.value
+    pressed         -> pressing.input
+    pressing.output -> d : int overwrite 2 -> last.value
+  }
+  composition {
+    (source || plain || first || (buffered || second || sink interrupt after 40 ms -> skip)
+    || (sampled interrupt after 21 ms -> skip) || (pressing || last)) interrupt after 80 ms -> skip
+  }
+}
+
+submodel World {
+  in  shown, kept    : int
+  out level, pressed : int
+  state n : int = 0
+  next n = n + 1
+  level   = n * n
+  pressed = n / 6
+}
+
+environment Bench for Top step 1 ms {
+  world : World
+  shown         -> world.shown
+  kept          -> world.kept
+  world.level   -> level
+  world.pressed -> pressed
+}
+"""
+
+
+def network_of(text: str, folder: Path) -> Network:
+    built = pipeline.build(SourceFile(name=str(folder / "case.csp"), text=text), read_source)
+    assert built.network is not None, [found.message for found in built.checked.report.diagnostics]
+    return built.network
+
+
+def told(run: Run) -> list[tuple[int, str, object]]:
+    return [(time, channel, value) for time, channel, value, _, _ in run.communications]
+
+
+@NEEDS_COMPILER
+@pytest.mark.parametrize("level", [0, 1])
+def test_a_process_by_hand_communicates_through_all_kinds_of_ends(level: int, tmp_path: Path) -> None:
+    (tmp_path / "scale.c").write_text(SOURCE)
+    (tmp_path / "scale.h").write_text(HEADER)
+    in_the_language = network_of(SCALE + PROGRAM, tmp_path)
+    ports = SCALE[: SCALE.index("  communication")].replace("{", 'c "scale.c" {', 1) + "}\n"
+    by_hand = network_of(ports + PROGRAM, tmp_path)
+
+    wanted = execute.simulate(in_the_language, pipeline.generate(in_the_language, read_source), until=100 * MS)
+    run = native.simulate(by_hand, read_source, level=level, until=100 * MS, options=("-O0",))
+    assert len(wanted.communications) > 50
+    assert told(run) == told(wanted)
+    assert (run.outcome.ended, run.outcome.time) == (wanted.outcome.ended, wanted.outcome.time)
