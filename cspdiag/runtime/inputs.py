@@ -241,6 +241,12 @@ class SampledInput(In[T]):
                 return True
         return False
 
+    @property
+    def awaited_end(self) -> SampledEnd[T] | None:
+        """An end at which a reader waits for a sample that will come."""
+        waiting = (end for end in self.ends if end.waiter is not None)
+        return None if self.driver is None else next(waiting, None)
+
 
 class EventEnd(LatchedEnd[T]):
     """A latch of an event input."""

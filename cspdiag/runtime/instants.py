@@ -12,7 +12,7 @@ from typing import Any, Protocol, TypeAlias
 from .durations import ms
 from .exceptions import EnvironmentFailure
 from .external import EventOutput, Port, SampledOutput
-from .inputs import EventInput, SampledInput
+from .inputs import EventInput, SampledEnd, SampledInput
 from .places import statement_of
 from .scheduler import scheduler
 
@@ -63,6 +63,8 @@ class Instants:
         """By the phase of the hyperperiod: the distance to the next instant, and what happens at this one; None where nothing does."""
         self._hopeful: Port | None = None
         """The port that could make a process ready when it was asked last."""
+        self.hope: SampledEnd[Any] | None = None
+        """Where a process was found to wait for a sample that will come; it often does so again."""
 
     def _grid_of(self, environment: Environment | None) -> int:
         if environment is not None:
@@ -136,5 +138,6 @@ class Instants:
         for port in self._ports:
             if port.can_come:
                 self._hopeful = port
+                self.hope = port.awaited_end if isinstance(port, SampledInput) else None
                 return True
         return False

@@ -132,8 +132,10 @@ class _Run:
             if root.ended:
                 return self._ended_by_itself()
             timer = timers.next_instant()
-            if timer is None and not instants.port_can_come():
-                return self._deadlocked()
+            if timer is None:
+                hope = instants.hope
+                if (hope is None or hope.waiter is None) and not instants.port_can_come():
+                    return self._deadlocked()
             instant = tick if timer is None or (tick is not None and tick < timer) else timer
             assert instant is not None
             if until is not None and instant > until:
