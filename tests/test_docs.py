@@ -3,17 +3,23 @@
 from __future__ import annotations
 
 import re
+import shutil
 from pathlib import Path
 
 import pytest
 
 from cspdiag import pipeline
 from cspdiag.diagnostics import Report, SourceFile
+from cspdiag.simulate import native
+from cspdiag.sources import read_source
 from cspdiag.syntax import ast
 from cspdiag.syntax.formatter import format_tree
 from cspdiag.syntax.parser import parse
 
 ROOT = Path(__file__).parent.parent
+needs_compiler = pytest.mark.skipif(
+    not any(map(shutil.which, ("cc", "gcc", "clang"))), reason="no C compiler: install gcc or clang"
+)
 LANGUAGE = ROOT / "docs" / "language.md"
 _FENCE = re.compile(r"^```(?P<kind>csp|csp-fragment)\n(?P<text>.*?)^```$", re.MULTILINE | re.DOTALL)
 
@@ -56,3 +62,14 @@ def test_reserved_words_are_listed() -> None:
     words = {word for word in load().words if word[0].isalpha()}
     assert set(re.findall(r"`(\w+)`", of_their_place)) == WORDS_OF_THEIR_PLACE
     assert set(re.findall(r"`(\w+)`", reserved)) == words - WORDS_OF_THEIR_PLACE
+
+
+@needs_compiler
+def test_the_control_law_in_c_runs(tmp_path: Path) -> None:
+    text = (ROOT / "docs" / "c.md").read_text(encoding="utf-8")
+    for name, body in re.findall(r"^<!-- (\S+) -->\n```\w+\n(.*?)^```$", text, re.MULTILINE | re.DOTALL):
+        (tmp_path / name).write_text(body)
+    network = pipeline.build(read_source(str(tmp_path / "tank.csp")), read_source).network
+    assert network is not None
+    run = native.simulate(network, read_source, until=20_000_000_000)
+    assert run["level"][-1] == pytest.approx(1.25, abs=1e-3)
