@@ -105,7 +105,11 @@ def _sample(network: Choreography, number: int) -> None:
 
 def _step(draw: st.DrawFn, network: Choreography, tick: int) -> None:
     number = len(network.relations)
-    kind = draw(st.sampled_from(["channel", "channel", "channel", "broadcast", "compute", "output", "decide", "again"]))
+    kind = draw(
+        st.sampled_from(
+            ["channel", "channel", "channel", "select", "broadcast", "compute", "output", "decide", "again"]
+        )
+    )
     members = network.members
     one = draw(st.integers(0, len(members) - 1))
     match kind:
@@ -116,6 +120,15 @@ def _step(draw: st.DrawFn, network: Choreography, tick: int) -> None:
             members[other].ports.append(f"in  i{number} : int")
             members[one].steps.append(f"o{number} ! {value(draw)}")
             members[other].steps.append(f"i{number} ? {draw(st.sampled_from(['v', 'w', 'a[1]', 'a[w % 2 * 0]']))}")
+            arrow = f"-> c{number} : int {asked}".rstrip()
+            network.relations.append(f"member{one}.o{number} {arrow} -> member{other}.i{number}")
+        case "select":
+            other = draw(st.integers(0, len(members) - 1).filter(lambda n: n != one))
+            members[one].ports.append(f"out o{number} : int")
+            members[other].ports.append(f"in  i{number} : int")
+            members[one].steps.append(_writing(draw, number))
+            members[other].steps.append(_reading(draw, number))
+            asked = draw(st.sampled_from(["", "", "", "buffer 2"]))
             arrow = f"-> c{number} : int {asked}".rstrip()
             network.relations.append(f"member{one}.o{number} {arrow} -> member{other}.i{number}")
         case "broadcast" if len(members) > 2:
@@ -143,6 +156,22 @@ def _step(draw: st.DrawFn, network: Choreography, tick: int) -> None:
                     st.sampled_from(["if v > 40 then raise Enough", "if w == 5 then raise Enough", "wait 0 ms", "skip"])
                 )
             )
+
+
+def _writing(draw: st.DrawFn, number: int) -> str:
+    """Writes a value, or gives up."""
+    late = draw(st.sampled_from(["after 500 us", "after 1 ms", "skip"]))
+    operator = draw(st.sampled_from(["[]", "[]>"]))
+    alternative = f"(o{number} ! {value(draw)} -> skip) {operator} ({late} -> w := 3)"
+    return draw(st.sampled_from([f"o{number} ! {value(draw)}", f"({alternative})"]))
+
+
+def _reading(draw: st.DrawFn, number: int) -> str:
+    """Reads a value, or gives up."""
+    late = draw(st.sampled_from(["after 500 us", "after 2 ms", "skip"]))
+    operator = draw(st.sampled_from(["[]", "[]>"]))
+    target = draw(st.sampled_from(["v", "a[1]"]))
+    return f"((i{number} ? {target} -> skip) {operator} ({late} -> w := 4))"
 
 
 def _body(draw: st.DrawFn, member: Member, turns: int | None, delay: str) -> str:
