@@ -13,9 +13,9 @@ SUPPORT = Path(__file__).parents[2] / "templates" / "c" / "support"
 STRICT = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror")
 SCENARIOS = ("-DCSP_TRACE=1", "-DCSP_LEVELS=3U")
 KERNEL = (
-    *("alternative", "any_channel", "arithmetic", "broadcast", "buffer", "cancel", "external", "fault_text", "guards"),
-    *("interrupt", "kernel", "offers", "port_simulation", "process", "report", "run", "timers"),
-)
+    "alternative alternative_setup any_channel arithmetic broadcast buffer cancel external fault_text guards interrupt"
+    " kernel offers port_simulation process report run timers"
+).split()
 
 
 def run(*command: str | Path, cwd: Path | None = None) -> str:

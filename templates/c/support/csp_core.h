@@ -11,7 +11,7 @@
  * single loop that calls step functions, and no recursion.
  *
  * Every operation has three results: CSP_DONE; CSP_WAITS, the party is registered with what it waits for; CSP_FAILS,
- * `csp.error` tells the exception, or that the process was cancelled. CSP_AWAIT (csp_step.h) does what follows of it.
+ * `csp.error` tells the exception, or that the process was cancelled. CSP_AWAIT (csp_process.h) does what follows of it.
  *
  * Each class of processes has a constant table of its places: what is waited for there, where in the program's text, and in
  * which state the process goes on if the operation fails. Only cancellation, exceptions and reports look at it, so they
@@ -86,7 +86,6 @@ typedef enum csp_waiting {
     CSP_AT_PARALLEL, /* object: csp_parallel */
     CSP_AT_INTERRUPT /* object: csp_interrupt */
 } csp_waiting;
-#define CSP_AT_OFFERS CSP_AT_INPUTS
 
 struct csp_place {
     uint8_t waiting;  /* csp_waiting */
@@ -98,9 +97,15 @@ struct csp_place {
 };
 
 /* An exception. Numbers of declared exceptions begin at CSP_FIRST_EXCEPTION. */
-enum { CSP_NO_EXCEPTION = 0, CSP_CANCELLATION = 1, CSP_FAULT_EXCEPTION = 2, CSP_TIMEOUT_EXCEPTION = 3, CSP_FIRST_EXCEPTION = 4 };
+enum {
+    CSP_NO_EXCEPTION = 0,
+    CSP_CANCELLATION = 1, /* no `catch` applies to it */
+    CSP_FAULT_EXCEPTION = 2,
+    CSP_TIMEOUT_EXCEPTION = 3,
+    CSP_FIRST_EXCEPTION = 4
+};
 
-/* What `message` is about, formatted only when it is shown. */
+/* What a message is about; it is formatted only when it is shown. */
 typedef struct csp_operands {
     int64_t integers[3];
     double real;

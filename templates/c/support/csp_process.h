@@ -21,7 +21,7 @@
         goto FAILED;                                                                                                   \
     }
 
-/* A communication on a csp_channel, which is done when the process runs again. `operation` is csp_channel_read or csp_channel_write. */
+/* One communication, which is done when the process runs again. `operation` reads or writes: csp_channel_read, csp_any_write... */
 #define CSP_COMMUNICATE(operation, channel, variable, PLACE, FAILED)                                                   \
     if (csp_is_cancelled(party)) {                                                                                     \
         (void)csp_refuse(party);                                                                                       \
@@ -33,7 +33,7 @@
     case PLACE:;                                                                                                       \
     }
 
-/* Runs another process in sequence; it goes on here when that has ended, or at FAILED when that has failed. */
+/* Runs another process in sequence. The process goes on here when that has ended, or in the failed state of PLACE. */
 #define CSP_CALL(callee, PLACE)                                                                                        \
     party->state = (uint16_t)(PLACE);                                                                                  \
     return csp_call(party, (callee));                                                                                  \

@@ -1,0 +1,111 @@
+/* Alternatives before the program starts, and which of their guards are enabled. */
+#include "csp_internal.h"
+
+static csp_word bit_of(uint32_t index)
+{
+    return (csp_word)1U << (index % CSP_WORD_BITS);
+}
+
+void csp_alternative_init(csp_alternative *alternative, csp_guard *guard, uint16_t count, csp_word *words,
+                          bool prioritized)
+{
+    alternative->guard = guard;
+    alternative->count = count;
+    alternative->prioritized = prioritized;
+    alternative->fair = prioritized ? 0U : ~(csp_word)0U;
+    alternative->quick = (words == NULL) ? ~(csp_word)0U : 0U;
+    alternative->more_ready = words;
+    alternative->more_enabled = (words == NULL) ? NULL : &words[CSP_WORDS(count)];
+    for (uint16_t index = 0U; index < count; index++) {
+        guard[index].alternative = alternative;
+        guard[index].index = index;
+        guard[index].bit = bit_of(index);
+        guard[index].word = &alternative->ready;
+        guard[index].word_bit = 0U;
+        if (words != NULL) {
+            guard[index].word = &words[index / CSP_WORD_BITS];
+            guard[index].word_bit = bit_of(index / CSP_WORD_BITS);
+        }
+    }
+}
+
+void csp_guard_read(csp_alternative *alternative, uint16_t index, csp_medium *medium, void *value, size_t size)
+{
+    csp_guard *const guard = &alternative->guard[index];
+    guard->kind = (uint8_t)CSP_GUARD_INPUT;
+    guard->medium = medium;
+    guard->channel = (medium->kind == (uint8_t)CSP_ANY) ? (csp_any_channel *)(void *)medium : &csp_no_channel;
+    guard->slot = value;
+    guard->size = (uint32_t)size;
+    csp_watch_input(guard);
+}
+
+void csp_guard_ready(csp_alternative *alternative, uint16_t index, csp_medium *medium)
+{
+    csp_guard *const guard = &alternative->guard[index];
+    guard->kind = (uint8_t)CSP_GUARD_READY;
+    guard->channel = &csp_no_channel;
+    guard->medium = medium;
+    csp_watch_input(guard);
+}
+
+void csp_guard_write(csp_alternative *alternative, uint16_t index, csp_medium *medium, void *value, size_t size)
+{
+    csp_guard *const guard = &alternative->guard[index];
+    guard->kind = (uint8_t)CSP_GUARD_OUTPUT;
+    guard->channel = &csp_no_channel;
+    guard->medium = medium;
+    guard->slot = value;
+    guard->size = (uint32_t)size;
+    csp_watch_output(guard);
+}
+
+void csp_guard_after(csp_alternative *alternative, uint16_t index, csp_timer *timer)
+{
+    csp_guard *const guard = &alternative->guard[index];
+    guard->kind = (uint8_t)CSP_GUARD_AFTER;
+    guard->next = NULL;
+    guard->channel = &csp_no_channel;
+    guard->medium = NULL;
+    guard->timer = timer;
+    alternative->time_outs++;
+    alternative->quick = 0U;
+}
+
+void csp_guard_skip(csp_alternative *alternative, uint16_t index)
+{
+    csp_guard *const guard = &alternative->guard[index];
+    guard->kind = (uint8_t)CSP_GUARD_SKIP;
+    guard->channel = &csp_no_channel;
+    guard->medium = NULL;
+    csp_set_bit(guard);
+}
+
+void csp_enable_all(csp_alternative *alternative)
+{
+    alternative->enabled = ~(csp_word)0U;
+    if (alternative->more_enabled != NULL) {
+        for (uint32_t word = 0U; word < CSP_WORDS(alternative->count); word++) {
+            alternative->more_enabled[word] = ~(csp_word)0U;
+        }
+    }
+}
+
+void csp_enable_none(csp_alternative *alternative)
+{
+    alternative->enabled = 0U;
+    if (alternative->more_enabled != NULL) {
+        for (uint32_t word = 0U; word < CSP_WORDS(alternative->count); word++) {
+            alternative->more_enabled[word] = 0U;
+        }
+    }
+}
+
+void csp_enable(csp_alternative *alternative, uint16_t index)
+{
+    if (alternative->more_enabled == NULL) {
+        alternative->enabled |= bit_of(index);
+    } else {
+        alternative->more_enabled[index / CSP_WORD_BITS] |= bit_of(index);
+    }
+}
