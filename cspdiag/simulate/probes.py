@@ -10,7 +10,7 @@ from cspdiag.network.ir import Network
 
 if TYPE_CHECKING:
     from cspdiag.runtime import Network as RunningNetwork
-    from cspdiag.runtime import Variable
+    from cspdiag.runtime import Process, Routine, Variable
     from cspdiag.simulate.recorder import Recorder
 
 
@@ -49,4 +49,11 @@ def _variables(process: object) -> Iterator[Variable[float]]:
         elif isinstance(item, list | tuple):
             pending += item
         elif isinstance(item, Process | Routine):
-            pending += vars(item).values()
+            pending += _attributes(item)
+
+
+def _attributes(item: Process | Routine) -> Iterator[object]:
+    """The values of all attributes, those in slots too."""
+    yield from getattr(item, "__dict__", {}).values()
+    names = [name for class_ in type(item).__mro__ for name in getattr(class_, "__slots__", ())]
+    yield from (getattr(item, name) for name in names if hasattr(item, name))
