@@ -12,10 +12,8 @@ HERE = Path(__file__).parent
 SUPPORT = Path(__file__).parents[2] / "templates" / "c" / "support"
 STRICT = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror")
 SCENARIOS = ("-DCSP_TRACE=1", "-DCSP_LEVELS=3U")
-KERNEL = (
-    "alternative alternative_setup any_channel arithmetic broadcast buffer cancel external fault_text guards interrupt"
-    " kernel offers port_simulation process report run timers"
-).split()
+HOSTED = ("csp_simulation.c", "csp_stream.c")
+"""Around a run on a host: not of the kernel."""
 
 
 def run(*command: str | Path, cwd: Path | None = None) -> str:
@@ -30,5 +28,7 @@ def need(*tools: str) -> None:
         pytest.skip(f"not installed: {', '.join(missing)}")
 
 
-def kernel_files() -> list[Path]:
-    return [SUPPORT / f"csp_{name}.c" for name in KERNEL]
+def kernel_files(port: str = "simulation") -> list[Path]:
+    """The kernel with one of its ports."""
+    files = [file for file in sorted(SUPPORT.glob("csp_*.c")) if file.name not in HOSTED]
+    return [file for file in files if not file.name.startswith("csp_port_")] + [SUPPORT / f"csp_port_{port}.c"]

@@ -10,14 +10,12 @@ import pytest
 
 from tests.c_kernel.building import HERE, SCENARIOS, STRICT, SUPPORT, kernel_files, need, run
 
-SOURCES = [SUPPORT / "csp_port_posix.c" if file.name == "csp_port_simulation.c" else file for file in kernel_files()]
-
 
 @pytest.fixture(scope="module")
 def objects(tmp_path_factory: pytest.TempPathFactory) -> Path:
     need("gcc")
     folder = tmp_path_factory.mktemp("posix")
-    run("gcc", *STRICT, *SCENARIOS, f"-I{SUPPORT}", "-c", *SOURCES, HERE / "script.c", cwd=folder)
+    run("gcc", *STRICT, *SCENARIOS, f"-I{SUPPORT}", "-c", *kernel_files("posix"), HERE / "script.c", cwd=folder)
     return folder
 
 
