@@ -12,6 +12,7 @@ from cspdiag.codegen.c.laws import law_can_fault, law_members
 from cspdiag.codegen.c.media import Spelling
 from cspdiag.codegen.c.members import SELF
 from cspdiag.codegen.c.plain_steps import READS, WRITES, finite_check, finite_rows, flag_rows, receive_rows, send_rows
+from cspdiag.codegen.c.routines import Waiting
 from cspdiag.codegen.c.rows import Row, block, rows
 from cspdiag.codegen.c.writer import Writer
 from cspdiag.network.actions import (
@@ -177,7 +178,7 @@ def _reading(writer: Writer, step: Step, name: str, reads: Sequence[_Read]) -> l
         source = waiting[0].source
         assert source is not None
         return [*at_once, *receive_rows(writer, step, source, waiting[0].into)]
-    offers = _Offers(writer, step, len(waiting), f"reads_{name}")
+    offers = _Offers(writer, step, len(waiting), "INPUTS", f"reads_{name}")
     found = offers.begin()
     for read in reads:
         if read in waiting and read.source is not None:
@@ -214,7 +215,7 @@ def _writing(writer: Writer, step: Step, name: str, writes: Sequence[_Write]) ->
             if write not in waiting:
                 found += _at_once(writer, step, write)
         return [*found, *(send_rows(writer, step, waiting[0].sink, waiting[0].value) if waiting else [])]
-    offers = _Offers(writer, step, len(waiting), f"writes_{name}")
+    offers = _Offers(writer, step, len(waiting), "OUTPUTS", f"writes_{name}")
     found = offers.begin()
     for write in writes:
         if write in waiting:
@@ -242,11 +243,11 @@ def _at_once(writer: Writer, step: Step, write: _Write, offers: _Offers | None =
 class _Offers:
     """The offers of one step function, which are made one law after the other."""
 
-    def __init__(self, writer: Writer, step: Step, count: int, state: str) -> None:
+    def __init__(self, writer: Writer, step: Step, count: int, waiting: Waiting, state: str) -> None:
         self.writer = writer
         self.step = step
         self.member = writer.offers(count)
-        self.place = writer.place(step, state, "OFFERS", self.member)
+        self.place = writer.place(step, state, waiting, self.member)
 
     def begin(self) -> list[Row]:
         """Cancelled processes go no further."""

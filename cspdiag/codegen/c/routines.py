@@ -10,7 +10,7 @@ from cspdiag.codegen.c.names import Names
 from cspdiag.codegen.c.rows import Row, block, lines, rows
 
 Waiting: TypeAlias = Literal[
-    "NOTHING", "CALL", "READ", "WRITE", "ALTERNATIVE", "OFFERS", "DELAY", "STOP", "PARALLEL", "INTERRUPT"
+    "NOTHING", "CALL", "READ", "WRITE", "ALTERNATIVE", "INPUTS", "OUTPUTS", "DELAY", "STOP", "PARALLEL", "INTERRUPT"
 ]
 
 
