@@ -1,0 +1,104 @@
+"""What the generator decides about a process: where its variables live, and whether it asks if it was cancelled."""
+
+from __future__ import annotations
+
+import pytest
+
+from cspdiag import pipeline
+from cspdiag.codegen.optimized_python.cancellation import checked_classes
+from cspdiag.codegen.optimized_python.storage import local_variables, run_again
+from cspdiag.diagnostics import SourceFile
+from cspdiag.diagnostics.render_text import render
+from cspdiag.network.ir import Network, ProcessClass
+from cspdiag.network.optimize import lower_for_targets
+
+
+def network(text: str) -> Network:
+    built = pipeline.build(SourceFile(name="p.csp", text=text), no_file)
+    assert built.network is not None, render(built.checked.report.diagnostics)
+    return lower_for_targets(built.network)
+
+
+def no_file(path: str) -> SourceFile:
+    raise FileNotFoundError(path)
+
+
+def process(text: str, name: str = "P") -> ProcessClass:
+    found = network(text).class_named(name)
+    assert isinstance(found, ProcessClass)
+    return found
+
+
+PROCESS = """
+process Source { out o : int  composition { mu o ! 1 } }
+process P {
+  in c : int
+  communication { var x : int%s  var y : int = 0 }
+  composition { %s }
+}
+process Top {
+  communication { p : P  source : Source  source.o -> p.c }
+  composition { p || source }
+}
+"""
+
+
+@pytest.mark.parametrize(
+    ("initial", "composition", "local"),
+    [
+        ("", "c ? x ; y := x", True),
+        (" = 1", "y := x ; c ? x", True),
+        ("", "if y > 0 then (c ? x) else (x := 1) ; y := x", True),
+        ("", "(mu (c ? x) until y == 0) ; y := x", True),
+        ("", "if y > 0 then (c ? x) else stop ; y := x", True),
+        ("", "((c ? x) interrupt after 1 ms -> skip) ; y := x", False),
+        ("", "((c ? x) catch Timeout -> x := 0) ; y := x", True),
+    ],
+)
+def test_variables_are_local_where_every_read_comes_after_a_write(initial: str, composition: str, local: bool) -> None:
+    assert ("x" in local_variables(process(PROCESS % (initial, composition)), again=False, probed=False)) == local
+
+
+def test_what_is_run_again_finds_its_variables_as_they_were() -> None:
+    program = """
+    process Counter {
+      communication { var n : int = 0  var fresh : int }
+      composition { n := n + 1 ; fresh := n ; wait fresh * 1 ms }
+    }
+    process Top {
+      communication { one : Counter  two : Counter }
+      composition { mu (one || two) }
+    }
+    """
+    lowered = network(program)
+    assert run_again(lowered) == {"Counter"}
+    assert local_variables(process(program, "Counter"), again=True, probed=False) == {"fresh"}
+
+
+RACE = """
+exception Late
+process Writer { out o : int  composition { mu o ! 1 } }
+process Reader {
+  in i : int
+  communication { var n : int = 0 }
+  composition { i ? n ; i ? n ; raise Late }
+}
+process Top {
+  communication { writer : Writer  reader : Reader  writer.o -> reader.i  var done : bool = false }
+  composition { %s }
+}
+"""
+
+
+@pytest.mark.parametrize(
+    ("composition", "checked"),
+    [
+        ("writer || reader", set()),
+        ("(writer || reader) catch Late -> skip", set()),
+        ("(writer || reader || done := true) catch Late -> skip", {"Top", "Writer", "Reader"}),
+        ("(writer || reader) interrupt after 1 ms -> skip", {"Top", "Writer", "Reader"}),
+        ("mu ((writer || reader) catch Late -> skip)", {"Writer", "Reader"}),
+    ],
+)
+def test_only_who_can_be_seen_after_a_cancellation_asks_for_it(composition: str, checked: set[str]) -> None:
+    assert checked_classes(network(RACE % composition)) == checked
