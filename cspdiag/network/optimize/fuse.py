@@ -6,18 +6,22 @@ an assignment, and for the trace a report; samples are read and outputs written 
 
 When that can be done, and why nothing else can be seen from outside:
 
-- *The whole program* is followed, from time 0, so that the order of everything is known: computations, communications, samples and outputs stand in the fused
-  process in the order in which they would have been done, at the same instants. A program of which only a part could be followed is left as it is: its other
-  processes could be cancelled by it, or cancel it, in the middle of an instant.
-- *What is not known does not matter.* Inputs without a period (events), interrupts, handlers of ``Fault`` and ``Timeout``, processes and control laws written by hand, and guards and delays that depend on
-  values are refused. A decision that depends on a value may have one way that goes on for ever; the other is followed to the end of the program, and stands in the fused
-  process as an exit.
-- *Faults* end the program in the middle of a computation. Its other processes would still have computed up to their next communication, which nobody sees: there is
-  nobody left to look at their variables. For the same reason processes that are cancelled by an exception end where they are.
+- *The whole program* is followed, from time 0, so that the order of everything is known: computations, communications, samples and outputs stand in the
+  fused process in the order in which they would have been done, at the same instants. A program of which only a part could be followed is left as it is: an
+  exception or a fault of the others would cancel the part in the middle of an instant, between two communications that are not points of
+  cancellation any more, and its own would cancel them earlier or later than they were.
+- *What is not known does not matter.* Inputs without a period (events), interrupts, handlers of ``Fault`` and ``Timeout``, processes and control laws written
+  by hand, variables that may be read before they are written, and guards and delays that depend on values are refused. A decision that depends
+  on a value may have one way that goes on for ever; the other is followed to the end of the program, and stands in the fused process as an exit.
+- *Faults* end the program in the middle of a computation. Its other processes would still have computed up to their next communication, which nobody
+  sees: there is nobody left to look at their variables. For the same reason processes that are cancelled by an exception end where they are.
 - *A program that deadlocks* stays as it is, for the report names its processes; and so does one that misses samples.
-- *Samples* are taken by ends of the fused process, one for each end there was. As one process they follow their periods together, which
-  can differ from what several processes do: the fused process is followed like any other, and has to do the same at the same instants, or is given up.
-- *Priorities* have had their say in the order that was followed. In real time a fused process is late as a whole; it then takes its samples in the same order.
+- *Samples* are taken by ends of the fused process, one for each end there was. As one process they follow their periods together, and each from its
+  first read on, which can differ from what several processes do. So it may have to begin to wait for several inputs at once, by an alternative before the
+  first sample, or to keep the ends of each process apart and close them where it ended. The fused process is followed like any other, has to
+  do the same at the same instants, and is given up if it does not.
+- *Priorities* and alternatives have had their say in the order that was followed. In real time a fused process is late as a whole, where one of several
+  would have been; it then takes its samples in the same order, and misses them by the same rule.
 """
 
 from __future__ import annotations

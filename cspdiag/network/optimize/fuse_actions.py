@@ -170,6 +170,8 @@ class Composition:
                 ended = AssignValue(span=span, target=Target(self._ended), value=value)
                 instead = in_sequence([instead, ended], self._place)
             otherwise = self._straight(path, position + 1, last, now, until, end, in_loop)
+            if isinstance(instead, SkipStep):
+                condition, instead, otherwise = opposite(condition), otherwise, instead
             steps.append(IfElse(span=span, condition=condition, then=instead, otherwise=otherwise))
             return in_sequence(rolled(steps, self._turn), self._place)
         if until is not None and until > now:
