@@ -9,6 +9,7 @@ from cspdiag.codegen.python_code import PRIMARY, PRODUCT, SIGN, Atom, Chain, Cod
 from cspdiag.codegen.python_imports import Imports
 from cspdiag.codegen.python_names import identifier
 from cspdiag.diagnostics import Span
+from cspdiag.model.arithmetic import single
 from cspdiag.model.types import (
     ArrayType,
     BoolType,
@@ -97,7 +98,7 @@ def literal(value: Value, type_: Type, imports: Imports, span: Span | None = Non
             return duration(value, imports)
         case RealType():
             assert isinstance(value, int | float)
-            return real(float(value), span)
+            return real(single(float(value)) if type_.bits == 32 else float(value), span)
         case TextType():
             return Atom(quoted(str(value)))
         case EnumType():

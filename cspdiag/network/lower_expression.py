@@ -12,6 +12,7 @@ from typing import assert_never, get_args
 
 from cspdiag.diagnostics import Span
 from cspdiag.diagnostics.record import node, replaced
+from cspdiag.model.arithmetic import single
 from cspdiag.model.program import BuiltinSymbol, EnumLiteralSymbol, Program
 from cspdiag.model.types import (
     BOOL,
@@ -244,7 +245,7 @@ def _field(operand: Expression, name: str, span: Span) -> Expression:
 def _number(value: int | float, wanted: Type, span: Span) -> Expression:
     kind = wanted
     if isinstance(kind, RealType):
-        return LiteralValue(type=kind, value=float(value), span=span)
+        return LiteralValue(type=kind, value=single(float(value)) if kind.bits == 32 else float(value), span=span)
     if not isinstance(kind, IntType | EnumType | TimeType):
         kind = IntType() if isinstance(value, int) else RealType()
     return LiteralValue(type=kind, value=value, span=span)
