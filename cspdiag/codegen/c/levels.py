@@ -8,8 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from cspdiag.diagnostics.record import field_names, is_record, replaced
 from cspdiag.network.actions import Action, ParallelSteps, RunInstance
-from cspdiag.network.ir import Network, ProcessClass
+from cspdiag.network.ir import Network, ProcessClass, SubmodelClass
 from cspdiag.network.walk import parts
 
 
@@ -17,8 +18,10 @@ class Levels:
     """The levels of one program; level 0 is the highest."""
 
     def __init__(self, network: Network) -> None:
+        self.prioritized: set[str]
+        """Classes with prioritized parallels in them or in an instance inside."""
         self._classes = {entry.name: entry for entry in network.classes if isinstance(entry, ProcessClass)}
-        self._prioritized = self._with_priorities(network)
+        self.prioritized = self._with_priorities(network)
         self.depths: dict[str, set[int]] = {name: set() for name in self._classes}
         widths: dict[int, int] = {}
         pending = [(network.top, 0)]
@@ -28,7 +31,7 @@ class Levels:
                 continue
             self.depths[name].add(depth)
             entry = self._classes[name]
-            if entry.body is None or name not in self._prioritized:
+            if entry.body is None or name not in self.prioritized:
                 continue
             inner = {instance.name: instance.class_name for instance in entry.instances}
             for step, below in _steps(entry.body, depth):
@@ -49,8 +52,8 @@ class Levels:
         """By how many levels a branch is below its parent; ``depth`` counts the prioritized parallels around it in the class."""
         if rank == 0:
             return 0
-        outer = min(self.depths[class_])
-        return rank * self._sizes[outer + depth + 1]
+        outer = min(self.depths[class_], default=0)  # ``separate_depths`` has left one; none: it never runs
+        return rank * self._sizes[min(outer + depth + 1, len(self._sizes) - 1)]
 
     def _with_priorities(self, network: Network) -> set[str]:
         """Classes with prioritized parallels in them or in an instance inside."""
@@ -63,7 +66,47 @@ class Levels:
         return found
 
 
-def _steps(action: Action, depth: int) -> Iterator[tuple[Action, int]]:
+def separate_depths(network: Network) -> Network:
+    """The network in which every class with prioritized parallels runs at one depth of them: the others are cloned, ``Cell_at_2``."""
+    levels = Levels(network)
+    if all(len(depths) <= 1 for name, depths in levels.depths.items() if name in levels.prioritized):
+        return network
+    taken = {entry.name for entry in network.classes}
+    names = {(name, min(depths)): name for name, depths in levels.depths.items() if depths}
+    clones: dict[str, list[ProcessClass | SubmodelClass]] = {}
+    for entry in network.classes:
+        if not isinstance(entry, ProcessClass) or entry.name not in levels.prioritized:
+            clones[entry.name] = [entry]
+            continue
+        clones[entry.name] = []
+        for depth in sorted(levels.depths[entry.name]) or [0]:
+            name = names.setdefault((entry.name, depth), _fresh(f"{entry.name}_at_{depth + 1}", taken))
+            clones[entry.name].append(_at_depth(entry, name, depth, names, levels.prioritized))
+    return replaced(network, classes=tuple(clone for entry in network.classes for clone in clones[entry.name]))
+
+
+def _fresh(name: str, taken: set[str]) -> str:
+    while name in taken:
+        name += "_"
+    taken.add(name)
+    return name
+
+
+def _at_depth(
+    entry: ProcessClass, name: str, depth: int, names: dict[tuple[str, int], str], prioritized: set[str]
+) -> ProcessClass:
+    """The class at a depth, with its instances at theirs."""
+    around = {step.instance: below for step, below in _steps(entry.body, depth) if isinstance(step, RunInstance)}
+    instances = tuple(
+        replaced(instance, class_name=names[instance.class_name, around[instance.name]])
+        if instance.class_name in prioritized and instance.name in around
+        else instance
+        for instance in entry.instances
+    )
+    return replaced(entry, name=name, instances=instances)
+
+
+def _steps(action: Action | None, depth: int) -> Iterator[tuple[Action, int]]:
     """The parallels and runs of instances in an action, with the number of prioritized parallels around each."""
     pending: list[tuple[object, int]] = [(action, depth)]
     while pending:
@@ -77,8 +120,6 @@ def _steps(action: Action, depth: int) -> Iterator[tuple[Action, int]]:
 
 
 def _inner(part: object) -> Iterator[object]:
-    from cspdiag.diagnostics.record import field_names, is_record
-
     if isinstance(part, tuple):
         yield from part
     elif is_record(part):

@@ -9,6 +9,7 @@ from cspdiag.codegen.c.definitions import constants_header, types_header
 from cspdiag.codegen.c.environments import environment_files
 from cspdiag.codegen.c.external import external_files
 from cspdiag.codegen.c.laws import law_files
+from cspdiag.codegen.c.levels import separate_depths
 from cspdiag.codegen.c.names import PackageNames
 from cspdiag.codegen.c.network import network_files
 from cspdiag.codegen.c.refusals import refuse
@@ -71,7 +72,7 @@ def generate(
     texts = modules or {}
     refuse(network, texts)
     simulated = tuple(entry for entry in network.environments if not entry.drivers)
-    lowered = lowered_for_c(network, level, observed=observed)
+    lowered = separate_depths(lowered_for_c(network, level, observed=observed))
     names = PackageNames(lowered)
     files: dict[str, str] = {}
     types = CTypes(names)

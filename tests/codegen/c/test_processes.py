@@ -1,0 +1,72 @@
+"""Process classes in C: they do what -O0 does, with nothing that sanitizers or compilers would object to."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from cspdiag import pipeline
+from cspdiag.network.ir import Network
+from cspdiag.simulate import execute, native
+from cspdiag.sources import read_source
+
+ROOT = Path(__file__).parents[3]
+OWN = Path(__file__).parent / "programs"
+PROGRAMS = ROOT / "tests" / "conformance" / "programs"
+LIMIT = 60_000_001
+
+NEEDS_COMPILER = pytest.mark.skipif(
+    not any(shutil.which(name) for name in ("cc", "gcc", "clang")), reason="there is no C compiler"
+)
+
+
+def network_of(path: Path) -> Network:
+    built = pipeline.build(read_source(str(path)), read_source)
+    assert built.network is not None, [found.message for found in built.checked.report.diagnostics]
+    return built.network
+
+
+@NEEDS_COMPILER
+@pytest.mark.parametrize("level", [0, 1])
+@pytest.mark.parametrize("name", ["names", "priorities"])
+def test_a_program_gives_the_trace_of_the_reference(name: str, level: int) -> None:
+    network = network_of(OWN / f"{name}.csp")
+    wanted = execute.simulate(network, pipeline.generate(network, read_source), until=LIMIT)
+    run = native.simulate(network, read_source, level=level, until=LIMIT, options=("-O0",))
+    assert run.communications == wanted.communications
+    assert (run.outcome.ended, run.outcome.time) == (wanted.outcome.ended, wanted.outcome.time)
+
+
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="there is no gcc")
+@pytest.mark.parametrize(
+    ("name", "level"), [("modes_with_arrays_buffers_and_faults", 0), ("alternative_takes_interrupt_guard", 1)]
+)
+def test_sanitizers_find_nothing(name: str, level: int, tmp_path: Path) -> None:
+    network = network_of(PROGRAMS / f"{name}.csp")
+    files = pipeline.generate(network, read_source, "c", level)
+    for path, text in files.items():
+        target = tmp_path / path
+        target.parent.mkdir(exist_ok=True)
+        target.write_text(text, encoding="utf-8")
+    ports = {path for path in files if path.startswith("support/csp_port_") and "simulation" not in path}
+    sources = sorted(path for path in files if path.endswith(".c") and path not in ports)
+    flags = ["-std=c99", "-g", "-O0", "-ffp-contract=off", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
+    made = ["gcc", *flags, "-I.", "-Isupport", "-DCSP_TRACE=1", *sources, "-lm", "-o", "simulation"]
+    subprocess.run(made, cwd=tmp_path, check=True, capture_output=True)
+    done = subprocess.run(["./simulation", "--for", str(LIMIT), "--observe", "all"], cwd=tmp_path, capture_output=True)
+    assert b"ERROR" not in done.stderr
+    assert b"runtime error" not in done.stderr
+    assert done.returncode in (0, 1)
+
+
+def test_a_ring_of_many_cells_is_built_by_loops() -> None:
+    text = read_source(str(ROOT / "models" / "ring" / "ring.csp"))
+    built = pipeline.build(text, read_source, settings={"cells": "500"})
+    assert built.network is not None
+    ring = pipeline.generate(built.network, read_source, "c")["ring.c"]
+    assert "for (uint32_t i = 1U; i < 499U; i++) {" in ring
+    assert "self->cell_output[i - 1U]" in ring
+    assert len(ring.splitlines()) < 150
