@@ -89,7 +89,7 @@ def import_lines(wanted: Mapping[str, set[str]], dots: str) -> list[str]:
     lines: list[str] = []
     for module in sorted(wanted):
         if wanted[module]:
-            members = sorted(wanted[module], key=_member_order)
+            members = sorted(wanted[module], key=member_order)
             lines += _import_lines(f"from {dots}{module} import ", members)
     return lines
 
@@ -99,7 +99,8 @@ def _import_lines(start: str, members: list[str]) -> list[str]:
     return [line] if len(line) <= 100 else bracketed("", f"{start}(", members, ")", together=False)
 
 
-def _member_order(name: str) -> tuple[int, list[str | int], str]:
+def member_order(name: str) -> tuple[int, list[str | int], str]:
+    """The key by which linters sort names: constants, classes, others, numbers in them as numbers."""
     plain = name.split(" ")[0]
     kind = 0 if plain.isupper() and len(plain) > 1 else 1 if plain[:1].isupper() else 2
     return kind, _natural(plain.lower()), name

@@ -103,7 +103,7 @@ class Routine(Part):
     __slots__ = ()
 
     kind = ""
-    source = None
+    source: str | None = None
     checked = False
     tracked = False
 

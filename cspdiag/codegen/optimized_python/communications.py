@@ -61,7 +61,7 @@ class Communications:
         if not self.traced:
             return ()
         scheduler = self.imports.runtime("scheduler")
-        tell = text(f"{scheduler}.observe({channel}.name, {value}, {writer}, {reader})")
+        tell = run(call(f"{scheduler}.observe", *map(Atom, (f"{channel}.name", value, writer, reader))))
         return (Block(text(f"if {scheduler}.observe is not None:"), (tell,)),)
 
     # One communication
@@ -112,7 +112,7 @@ class Communications:
         if medium.guarded_reads:
             lower = text(f"{self.imports.runtime('lower_bits')}({end}.inputs)")
             in_place = (*in_place, Block(text(f"if {end}.inputs:"), (lower,)))
-        tell = text(f"{scheduler}.observe({end}.name, {into}, None, {me})")
+        tell = run(call(f"{scheduler}.observe", *map(Atom, (f"{end}.name", into, "None", me))))
         in_place = (*in_place, Block(text(f"if {scheduler}.observe is not None:"), (tell,)))
         usual = infix("and", AND, Atom(f"{end}.begun"), Atom(f"not {end}.overdue"))
         rest = text(f"{into} = {end}.taken({me})")

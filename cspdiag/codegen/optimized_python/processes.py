@@ -18,7 +18,7 @@ from cspdiag.codegen.optimized_python.temporaries import Temporaries
 from cspdiag.codegen.python_code import Argument, Atom, Call, Code, Comprehension, call, tuple_of
 from cspdiag.codegen.python_docs import class_doc
 from cspdiag.codegen.python_external import ExternalModules
-from cspdiag.codegen.python_imports import Imports
+from cspdiag.codegen.python_imports import Imports, member_order
 from cspdiag.codegen.python_layout import LINE_LENGTH
 from cspdiag.codegen.python_modules import ClassModule
 from cspdiag.codegen.python_names import PackageNames
@@ -131,7 +131,7 @@ class _ProcessWriter:
         body = self.composition.statements(process.body) if process.body is not None else ()
         steps = self._steps(body)
         constructor = self._constructor()
-        slots = tuple_of(Atom(quoted(attribute)) for attribute in _assigned(constructor))
+        slots = tuple_of(Atom(quoted(attribute)) for attribute in sorted(_assigned(constructor), key=member_order))
         attributes = lines((assign("__slots__", slots),), "    ") if slots.flat != "()" else ["    __slots__ = ()"]
         functions = [constructor, steps]
         name, base = self.names.classes[process.name], self.imports.runtime("Routine")
