@@ -62,6 +62,7 @@ def project_view(network: Network, names: PackageNames, modules: ExternalModules
 
 
 def port_row(port: ExternalPort) -> PortRow:
+    """An external port for a README."""
     timing = "event" if port.period is None else f"every {_duration(port.period)}"
     if port.immediate:
         timing += ", immediate"

@@ -199,6 +199,8 @@ class Printer:
 
     def _whole_operation(self, expression: BinaryOperation, left: Code, right: Code) -> Code:
         operator = expression.operator
+        if isinstance(expression.type, IntType) and (known := _known_result(expression)) is not None:
+            return self.types.literal(known, expression.type)
         if operator == "^":
             return self._narrow(expression, call("csp_power", left, right))
         by_zero = operator in "/%" and divisor_can_be_zero(expression)
@@ -359,6 +361,30 @@ def _literal_value(expression: Expression) -> Value | None:
         case UnaryOperation(operator="-", operand=LiteralValue(value=int(value) | float(value))):
             return -value
     return None
+
+
+def _known_result(expression: Expression) -> int | None:
+    """The value of an operation on literals, if it has one: compilers would see through it and complain of what surrounds it."""
+    if isinstance(expression, LiteralValue) and expression.name is None and type(expression.value) is int:
+        return expression.value
+    if not isinstance(expression, BinaryOperation) or not isinstance(expression.type, IntType):
+        return None
+    left, right = _known_result(expression.left), _known_result(expression.right)
+    if left is None or right is None:
+        return None
+    match expression.operator:
+        case "+":
+            value = left + right
+        case "-":
+            value = left - right
+        case "*":
+            value = left * right
+        case "/" | "%" if right != 0:
+            quotient = abs(left) // abs(right) * (1 if (left < 0) == (right < 0) else -1)
+            value = quotient if expression.operator == "/" else left - quotient * right
+        case _:
+            return None
+    return value if expression.type.minimum <= value <= expression.type.maximum else None
 
 
 def _is_lvalue(expression: Expression) -> bool:
