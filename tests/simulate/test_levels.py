@@ -6,6 +6,7 @@ import numpy
 import pytest
 
 from cspdiag import pipeline
+from cspdiag.diagnostics import SourceFile
 from cspdiag.network.ir import Network
 from cspdiag.runtime.exceptions import described
 from cspdiag.simulate.chrome_trace import chrome_trace_text
@@ -77,3 +78,54 @@ def test_figures_are_equal(name: str) -> None:
     plain, fast = both(name, probed=True)
     assert plain.variables == fast.variables
     assert drawn(fast) == drawn(plain)
+
+
+PLANT = """
+process Loop {
+    in  level : double @ 1 ms
+    out valve : double @ 1 ms
+    communication { var seen : double = 0 }
+    composition { mu (level ? seen ; valve ! seen) }
+}
+submodel Tank step 1 ms {
+    in  valve : double
+    out level : double
+    state filled : double = 0.002
+    let rest = 1 / (filled - 0.0005)
+    der filled = valve / (filled - 0.001) - 1
+    level = %s
+}
+environment Site for Loop { tank : Tank  valve -> tank.valve  tank.level -> level }
+"""
+FAILING = {
+    "an equation of the plant": PLANT % "rest * (1 / (filled - 0.0015))",
+    "a derivative of the plant": PLANT.replace("- 0.001)", "- filled)") % "filled",
+    "a control law": """
+        submodel Count(most: int8) {
+            in  given : int8
+            out taken : int8
+            state total : int8 = 0
+            taken = total
+            next total = total + given * most
+        }
+        process Adder { communication { count : Count(most = 50)  var one : int8 = 1  var sum : int8
+            one -> count.given  count.taken -> sum }
+            composition { mu (wait 1 ms ; count) } }
+    """,
+    "an exception": "exception Lost process Find { composition { wait 3 ms ; raise Lost } }",
+}
+
+
+@pytest.mark.parametrize("what", FAILING)
+def test_failures_are_told_in_the_same_words(what: str) -> None:
+    built = pipeline.build(SourceFile(name="site.csp", text=FAILING[what]), read)
+    assert built.network is not None, built.checked.report.diagnostics
+    environment = "Site" if built.network.environments else None
+    plain, fast = (run(built.network, level, environment, 100 * MS, traced=True, probed=False) for level in (0, 1))
+    assert plain.outcome.ended == "failed"
+    assert plain.outcome.error is not None
+    assert fast.outcome.error is not None
+    assert described(fast.outcome.error) == described(plain.outcome.error)
+    assert "site.csp:" in described(plain.outcome.error)
+    assert account(fast) == account(plain)
+    assert plain_trace_text(fast) == plain_trace_text(plain)
