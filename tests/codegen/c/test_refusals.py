@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from cspdiag import pipeline
-from cspdiag.codegen.c.refusals import refuse_python_bodies
+from cspdiag.codegen.c.refusals import refuse, refuse_devices
 from cspdiag.codegen.target_error import TargetError
 from cspdiag.diagnostics import SourceFile
 from cspdiag.network.ir import Network
@@ -58,21 +58,22 @@ def network(text: str) -> Network:
 
 def test_every_part_in_python_is_named_with_its_place_and_a_help() -> None:
     with pytest.raises(TargetError) as refusal:
-        refuse_python_bodies(network(PROGRAM))
+        refuse(network(PROGRAM))
     assert str(refusal.value).splitlines() == [
         "rig.csp:15: the body of the process `Logger` is a Python class (logger.py:Logger), which C cannot call",
         '  help: write it in the language, or in C: `process Logger c "logger.c"`',
         "rig.csp:2: the body of the submodel `Filter` is a Python class (laws/filter.py:Filter), which C cannot call",
         '  help: write it in the language, or in C: `submodel Filter c "filter.c"`',
-        "rig.csp:30: the driver `Stick` is a Python class (stick.py:Stick), which C cannot call",
-        "  help: choose an environment of submodels with --environment, or write the driver in C and give it to the network as a"
-        " function",
     ]
+
+
+def test_the_devices_of_an_environment_are_refused_where_it_is_to_run() -> None:
+    with pytest.raises(TargetError, match=r"rig.csp:30: the device `Stick` is a Python class \(stick.py:Stick\)"):
+        refuse_devices(network(PROGRAM).environments[0])
 
 
 def test_bodies_in_c_are_accepted() -> None:
     text = PROGRAM.replace('python "logger.py:Logger"', 'c "logger.c"').replace(
         'python "laws/filter.py:Filter"', 'c "filter.c"'
     )
-    text = text[: text.index("driver")]
-    refuse_python_bodies(network(text))
+    refuse(network(text[: text.index("driver")]))
