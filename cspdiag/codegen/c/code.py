@@ -67,17 +67,18 @@ def broken(line: str, deeper: str) -> list[str]:
     """A line as several, each broken at the outermost bracket level that makes it fit; those after the first begin with ``deeper``."""
     lines: list[str] = []
     while len(line) > LINE_LENGTH:
-        position = _break(line)
-        if position is None:
+        found = _break(line)
+        if found is None:
             break
+        position, depth = found
         lines.append(line[:position].rstrip())
-        line = deeper + line[position:].lstrip()
+        line = deeper + INDENT * depth + line[position:].lstrip()
     return [*lines, line]
 
 
-def _break(line: str) -> int | None:
-    """Where to break: after a comma, or before an operator, at the outermost level; the last such place that fits."""
-    best: tuple[int, int] | None = None
+def _break(line: str) -> tuple[int, int] | None:
+    """Where to break: at the outermost level after a comma, or before the loosest operator; the last such place that fits, and its level."""
+    best: tuple[int, int, int] | None = None
     depth, quoted = 0, False
     start = len(line) - len(line.lstrip()) + 1
     for position, character in enumerate(line[:LINE_LENGTH]):
@@ -90,13 +91,18 @@ def _break(line: str) -> int | None:
         elif character in ")]}":
             depth -= 1
         elif character == " " and position > start:
-            rest = line[position + 1 :]
-            operator = rest.partition(" ")[0]
+            operator = line[position + 1 :].partition(" ")[0]
+            looseness = 0 if line[position - 1] == "," else _LOOSENESS.get(operator)
             # An assignment is broken only as a last resort: in an initializer the comma before it is the better place.
-            breaks = line[position - 1] == "," or (operator in _OPERATORS and (operator != "=" or depth == 0))
-            if breaks and (best is None or depth <= best[0]):
-                best = (depth, position)
-    return None if best is None else best[1]
+            if looseness is None or (operator == "=" and depth > 0):
+                continue
+            if best is None or (depth, looseness) <= best[:2]:
+                best = (depth, looseness, position)
+    return None if best is None else (best[2], best[0])
 
 
-_OPERATORS = frozenset(["+", "-", "*", "/", "%", "==", "!=", "<", "<=", ">", ">=", "&&", "||", "?", ":", "="])
+_LOOSENESS = {
+    "?": 2, ":": 1, "||": 3, "&&": 4, "==": 5, "!=": 5, "<": 5, "<=": 5, ">": 5, ">=": 5,
+    "+": 6, "-": 6, "*": 7, "/": 7, "%": 7, "=": 8, "+=": 8,
+}  # fmt: skip
+"""Operators by how loosely they bind, the loosest first; a choice is broken before what else there is."""

@@ -348,7 +348,7 @@ class EnvironmentFiles:
 
     def _table(self) -> list[str]:
         step = duration(self.environment.step)
-        return [f"const csp_environment {self.name} = {{{step}, {self.name}_start, {self.name}_advance}};"]
+        return statement(f"const csp_environment {self.name} = ", f"{{{step}, {self.name}_start, {self.name}_advance}}")
 
 
 def port_key(port: ExternalPort) -> str:

@@ -163,8 +163,8 @@ class LawFiles:
             *broken(f"{self._signature()};", INDENT * 2),
             "/* Puts the states back to their initial values. */",
             f"void {self.name}_reset(struct {self.name} *self);",
-            "/* One run, from the inputs to the outputs and the next states"
-            + ("; false after a fault, which is then in csp_fault. */" if self.faulty else ". */"),
+            "/* One run, from inputs to outputs and next states"
+            + ("; false after a fault (csp_fault). */" if self.faulty else ". */"),
             f"{'bool' if self.faulty else 'void'} {self.name}_calculate(struct {self.name} *self);",
         ]
 
