@@ -90,3 +90,14 @@ def test_kernel_has_no_heap() -> None:
     for file in [*kernel_files(), *SUPPORT.glob("*.h")]:
         text = file.read_text()
         assert not [call for call in calls if call in text], file.name
+
+
+def test_benchmarks_run(tmp_path: Path) -> None:
+    """That they run and end: how fast is for people to read, not for tests to judge."""
+    need("gcc")
+    executable = tmp_path / "benchmark"
+    run("gcc", *STRICT, "-O1", f"-I{SUPPORT}", HERE / "benchmark.c", *kernel_files(), "-lm", "-o", executable)
+    for benchmark in (("commstime",), ("alternative", "100"), ("ring", "1000"), ("parallel",)):
+        name, figure, unit = run(executable, *benchmark).split()[:3]
+        assert (name, unit.strip(",")) == (f"{benchmark[0]}:", "ns")
+        assert float(figure) > 0

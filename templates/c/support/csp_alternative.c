@@ -112,7 +112,7 @@ void csp_begin_waiting(csp_party *party, csp_alternative *alternative)
             if ((guard->kind == (uint8_t)CSP_GUARD_AFTER) && csp_is_enabled(guard)) {
                 guard->timer->party = NULL;
                 guard->timer->guard = guard;
-                csp_timer_begin(guard->timer, csp.now + guard->duration);
+                csp_timer_begin(guard->timer, csp_after(guard->duration));
             }
         }
     }
@@ -183,7 +183,11 @@ csp_party *csp_pledge(csp_guard *guard)
 bool csp_alternative_withdraw(csp_alternative *alternative, csp_party *party)
 {
     if (alternative->offers) {
-        return csp_withdraw(alternative->guard[alternative->chosen].medium, party);
+        const bool waited = csp_withdraw(alternative->guard[alternative->chosen].medium, party);
+        if (waited) {
+            alternative->offers = false;
+        }
+        return waited;
     }
     if (alternative->pledged) {
         if (!csp_withdraw(alternative->guard[alternative->chosen].medium, &alternative->pledge)) {

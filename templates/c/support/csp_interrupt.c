@@ -66,7 +66,7 @@ bool csp_interrupt_withdraw(csp_interrupt *interrupt, csp_party *party)
     bool withdrawn = false;
     if (interrupt->communicates) {
         withdrawn = csp_alternative_withdraw(&interrupt->alternative, party);
-    } else if (interrupt->alternative.pledged) {
+    } else if (interrupt->body_ended && interrupt->alternative.pledged) {
         csp_interrupt_retract(interrupt);
         withdrawn = !interrupt->alternative.pledged;
     } else {
@@ -133,6 +133,13 @@ csp_progress csp_interruptible_again(csp_party *party, csp_interrupt *interrupt)
                 csp_interrupt_retract(interrupt);
                 csp_unwatch_guard(&interrupt->guard);
                 return CSP_FAILS;
+            }
+        }
+        if (alternative->pledged && csp_is_cancelled(party)) {
+            csp_interrupt_retract(interrupt);
+            if (!alternative->pledged) {
+                csp_unwatch_guard(&interrupt->guard);
+                return csp_refuse(party);
             }
         }
         if (alternative->pledged) {

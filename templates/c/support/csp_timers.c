@@ -63,6 +63,11 @@ void csp_timers_reset(void)
     begun = 0U;
 }
 
+int64_t csp_after(int64_t duration)
+{
+    return (duration < (INT64_MAX - csp.now)) ? (csp.now + duration) : (INT64_MAX - 1);
+}
+
 void csp_timer_begin(csp_timer *timer, int64_t instant)
 {
     timer->instant = instant;
@@ -127,7 +132,7 @@ csp_progress csp_wait(csp_party *party, csp_timer *timer, int64_t duration)
         return CSP_DONE;
     }
     timer->party = party;
-    csp_timer_begin(timer, csp.now + duration);
+    csp_timer_begin(timer, csp_after(duration));
     return CSP_WAITS;
 }
 
