@@ -150,7 +150,8 @@ def run_law_rows(writer: Writer, step: RunLaw) -> list[Row]:
     spelled = [members.local_signals[name] for name, _ in local]
     unread = [Row(f"(void){name};") for name in spelled if words[name] == 1]
     body = [*declared, *(_row(line) for line in law.lines), *unread]
-    opening = Row("", comment=f"{step.law}  ({writer.where(step)})")
+    told = f"{step.law}: {' '.join(step.doc.split())}" if step.doc else step.law
+    opening = Row("", comment=f"{told} ({writer.where(step)})")
     return [opening, *(block("", body) if declared or any("csp_operand" in line for line in law.lines) else body)]
 
 

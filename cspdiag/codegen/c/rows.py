@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from cspdiag.codegen.c.code import INDENT, statement
+from cspdiag.codegen.c.code import INDENT, LINE_LENGTH, statement
+from cspdiag.codegen.c.documents import comment
 
 
 @dataclass(frozen=True)
@@ -38,7 +40,7 @@ def lines(items: Iterable[Row], depth: int = 0) -> list[str]:
     for row in items:
         indent = INDENT * max(row.depth + depth, 0)
         if row.comment is not None:
-            result.append(f"{indent}/* {comment_text(row.comment)} */")
+            result += remark(comment_text(row.comment), indent)
         if not row.text:
             if row.comment is None:
                 result.append("")
@@ -49,15 +51,11 @@ def lines(items: Iterable[Row], depth: int = 0) -> list[str]:
     return result
 
 
+def remark(text: str, indent: str) -> list[str]:
+    """A comment on as many lines as it needs."""
+    return comment(textwrap.wrap(text, LINE_LENGTH - len(indent) - 6, break_long_words=False) or [""], indent)
+
+
 def comment_text(text: str) -> str:
     """Text that may stand in a comment of C, on one line."""
     return " ".join(text.replace("*/", "* /").replace("/*", "/ *").split())
-
-
-def doc_lines(text: str, indent: str = "") -> list[str]:
-    """A comment before a definition."""
-    plain = [row.rstrip().replace("*/", "* /").replace("/*", "/ *") for row in text.strip().split("\n")]
-    if len(plain) == 1:
-        return [f"{indent}/* {plain[0]} */"]
-    rest = [f"{indent} * {row}".rstrip() for row in plain[1:]]
-    return [f"{indent}/* {plain[0]}", *rest, f"{indent} */"]

@@ -35,7 +35,9 @@ def _watched(writer: Writer, step: Group | ProcessScope, name: str, closing: lis
     writer.handler = outer
     ending = [*closing, Row(f"csp_observe_end({number});")]
     passes = ends(step.body)
-    begun = Row(f"csp_observe_begin({number});", comment=f"{name}:  ({writer.where(step)})")
+    doc = step.doc if isinstance(step, ProcessScope) else None
+    told = f"{name}: {' '.join(doc.split())}" if doc else f"{name}:"
+    begun = Row(f"csp_observe_begin({number});", comment=f"{told} ({writer.where(step)})")
     whole = [begun, *body, *(ending if passes else [])]
     failed = [*ending, Row(f"goto {writer.failing()};")] if inner.reached or inner.needed else []
     return writer.protected(whole, inner, failed, passes=passes, where=writer.where(step))

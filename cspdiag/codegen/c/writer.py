@@ -90,6 +90,9 @@ class Writer:
         if ends(action):
             routine.body += [*closing, Row("return csp_end(party);")]
         failing = routine.label(routine.outermost, place)
+        if failing and routine.body[-1].text == f"goto {routine.outermost.label};" and len(failing) == 1:
+            last = routine.body.pop()
+            failing = [*([Row("", last.depth, last.comment)] if last.comment else []), *failing]
         if failing:
             routine.body += [*failing, Row("csp_unwind(party);"), *closing, Row("return csp_fail(party);")]
         if outer is not None:
