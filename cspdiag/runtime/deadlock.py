@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from gc import get_referents
+from inspect import iscoroutine
 from types import CodeType, FrameType
 from typing import Any
 
@@ -132,7 +134,13 @@ def _frames(task: Task) -> Iterator[FrameType]:
         frame = getattr(awaited, "cr_frame", None) or getattr(awaited, "gi_frame", None)
         if frame is not None and not is_of_runtime(frame):
             yield frame
-        awaited = getattr(awaited, "cr_await", None) or getattr(awaited, "gi_yieldfrom", None)
+        awaited = getattr(awaited, "cr_await", None) or getattr(awaited, "gi_yieldfrom", None) or _wrapped(awaited)
+
+
+def _wrapped(awaited: Any) -> Any:
+    """The coroutine inside what ``__await__`` of a coroutine gives, which does not tell."""
+    is_wrapper = type(awaited).__name__ == "coroutine_wrapper"
+    return next((item for item in get_referents(awaited) if iscoroutine(item)), None) if is_wrapper else None
 
 
 def _place(task: Task) -> str | None:

@@ -129,3 +129,36 @@ def test_failures_are_told_in_the_same_words(what: str) -> None:
     assert "site.csp:" in described(plain.outcome.error)
     assert account(fast) == account(plain)
     assert plain_trace_text(fast) == plain_trace_text(plain)
+
+
+WAITS_INSIDE = """
+process Reader {
+    in  given : int
+    communication { var seen : int = 0 }
+    composition { wait 1 ms ;
+        given ? seen }
+}
+process Outer {
+    in  given : int
+    communication { reader : Reader  given -> reader.given }
+    composition { wait 1 ms ; reader }
+}
+process Mute {
+    out taken : int
+    communication { var spoken : bool = true }
+    composition { if not spoken then taken ! 1 }
+}
+process Both {
+    communication { outer : Outer  mute : Mute  mute.taken -> outer.given }
+    composition { outer || mute }
+}
+"""
+
+
+def test_a_deadlock_is_told_by_the_innermost_line() -> None:
+    built = pipeline.build(SourceFile(name="both.csp", text=WAITS_INSIDE), read, top="Both")
+    assert built.network is not None, built.checked.report.diagnostics
+    for level in (0, 1):
+        report = run(built.network, level, None, None, traced=False, probed=False).outcome.deadlock
+        assert report is not None
+        assert "Both.outer.reader waits to read Both.mute.taken (both.csp:6)" in report.text
