@@ -22,10 +22,14 @@ def stored(folder: Path) -> dict[str, str]:
     }
 
 
-@pytest.mark.parametrize("name", MODELS)
-def test_packages_are_as_they_were_read(name: str, pytestconfig: pytest.Config) -> None:
-    folder = GOLDEN / name / "python"
-    files = written_by_generator(name)
+FAST = ("commstime", "jiwy", "watchdog")
+"""Optimized packages that are kept: a fused program, control laws in modes, alternatives with time-outs."""
+
+
+@pytest.mark.parametrize(("name", "level"), [*((name, 0) for name in MODELS), *((name, 1) for name in FAST)])
+def test_packages_are_as_they_were_read(name: str, level: int, pytestconfig: pytest.Config) -> None:
+    folder = GOLDEN / name / ("python" if level == 0 else "python-O1")
+    files = written_by_generator(name, level)
     if pytestconfig.getoption("--update-golden"):
         shutil.rmtree(folder, ignore_errors=True)
         for path, text in files.items():

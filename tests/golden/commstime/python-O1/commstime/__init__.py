@@ -1,0 +1,1 @@
+"""The natural numbers, made by four processes in a circle."""

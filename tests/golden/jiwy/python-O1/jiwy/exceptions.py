@@ -1,0 +1,9 @@
+"""Exceptions of the program."""
+
+from __future__ import annotations
+
+from .runtime import ProcessError
+
+
+class ModeFailed(ProcessError):
+    """The exception ModeFailed."""
