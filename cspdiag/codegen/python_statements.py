@@ -66,7 +66,10 @@ def lines(statements: Iterable[Statement], indent: str) -> list[str]:
                 result += statement(item.before, item.code, item.after, indent, item.comment)
             case Block(head=head, body=body):
                 result += statement(head.before, head.code, head.after, indent, head.comment)
-                result += lines(body or (Line("pass"),), indent + INDENT)
+                rows = lines(body, indent + INDENT)
+                result += rows
+                if all(row.lstrip().startswith("#") for row in rows):
+                    result.append(f"{indent}{INDENT}pass")
             case Unpack():
                 result += _unpacking(item, indent)
     return result
