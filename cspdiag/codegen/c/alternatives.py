@@ -215,7 +215,9 @@ def _chosen(writer: Writer, chosen: str, guards: Sequence[Guard], bodies: Sequen
 
 
 def _has_labels(body: Sequence[Row]) -> bool:
-    return any("case " in row.text or row.text.startswith(("CSP_AWAIT", "CSP_COMM", "CSP_CALL")) for row in body)
+    return any(
+        "case " in row.text or row.text.startswith(("CSP_AWAIT", "CSP_COMM", "CSP_CALL", "CSP_TAKE")) for row in body
+    )
 
 
 def _switch(chosen: str, guards: Sequence[Guard], bodies: Sequence[list[Row]]) -> list[Row]:

@@ -40,10 +40,10 @@ def receive_rows(writer: Writer, step: Step, source: Spelling, into: str) -> lis
     """Waits for a value and puts it into an lvalue that outlives the wait."""
     place = writer.place(step, f"reads_{source.name}", "READ", source.member, indirect=source.indirect)
     operation = READS[source.access]
-    if source.access in ("sampled", "event"):
-        given = f"(party, {source.pointer}, &{into}, sizeof({into}))"
-        return writer.await_rows(step, f"{operation}{given}", f"{operation}_again{given}", place)
-    text = f"CSP_COMMUNICATE({operation}, {source.pointer}, {into}, {place}, {writer.failing()})"
+    waits_outside = source.access in ("sampled", "event")
+    writer.current.progress |= waits_outside
+    macro = "CSP_TAKE" if waits_outside else "CSP_COMMUNICATE"
+    text = f"{macro}({operation}, {source.pointer}, {into}, {place}, {writer.failing()})"
     return [Row(text, comment=writer.comment(step))]
 
 

@@ -33,6 +33,11 @@
     case PLACE:;                                                                                                       \
     }
 
+/* Takes what an input from outside has: `operation` is csp_sampled_read or csp_event_read, which goes on as ..._again. */
+#define CSP_TAKE(operation, end, variable, PLACE, FAILED)                                                              \
+    CSP_AWAIT(operation(party, (end), &(variable), sizeof(variable)),                                                  \
+              operation##_again(party, (end), &(variable), sizeof(variable)), PLACE, FAILED)
+
 /* Runs another process in sequence. The process goes on here when that has ended, or in the failed state of PLACE. */
 #define CSP_CALL(callee, PLACE)                                                                                        \
     party->state = (uint16_t)(PLACE);                                                                                  \

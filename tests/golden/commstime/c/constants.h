@@ -1,0 +1,8 @@
+/* The constants of the program. */
+#ifndef CONSTANTS_H
+#define CONSTANTS_H
+
+#include "csp_arithmetic.h"
+#include "types.h"
+
+#endif

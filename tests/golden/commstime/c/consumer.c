@@ -1,0 +1,59 @@
+#include "consumer.h"
+
+#include "constants.h"
+#include "csp_arithmetic.h"
+
+/* Where the process waits, and where it goes on after a failure. */
+enum {
+    READS_INPUT = 1,
+    FAILS
+};
+
+static csp_party *consumer_step(csp_party *party)
+{
+    struct consumer *const self = (struct consumer *)(void *)party;
+
+    switch (party->state) {
+    case 0:
+        csp_observe_begin(party->number);
+        do {
+            /* input ? value (commstime.csp:55) */
+            CSP_COMMUNICATE(csp_channel_read, self->input, self->value, READS_INPUT, fails)
+        } while (!(self->value == self->rounds - 1));
+        /* raise Finished (commstime.csp:55) */
+        (void)csp_raise(party, EXCEPTION_FINISHED, "commstime.csp:55");
+        goto fails;
+    case FAILS:
+    fails:
+        csp_unwind(party);
+        csp_observe_end(party->number);
+        return csp_fail(party);
+    default:
+        return NULL;
+    }
+}
+
+static const csp_place consumer_places[] = {
+    [0] = {.waiting = CSP_AT_NOTHING, .where = "commstime.csp:47"},
+    [READS_INPUT]
+        = {.waiting = CSP_AT_READ, .indirect = true, .failed = FAILS, .where = "commstime.csp:55",
+            .offset = offsetof(struct consumer, input)},
+    [FAILS] = {.waiting = CSP_AT_NOTHING, .failed = FAILS, .where = "commstime.csp:47"}
+};
+
+static const csp_class consumer_class = {
+    .step = consumer_step,
+    .places = consumer_places,
+    .name = "Consumer",
+    .where = "commstime.csp:47",
+    .offset = 0
+};
+
+void consumer_initialize(struct consumer *self, csp_numbers *numbers,
+        const struct consumer_ports *ports, int64_t rounds)
+{
+    csp_process_init(&self->process, &consumer_class, numbers->process);
+    numbers->process++;
+    self->rounds = rounds;
+    self->input = ports->input;
+}

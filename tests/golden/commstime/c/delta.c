@@ -1,0 +1,68 @@
+#include "delta.h"
+
+#include "constants.h"
+#include "csp_arithmetic.h"
+
+/* Where the process waits, and where it goes on after a failure. */
+enum {
+    READS_INPUT = 1,
+    WRITES_FIRST,
+    WRITES_SECOND,
+    FAILS
+};
+
+static csp_party *delta_step(csp_party *party)
+{
+    struct delta *const self = (struct delta *)(void *)party;
+
+    switch (party->state) {
+    case 0:
+        csp_observe_begin(party->number);
+        for (;;) {
+            /* input ? value (commstime.csp:28) */
+            CSP_COMMUNICATE(csp_channel_read, self->input, self->value, READS_INPUT, fails)
+            /* first ! value (commstime.csp:28) */
+            CSP_COMMUNICATE(csp_channel_write, self->first, self->value, WRITES_FIRST, fails)
+            /* second ! value (commstime.csp:28) */
+            CSP_COMMUNICATE(csp_channel_write, self->second, self->value, WRITES_SECOND, fails)
+        }
+    case FAILS:
+    fails:
+        csp_unwind(party);
+        csp_observe_end(party->number);
+        return csp_fail(party);
+    default:
+        return NULL;
+    }
+}
+
+static const csp_place delta_places[] = {
+    [0] = {.waiting = CSP_AT_NOTHING, .where = "commstime.csp:19"},
+    [READS_INPUT]
+        = {.waiting = CSP_AT_READ, .indirect = true, .failed = FAILS, .where = "commstime.csp:28",
+            .offset = offsetof(struct delta, input)},
+    [WRITES_FIRST]
+        = {.waiting = CSP_AT_WRITE, .indirect = true, .failed = FAILS, .where = "commstime.csp:28",
+            .offset = offsetof(struct delta, first)},
+    [WRITES_SECOND]
+        = {.waiting = CSP_AT_WRITE, .indirect = true, .failed = FAILS, .where = "commstime.csp:28",
+            .offset = offsetof(struct delta, second)},
+    [FAILS] = {.waiting = CSP_AT_NOTHING, .failed = FAILS, .where = "commstime.csp:19"}
+};
+
+static const csp_class delta_class = {
+    .step = delta_step,
+    .places = delta_places,
+    .name = "Delta",
+    .where = "commstime.csp:19",
+    .offset = 0
+};
+
+void delta_initialize(struct delta *self, csp_numbers *numbers, const struct delta_ports *ports)
+{
+    csp_process_init(&self->process, &delta_class, numbers->process);
+    numbers->process++;
+    self->input = ports->input;
+    self->first = ports->first;
+    self->second = ports->second;
+}

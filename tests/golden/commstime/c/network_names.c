@@ -1,0 +1,40 @@
+#include "network.h"
+#include "csp_arithmetic.h"
+#include "types.h"
+
+#if CSP_TRACE
+const uint32_t network_channel_count = 4U;
+const char *const network_channel_names[] = {
+    "Commstime.a",
+    "Commstime.b",
+    "Commstime.c",
+    "Commstime.d",
+};
+const uint16_t network_channel_sizes[] = {
+    sizeof(int64_t),
+    sizeof(int64_t),
+    sizeof(int64_t),
+    sizeof(int64_t),
+};
+
+/* Numbers of processes and groups count from 1; a group has no kind. */
+const uint32_t network_process_count = 5U;
+const char *const network_process_names[] = {
+    "",
+    "Commstime",
+    "Commstime.prefix",
+    "Commstime.delta",
+    "Commstime.successor",
+    "Commstime.consumer",
+};
+const char *const network_process_kinds[] = {
+    "",
+    "Commstime",
+    "Prefix",
+    "Delta",
+    "Successor",
+    "Consumer",
+};
+#else
+typedef int network_has_no_names;
+#endif

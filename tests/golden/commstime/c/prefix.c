@@ -1,0 +1,63 @@
+#include "prefix.h"
+
+#include "constants.h"
+#include "csp_arithmetic.h"
+
+/* Where the process waits, and where it goes on after a failure. */
+enum {
+    WRITES_OUTPUT = 1,
+    READS_INPUT,
+    FAILS
+};
+
+static csp_party *prefix_step(csp_party *party)
+{
+    struct prefix *const self = (struct prefix *)(void *)party;
+
+    switch (party->state) {
+    case 0:
+        csp_observe_begin(party->number);
+        for (;;) {
+            /* output ! value (commstime.csp:14) */
+            CSP_COMMUNICATE(csp_channel_write, self->output, self->value, WRITES_OUTPUT, fails)
+            /* input ? value (commstime.csp:14) */
+            CSP_COMMUNICATE(csp_channel_read, self->input, self->value, READS_INPUT, fails)
+        }
+    case FAILS:
+    fails:
+        csp_unwind(party);
+        csp_observe_end(party->number);
+        return csp_fail(party);
+    default:
+        return NULL;
+    }
+}
+
+static const csp_place prefix_places[] = {
+    [0] = {.waiting = CSP_AT_NOTHING, .where = "commstime.csp:5"},
+    [WRITES_OUTPUT]
+        = {.waiting = CSP_AT_WRITE, .indirect = true, .failed = FAILS, .where = "commstime.csp:14",
+            .offset = offsetof(struct prefix, output)},
+    [READS_INPUT]
+        = {.waiting = CSP_AT_READ, .indirect = true, .failed = FAILS, .where = "commstime.csp:14",
+            .offset = offsetof(struct prefix, input)},
+    [FAILS] = {.waiting = CSP_AT_NOTHING, .failed = FAILS, .where = "commstime.csp:5"}
+};
+
+static const csp_class prefix_class = {
+    .step = prefix_step,
+    .places = prefix_places,
+    .name = "Prefix",
+    .where = "commstime.csp:5",
+    .offset = 0
+};
+
+void prefix_initialize(struct prefix *self, csp_numbers *numbers, const struct prefix_ports *ports,
+        int64_t first)
+{
+    csp_process_init(&self->process, &prefix_class, numbers->process);
+    numbers->process++;
+    self->input = ports->input;
+    self->output = ports->output;
+    self->value = first;
+}

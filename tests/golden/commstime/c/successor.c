@@ -1,0 +1,65 @@
+#include "successor.h"
+
+#include "constants.h"
+#include "csp_arithmetic.h"
+
+/* Where the process waits, and where it goes on after a failure. */
+enum {
+    READS_INPUT = 1,
+    WRITES_OUTPUT,
+    FAILS
+};
+
+static csp_party *successor_step(csp_party *party)
+{
+    struct successor *const self = (struct successor *)(void *)party;
+
+    switch (party->state) {
+    case 0:
+        csp_observe_begin(party->number);
+        for (;;) {
+            /* input ? value (commstime.csp:42) */
+            CSP_COMMUNICATE(csp_channel_read, self->input, self->value, READS_INPUT, fails)
+            /* output ! value + 1 (commstime.csp:42) */
+            self->sent.output = csp_add(self->value, 1);
+            CSP_FAULT("commstime.csp:42", fails);
+            CSP_COMMUNICATE(csp_channel_write, self->output, self->sent.output, WRITES_OUTPUT,
+                    fails)
+        }
+    case FAILS:
+    fails:
+        csp_unwind(party);
+        csp_observe_end(party->number);
+        return csp_fail(party);
+    default:
+        return NULL;
+    }
+}
+
+static const csp_place successor_places[] = {
+    [0] = {.waiting = CSP_AT_NOTHING, .where = "commstime.csp:33"},
+    [READS_INPUT]
+        = {.waiting = CSP_AT_READ, .indirect = true, .failed = FAILS, .where = "commstime.csp:42",
+            .offset = offsetof(struct successor, input)},
+    [WRITES_OUTPUT]
+        = {.waiting = CSP_AT_WRITE, .indirect = true, .failed = FAILS, .where = "commstime.csp:42",
+            .offset = offsetof(struct successor, output)},
+    [FAILS] = {.waiting = CSP_AT_NOTHING, .failed = FAILS, .where = "commstime.csp:33"}
+};
+
+static const csp_class successor_class = {
+    .step = successor_step,
+    .places = successor_places,
+    .name = "Successor",
+    .where = "commstime.csp:33",
+    .offset = 0
+};
+
+void successor_initialize(struct successor *self, csp_numbers *numbers,
+        const struct successor_ports *ports)
+{
+    csp_process_init(&self->process, &successor_class, numbers->process);
+    numbers->process++;
+    self->input = ports->input;
+    self->output = ports->output;
+}

@@ -1,0 +1,11 @@
+/* The constants of the program. */
+#ifndef CONSTANTS_H
+#define CONSTANTS_H
+
+#include "csp_arithmetic.h"
+#include "types.h"
+
+/* Sample period of the spindle's speed loop. */
+static const int64_t T = 2 * CSP_MS; /* emergency.csp:2 */
+
+#endif

@@ -1,0 +1,10 @@
+/* What the program needs of the kernel. */
+#ifndef CSP_CONFIG_H
+#define CSP_CONFIG_H
+
+#ifndef CSP_TRACE
+#define CSP_TRACE 0 /* whether communications, processes and groups are reported to csp_observe... */
+#endif
+#define CSP_LEVELS 1U /* of priority */
+
+#endif

@@ -1,0 +1,31 @@
+/* The network of Spindle: its processes, its channels, and what stands behind its ports. */
+#ifndef NETWORK_H
+#define NETWORK_H
+
+#include "csp.h"
+
+/* A device or a simulated one for every port. */
+struct network_drivers {
+    csp_driver panel;
+    csp_driver feedback;
+    csp_driver control;
+    csp_driver brake;
+    csp_driver halted;
+};
+
+/* Builds the network, before it runs. */
+void network_initialize(const struct network_drivers *drivers);
+
+extern const csp_program network_program;
+
+#if CSP_TRACE
+/* By number: channels and ports, and the sizes of their values; processes and groups. */
+extern const uint32_t network_channel_count;
+extern const char *const network_channel_names[];
+extern const uint16_t network_channel_sizes[];
+extern const uint32_t network_process_count;
+extern const char *const network_process_names[];
+extern const char *const network_process_kinds[];
+#endif
+
+#endif

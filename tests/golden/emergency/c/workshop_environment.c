@@ -1,0 +1,108 @@
+/* See workshop_environment.h. */
+#include "workshop_environment.h"
+
+#include "constants.h"
+#include "csp_arithmetic.h"
+#include "types.h"
+
+static struct {
+    int64_t now; /* in nanoseconds */
+    enum button panel[2]; /* present and last */
+    double feedback;
+    double control;
+    bool brake;
+    bool halted;
+    double wheel_w;
+    double wheel_inertia;
+} plant;
+
+/* The present and the last value: an event is a change. */
+static bool poll_button(void *device, void *value)
+{
+    enum button *const signal = device;
+    const bool changed = signal[0] != signal[1];
+    signal[1] = signal[0];
+    *(enum button *)value = signal[0];
+    return changed;
+}
+
+static bool read_double(void *device, void *value)
+{
+    *(double *)value = *(const double *)device;
+    return true;
+}
+
+static void write_double(void *device, const void *value)
+{
+    *(double *)device = *(const double *)value;
+}
+
+static void write_bool(void *device, const void *value)
+{
+    *(bool *)device = *(const bool *)value;
+}
+
+static inline double workshop_environment_slopes(double wheel_w, double wheel_voltage,
+            bool wheel_brake)
+{
+    const double wheel_motor = 0.05 * (wheel_voltage - 0.05 * wheel_w) / 1.0; /* emergency.csp:49 */
+    const double wheel_braked = wheel_brake ? 0.002 * wheel_w : 0.0; /* emergency.csp:50 */
+    const double slope = csp_divide(wheel_motor - wheel_braked, plant.wheel_inertia);
+    csp_fault_in("emergency.csp:50");
+    return slope;
+}
+
+static bool workshop_environment_evaluate(void)
+{
+    const double time = csp_seconds(plant.now);
+    const double wheel_speed = plant.wheel_w; /* emergency.csp:52 */
+    /* emergency.csp:59 */
+    const enum button operator_button = time < 0.1 ? BUTTON_NONE : time < 0.9 ? BUTTON_START
+        : BUTTON_EMERGENCY;
+    plant.panel[0] = operator_button; /* emergency.csp:66 */
+    plant.feedback = wheel_speed; /* emergency.csp:67 */
+    return true;
+}
+
+static bool workshop_environment_start(void)
+{
+    plant.now = 0;
+    plant.wheel_inertia = 2e-4; /* emergency.csp:43 */
+    plant.wheel_w = 0.0; /* emergency.csp:48 */
+    (void)workshop_environment_evaluate();
+    plant.panel[1] = plant.panel[0];
+    return !csp_faulted();
+}
+
+static bool workshop_environment_advance(int64_t now)
+{
+    double wheel_w = plant.wheel_w;
+    const double wheel_voltage = plant.control; /* emergency.csp:68 */
+    const bool wheel_brake = plant.brake; /* emergency.csp:69 */
+    const double h = csp_seconds(now - plant.now);
+    const double half = h / 2.0;
+    const double sixth = h / 6.0;
+    const double k1 = workshop_environment_slopes(wheel_w, wheel_voltage, wheel_brake);
+    const double k2 = workshop_environment_slopes(wheel_w + half * k1, wheel_voltage, wheel_brake);
+    const double k3 = workshop_environment_slopes(wheel_w + half * k2, wheel_voltage, wheel_brake);
+    const double k4 = workshop_environment_slopes(wheel_w + h * k3, wheel_voltage, wheel_brake);
+    wheel_w += sixth * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
+    if (csp_faulted()) {
+        (void)csp_fault_at("emergency.csp:69");
+        return false;
+    }
+    plant.wheel_w = wheel_w;
+    plant.now = now;
+    return workshop_environment_evaluate();
+}
+
+const struct network_drivers workshop_environment_drivers = {
+    .panel = {plant.panel, poll_button, NULL},
+    .feedback = {&plant.feedback, read_double, NULL},
+    .control = {&plant.control, NULL, write_double},
+    .brake = {&plant.brake, NULL, write_bool},
+    .halted = {&plant.halted, NULL, write_bool},
+};
+
+const csp_environment workshop_environment
+    = {2 * CSP_MS, workshop_environment_start, workshop_environment_advance};

@@ -1,0 +1,37 @@
+/* The types of the program. Every value can be assigned: an array is a struct with one member. */
+#ifndef TYPES_H
+#define TYPES_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "csp_arithmetic.h"
+
+/* The exceptions that the program declares. */
+enum { EXCEPTION_MODE_FAILED = CSP_FIRST_EXCEPTION };
+
+struct servo_gains {
+    double kp;
+    int64_t tauD;
+    double beta;
+    int64_t tauI;
+    double friction;
+    double tolerance;
+};
+
+static inline bool servo_gains_equal(struct servo_gains left, struct servo_gains right)
+{
+    return (left.kp == right.kp) && (left.tauD == right.tauD) && (left.beta == right.beta)
+        && (left.tauI == right.tauI) && (left.friction == right.friction)
+        && (left.tolerance == right.tolerance);
+}
+
+static inline void servo_gains_finite(struct servo_gains value, const char *port)
+{
+    csp_finite(value.kp, port);
+    csp_finite(value.beta, port);
+    csp_finite(value.friction, port);
+    csp_finite(value.tolerance, port);
+}
+
+#endif

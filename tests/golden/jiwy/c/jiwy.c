@@ -1,0 +1,69 @@
+#include "jiwy.h"
+
+#include "constants.h"
+#include "csp_arithmetic.h"
+
+/* Where the process waits, and where it goes on after a failure. */
+enum {
+    IN_PARALLEL = 1,
+    FAILS
+};
+
+static const csp_branches jiwy_branches[] = {
+    {.offset = offsetof(struct jiwy, horizontal.process), .stride = 0U, .count = 1U, .level = 0U},
+    {.offset = offsetof(struct jiwy, vertical.process), .stride = 0U, .count = 1U, .level = 0U}
+};
+
+static csp_party *jiwy_step(csp_party *party)
+{
+    struct jiwy *const self = (struct jiwy *)(void *)party;
+    csp_progress progress;
+
+    switch (party->state) {
+    case 0:
+        csp_observe_begin(party->number);
+        /* horizontal || vertical (jiwy.csp:157) */
+        CSP_AWAIT(csp_par(party, &self->parallel, jiwy_branches, 2U),
+                csp_par_again(party, &self->parallel), IN_PARALLEL, fails)
+        csp_observe_end(party->number);
+        return csp_end(party);
+    case FAILS:
+    fails:
+        csp_unwind(party);
+        csp_observe_end(party->number);
+        return csp_fail(party);
+    default:
+        return NULL;
+    }
+}
+
+static const csp_place jiwy_places[] = {
+    [0] = {.waiting = CSP_AT_NOTHING, .where = "jiwy.csp:134"},
+    [IN_PARALLEL]
+        = {.waiting = CSP_AT_PARALLEL, .failed = FAILS, .where = "jiwy.csp:157",
+            .offset = offsetof(struct jiwy, parallel)},
+    [FAILS] = {.waiting = CSP_AT_NOTHING, .failed = FAILS, .where = "jiwy.csp:134"}
+};
+
+static const csp_class jiwy_class = {
+    .step = jiwy_step,
+    .places = jiwy_places,
+    .name = "Jiwy",
+    .where = "jiwy.csp:134",
+    .offset = 0
+};
+
+void jiwy_initialize(struct jiwy *self, csp_numbers *numbers, const struct jiwy_ports *ports)
+{
+    csp_process_init(&self->process, &jiwy_class, numbers->process);
+    numbers->process++;
+    joint_control_initialize(&self->horizontal, numbers,
+            &(const struct joint_control_ports){.feedback = ports->feedback_horizontal,
+            .joystick_axis = ports->joystick_horizontal,
+        .joystick_buttons = ports->joystick_buttons, .control = ports->control_horizontal}, Tsh,
+        panGains, 1.25, 1.0, 0.3, 2.2);
+    joint_control_initialize(&self->vertical, numbers,
+            &(const struct joint_control_ports){.feedback = ports->feedback_vertical,
+            .joystick_axis = ports->joystick_vertical, .joystick_buttons = ports->joystick_buttons,
+        .control = ports->control_vertical}, Tsv, tiltGains, 1.25, 1.0, 0.11, 2.2);
+}

@@ -1,0 +1,79 @@
+/* See position_controller.h. */
+#include "position_controller.h"
+
+#include "constants.h"
+#include "csp_arithmetic.h"
+
+void position_controller_initialize(struct position_controller *self, struct servo_gains gains,
+            double reach, double rate, int64_t smoothing, int64_t dwell, double margin,
+        double sample)
+{
+    self->gains = gains;
+    self->reach = reach;
+    self->rate = rate;
+    self->smoothing = csp_seconds(smoothing);
+    self->dwell = csp_seconds(dwell);
+    self->margin = margin;
+    self->sample = sample;
+    self->pid_tauD = csp_seconds(gains.tauD); /* laws.csp:6 */
+    self->pid_beta = gains.beta; /* laws.csp:6 */
+    self->pid_f = csp_divide(1.0, sample + self->pid_tauD * self->pid_beta); /* laws.csp:14 */
+    csp_fault_in("laws.csp:14");
+    self->pid_kp = gains.kp; /* laws.csp:6 */
+    self->pid_tauI = csp_seconds(gains.tauI); /* laws.csp:6 */
+    position_controller_reset(self);
+}
+
+void position_controller_reset(struct position_controller *self)
+{
+    self->profile_moving = false;
+    self->profile_last = 0.0;
+    self->pid_e1 = 0.0;
+    self->pid_ud = 0.0;
+    self->pid_ui = 0.0;
+    self->arrived = 0.0;
+}
+
+bool position_controller_calculate(struct position_controller *self)
+{
+    const double centre = (self->leftmax + self->rightmax) / 2.0; /* laws.csp:71 */
+    /* laws.csp:72 */
+    self->reference
+        = csp_limit(centre + self->reach * self->setpoint, self->leftmax + self->margin,
+            self->rightmax - self->margin);
+    const double profile_start = self->feedback; /* laws.csp:73 */
+    /* laws.csp:35 */
+    const double profile_from = self->profile_moving ? self->profile_last : profile_start;
+    const double profile_target = self->reference; /* laws.csp:74 */
+    /* laws.csp:36 */
+    const double profile_velocity
+        = csp_limit(csp_divide(profile_target - profile_from, self->smoothing), -self->rate,
+            self->rate);
+    CSP_CHECK_LAW("laws.csp:36");
+    const double profile_angle = profile_from + self->sample * profile_velocity; /* laws.csp:37 */
+    const double pid_error = profile_angle - self->feedback; /* laws.csp:75 */
+    /* laws.csp:15 */
+    const double pid_d = self->pid_f
+        * (self->pid_tauD * self->pid_beta * self->pid_ud
+            + self->pid_tauD * self->pid_kp * (pid_error - self->pid_e1)
+        + self->sample * self->pid_kp * pid_error);
+    /* laws.csp:16 */
+    const double pid_i = self->pid_ui + csp_divide(self->sample * pid_d, self->pid_tauI);
+    CSP_CHECK_LAW("laws.csp:16");
+    const double pid_sum = pid_i + pid_d; /* laws.csp:17 */
+    const double pid_output = csp_limit(pid_sum, -0.99, 0.99); /* laws.csp:19 */
+    /* laws.csp:77 */
+    const double assistance = self->gains.friction * csp_limit(profile_velocity / 0.05, -1.0, 1.0);
+    self->control = csp_limit(supply * pid_output + assistance, -supply, supply); /* laws.csp:78 */
+    /* laws.csp:80 */
+    const double standing = fabs(self->reference - self->feedback) < self->gains.tolerance
+        ? self->arrived + self->sample : 0.0;
+    self->stop = standing >= self->dwell; /* laws.csp:82 */
+    self->profile_moving = true; /* laws.csp:32 */
+    self->profile_last = profile_angle; /* laws.csp:33 */
+    self->pid_e1 = pid_error; /* laws.csp:10 */
+    self->pid_ud = pid_d; /* laws.csp:11 */
+    self->pid_ui = pid_sum == pid_output ? pid_i : self->pid_ui; /* laws.csp:12 */
+    self->arrived = standing; /* laws.csp:69 */
+    return true;
+}

@@ -1,0 +1,54 @@
+/* Position servo of one joint. The set-point counts from the centre between the end stops, 1 being
+ * `reach`; `reference` is the angle that this means. The voltage for the friction is added in the
+ * direction in which the profile moves. `stop` tells that the joint has stood where it should for
+ * `dwell`.
+ *
+ * Source: laws.csp:56
+ */
+#ifndef POSITION_CONTROLLER_H
+#define POSITION_CONTROLLER_H
+
+#include "types.h"
+
+struct position_controller {
+    /* Inputs. */
+    double leftmax;
+    double rightmax;
+    double feedback;
+    double setpoint;
+    /* Outputs. */
+    double control;
+    double reference;
+    bool stop;
+    /* States. */
+    bool profile_moving;
+    double profile_last;
+    double pid_e1;
+    double pid_ud;
+    double pid_ui;
+    double arrived;
+    /* Parameters and what follows from them. */
+    struct servo_gains gains;
+    double reach;
+    double rate;
+    double smoothing;
+    double dwell;
+    double margin;
+    double sample;
+    double pid_tauD;
+    double pid_beta;
+    double pid_f;
+    double pid_kp;
+    double pid_tauI;
+};
+
+/* Before the first run; durations are in nanoseconds. */
+void position_controller_initialize(struct position_controller *self, struct servo_gains gains,
+            double reach, double rate, int64_t smoothing, int64_t dwell, double margin,
+        double sample);
+/* Puts the states back to their initial values. */
+void position_controller_reset(struct position_controller *self);
+/* One run, from inputs to outputs and next states; false after a fault (csp_fault). */
+bool position_controller_calculate(struct position_controller *self);
+
+#endif

@@ -1,0 +1,56 @@
+/* See velocity_controller.h. */
+#include "velocity_controller.h"
+
+#include "constants.h"
+#include "csp_arithmetic.h"
+
+void velocity_controller_initialize(struct velocity_controller *self, double speed, double kp,
+            double ki, double pressure, double effort, int64_t filter, int64_t dwell, double sample)
+{
+    self->speed = speed;
+    self->kp = kp;
+    self->ki = ki;
+    self->pressure = pressure;
+    self->effort = effort;
+    self->filter = csp_seconds(filter);
+    self->dwell = csp_seconds(dwell);
+    self->sample = sample;
+    velocity_controller_reset(self);
+}
+
+void velocity_controller_reset(struct velocity_controller *self)
+{
+    self->moving = false;
+    self->last = 0.0;
+    self->filtered = 0.0;
+    self->ui = 0.0;
+    self->pressed = 0.0;
+}
+
+bool velocity_controller_calculate(struct velocity_controller *self)
+{
+    /* laws.csp:103 */
+    const double difference = self->moving ? csp_divide(self->feedback - self->last, self->sample)
+        : 0.0;
+    CSP_CHECK_LAW("laws.csp:103");
+    /* laws.csp:104 */
+    const double velocity = self->filtered
+        + csp_divide(self->sample, self->filter + self->sample) * (difference - self->filtered);
+    CSP_CHECK_LAW("laws.csp:104");
+    const double error = self->speed - velocity; /* laws.csp:105 */
+    const double i = self->ui + self->sample * self->ki * error; /* laws.csp:106 */
+    const double sum = self->kp * error + i; /* laws.csp:107 */
+    self->control = csp_limit(sum, -self->pressure, self->pressure); /* laws.csp:109 */
+    /* laws.csp:115 */
+    const bool pressing = fabs(velocity) < 0.1 * fabs(self->speed)
+        && self->control * csp_sign(self->speed) > self->effort;
+    const double held = pressing ? self->pressed + self->sample : 0.0; /* laws.csp:116 */
+    self->stop = held >= self->dwell; /* laws.csp:118 */
+    self->max = self->feedback; /* laws.csp:119 */
+    self->moving = true; /* laws.csp:97 */
+    self->last = self->feedback; /* laws.csp:98 */
+    self->filtered = velocity; /* laws.csp:99 */
+    self->ui = sum == self->control ? i : self->ui; /* laws.csp:100 */
+    self->pressed = held; /* laws.csp:101 */
+    return true;
+}

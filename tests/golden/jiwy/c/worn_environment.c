@@ -1,0 +1,237 @@
+/* See worn_environment.h. */
+#include "worn_environment.h"
+
+#include "constants.h"
+#include "csp_arithmetic.h"
+#include "types.h"
+
+static struct {
+    int64_t now; /* in nanoseconds */
+    double joystick_horizontal;
+    double joystick_vertical;
+    int64_t joystick_buttons[2]; /* present and last */
+    double feedback_horizontal;
+    double feedback_vertical;
+    double control_horizontal;
+    double control_vertical;
+    double pan_angle;
+    double pan_speed;
+    double tilt_angle;
+    double tilt_speed;
+    double pan_start;
+    double pan_left;
+    double pan_damper;
+    double pan_right;
+    double pan_inertia;
+    double pan_mass;
+    double pan_viscous;
+    double pan_gravity;
+    double pan_coulomb;
+    double pan_stiction;
+    double pan_creep;
+    double pan_settling;
+    double tilt_start;
+    double tilt_left;
+    double tilt_damper;
+    double tilt_right;
+    double tilt_inertia;
+    double tilt_mass;
+    double tilt_viscous;
+    double tilt_gravity;
+    double tilt_coulomb;
+    double tilt_stiction;
+    double tilt_creep;
+    double tilt_settling;
+} plant;
+
+static bool read_double(void *device, void *value)
+{
+    *(double *)value = *(const double *)device;
+    return true;
+}
+
+/* The present and the last value: an event is a change. */
+static bool poll_int64(void *device, void *value)
+{
+    int64_t *const signal = device;
+    const bool changed = signal[0] != signal[1];
+    signal[1] = signal[0];
+    *(int64_t *)value = signal[0];
+    return changed;
+}
+
+static void write_double(void *device, const void *value)
+{
+    *(double *)device = *(const double *)value;
+}
+
+struct worn_environment_slopes {
+    double pan_angle;
+    double pan_speed;
+    double tilt_angle;
+    double tilt_speed;
+};
+
+static inline struct worn_environment_slopes worn_environment_slopes(double pan_angle,
+            double pan_speed, double tilt_angle, double tilt_speed, double pan_voltage,
+        double tilt_voltage)
+{
+    /* plant.csp:35 */
+    const double pan_stop = pan_angle < plant.pan_left
+        ? csp_max(0.0, stiffness * (plant.pan_left - pan_angle) - plant.pan_damper * pan_speed)
+        : pan_angle > plant.pan_right
+        ? csp_min(0.0, stiffness * (plant.pan_right - pan_angle) - plant.pan_damper * pan_speed)
+        : 0.0;
+    /* plant.csp:35 */
+    const double tilt_stop = tilt_angle < plant.tilt_left
+        ? csp_max(0.0, stiffness * (plant.tilt_left - tilt_angle) - plant.tilt_damper * tilt_speed)
+        : tilt_angle > plant.tilt_right
+        ? csp_min(0.0,
+            stiffness * (plant.tilt_right - tilt_angle) - plant.tilt_damper * tilt_speed) : 0.0;
+    /* plant.csp:40 */
+    const double pan_torque = drive * (pan_voltage - induction * pan_speed)
+        - plant.pan_viscous * pan_speed - plant.pan_gravity * csp_sin(pan_angle) + pan_stop;
+    /* plant.csp:42 */
+    const double pan_friction = fabs(pan_speed) < plant.pan_creep
+        ? csp_limit(pan_torque + csp_divide(plant.pan_mass * pan_speed, plant.pan_settling),
+            -plant.pan_stiction, plant.pan_stiction) : pan_speed > 0.0 ? plant.pan_coulomb
+        : -plant.pan_coulomb;
+    csp_fault_in("plant.csp:42");
+    /* plant.csp:40 */
+    const double tilt_torque = drive * (tilt_voltage - induction * tilt_speed)
+        - plant.tilt_viscous * tilt_speed - plant.tilt_gravity * csp_sin(tilt_angle) + tilt_stop;
+    /* plant.csp:42 */
+    const double tilt_friction = fabs(tilt_speed) < plant.tilt_creep
+        ? csp_limit(tilt_torque + csp_divide(plant.tilt_mass * tilt_speed, plant.tilt_settling),
+            -plant.tilt_stiction, plant.tilt_stiction) : tilt_speed > 0.0 ? plant.tilt_coulomb
+        : -plant.tilt_coulomb;
+    csp_fault_in("plant.csp:42");
+    struct worn_environment_slopes slopes;
+    slopes.pan_angle = pan_speed;
+    slopes.pan_speed = csp_divide(pan_torque - pan_friction, plant.pan_mass);
+    csp_fault_in("plant.csp:42");
+    slopes.tilt_angle = tilt_speed;
+    slopes.tilt_speed = csp_divide(tilt_torque - tilt_friction, plant.tilt_mass);
+    csp_fault_in("plant.csp:42");
+    return slopes;
+}
+
+static bool worn_environment_evaluate(void)
+{
+    const double time = csp_seconds(plant.now);
+    /* plant.csp:49 */
+    const double pan_encoder
+        = csp_quantize(plant.pan_angle - plant.pan_start, 2.0 * CSP_PI / counts);
+    /* plant.csp:49 */
+    const double tilt_encoder
+        = csp_quantize(plant.tilt_angle - plant.tilt_start, 2.0 * CSP_PI / counts);
+    const double hand_phase = 2.0 * CSP_PI * 0.4 * time; /* plant.csp:74 */
+    const double hand_x = 0.5 * csp_sin(hand_phase); /* plant.csp:75 */
+    const double hand_y = 0.5 * csp_cos(hand_phase); /* plant.csp:76 */
+    /* plant.csp:77 */
+    const int64_t hand_buttons = (time >= 2.0 && time < 2.2) || time >= 15.0 ? 2 : 0;
+    plant.feedback_horizontal = pan_encoder; /* jiwy.csp:196 */
+    plant.feedback_vertical = tilt_encoder; /* jiwy.csp:197 */
+    plant.joystick_horizontal = hand_x; /* jiwy.csp:198 */
+    plant.joystick_vertical = hand_y; /* jiwy.csp:199 */
+    plant.joystick_buttons[0] = hand_buttons; /* jiwy.csp:200 */
+    return true;
+}
+
+static bool worn_environment_start(void)
+{
+    plant.now = 0;
+    plant.pan_start = 1.4; /* plant.csp:26 */
+    plant.pan_left = -1.62; /* plant.csp:26 */
+    plant.pan_damper = 0.3; /* plant.csp:26 */
+    plant.pan_right = 1.5; /* plant.csp:26 */
+    plant.pan_inertia = 1e-3; /* plant.csp:25 */
+    plant.pan_mass = plant.pan_inertia + csp_pow(ratio, 2.0) * rotorInertia; /* plant.csp:39 */
+    plant.pan_viscous = 1.3e-3; /* plant.csp:25 */
+    plant.pan_gravity = 0.0; /* plant.csp:25 */
+    plant.pan_coulomb = 0.0156; /* plant.csp:25 */
+    plant.pan_stiction = 1.3 * plant.pan_coulomb; /* plant.csp:41 */
+    plant.pan_creep = 0.02; /* plant.csp:27 */
+    plant.pan_settling = 0.002; /* plant.csp:27 */
+    plant.tilt_start = -2.0; /* plant.csp:26 */
+    plant.tilt_left = -2.05; /* plant.csp:26 */
+    plant.tilt_damper = 0.15; /* plant.csp:26 */
+    plant.tilt_right = 1.85; /* plant.csp:26 */
+    plant.tilt_inertia = 3e-4; /* plant.csp:25 */
+    plant.tilt_mass = plant.tilt_inertia + csp_pow(ratio, 2.0) * rotorInertia; /* plant.csp:39 */
+    plant.tilt_viscous = 6.5e-4; /* plant.csp:25 */
+    plant.tilt_gravity = 0.01; /* plant.csp:25 */
+    plant.tilt_coulomb = 0.0104; /* plant.csp:25 */
+    plant.tilt_stiction = 1.3 * plant.tilt_coulomb; /* plant.csp:41 */
+    plant.tilt_creep = 0.04; /* plant.csp:27 */
+    plant.tilt_settling = 0.002; /* plant.csp:27 */
+    plant.pan_angle = plant.pan_start; /* plant.csp:32 */
+    plant.pan_speed = 0.0; /* plant.csp:33 */
+    plant.tilt_angle = plant.tilt_start; /* plant.csp:32 */
+    plant.tilt_speed = 0.0; /* plant.csp:33 */
+    (void)worn_environment_evaluate();
+    plant.joystick_buttons[1] = plant.joystick_buttons[0];
+    return !csp_faulted();
+}
+
+static bool worn_environment_advance(int64_t now)
+{
+    double pan_angle = plant.pan_angle;
+    double pan_speed = plant.pan_speed;
+    double tilt_angle = plant.tilt_angle;
+    double tilt_speed = plant.tilt_speed;
+    const double pan_voltage = plant.control_horizontal; /* jiwy.csp:194 */
+    const double tilt_voltage = plant.control_vertical; /* jiwy.csp:195 */
+    const int64_t steps = (now - plant.now + 999999) / (1 * CSP_MS);
+    const double h = csp_seconds(now - plant.now) / (double)steps;
+    const double half = h / 2.0;
+    const double sixth = h / 6.0;
+    for (int64_t step = 0; step < steps; step++) {
+        const struct worn_environment_slopes k1
+            = worn_environment_slopes(pan_angle, pan_speed, tilt_angle, tilt_speed, pan_voltage,
+                tilt_voltage);
+        const struct worn_environment_slopes k2
+            = worn_environment_slopes(pan_angle + half * k1.pan_angle,
+                pan_speed + half * k1.pan_speed, tilt_angle + half * k1.tilt_angle,
+            tilt_speed + half * k1.tilt_speed, pan_voltage, tilt_voltage);
+        const struct worn_environment_slopes k3
+            = worn_environment_slopes(pan_angle + half * k2.pan_angle,
+                pan_speed + half * k2.pan_speed, tilt_angle + half * k2.tilt_angle,
+            tilt_speed + half * k2.tilt_speed, pan_voltage, tilt_voltage);
+        const struct worn_environment_slopes k4
+            = worn_environment_slopes(pan_angle + h * k3.pan_angle, pan_speed + h * k3.pan_speed,
+                tilt_angle + h * k3.tilt_angle, tilt_speed + h * k3.tilt_speed, pan_voltage,
+            tilt_voltage);
+        pan_angle += sixth
+            * (k1.pan_angle + 2.0 * k2.pan_angle + 2.0 * k3.pan_angle + k4.pan_angle);
+        pan_speed += sixth
+            * (k1.pan_speed + 2.0 * k2.pan_speed + 2.0 * k3.pan_speed + k4.pan_speed);
+        tilt_angle += sixth
+            * (k1.tilt_angle + 2.0 * k2.tilt_angle + 2.0 * k3.tilt_angle + k4.tilt_angle);
+        tilt_speed += sixth
+            * (k1.tilt_speed + 2.0 * k2.tilt_speed + 2.0 * k3.tilt_speed + k4.tilt_speed);
+    }
+    if (csp_faulted()) {
+        (void)csp_fault_at("jiwy.csp:195");
+        return false;
+    }
+    plant.pan_angle = pan_angle;
+    plant.pan_speed = pan_speed;
+    plant.tilt_angle = tilt_angle;
+    plant.tilt_speed = tilt_speed;
+    plant.now = now;
+    return worn_environment_evaluate();
+}
+
+const struct network_drivers worn_environment_drivers = {
+    .joystick_horizontal = {&plant.joystick_horizontal, read_double, NULL},
+    .joystick_vertical = {&plant.joystick_vertical, read_double, NULL},
+    .joystick_buttons = {plant.joystick_buttons, poll_int64, NULL},
+    .feedback_horizontal = {&plant.feedback_horizontal, read_double, NULL},
+    .feedback_vertical = {&plant.feedback_vertical, read_double, NULL},
+    .control_horizontal = {&plant.control_horizontal, NULL, write_double},
+    .control_vertical = {&plant.control_vertical, NULL, write_double},
+};
+
+const csp_environment worn_environment
+    = {1 * CSP_MS, worn_environment_start, worn_environment_advance};
