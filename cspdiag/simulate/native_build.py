@@ -7,6 +7,7 @@ import re
 import shlex
 import shutil
 import subprocess
+import time
 from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
@@ -19,6 +20,10 @@ REQUIRED = ("-std=c99", "-ffp-contract=off")
 """Whatever else is asked for: the values of a program are defined to the last bit."""
 
 _LARGEST_CACHE = 256 * 1024 * 1024
+_BUILDING = "building-"
+"""What folders begin with in which a build works."""
+_LONGEST_BUILD = 3600.0
+"""Seconds after which such a folder belongs to nobody any more."""
 _INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.MULTILINE)
 _PLACE = re.compile(r"/\*.*?([^\s/*(]+\.csp:\d+)")
 
@@ -226,7 +231,7 @@ class _Scratch:
 
         try:
             self._parent.mkdir(parents=True, exist_ok=True)
-            self._path = Path(mkdtemp(prefix="building-", dir=self._parent))
+            self._path = Path(mkdtemp(prefix=_BUILDING, dir=self._parent))
         except OSError as problem:
             raise CompilerError(
                 f"{self._parent} cannot be written: {problem.strerror}; XDG_CACHE_HOME names another place"
@@ -259,7 +264,11 @@ def _touched(place: Path) -> bool:
 
 
 def _bound(folder: Path) -> None:
-    """Removes what was not used for the longest time from a cache that has become too large."""
+    """Removes what was not used for the longest time from a cache that has become too large, and what killed builds have left."""
+    for left in folder.glob(f"{_BUILDING}*"):
+        with suppress(OSError):
+            if time.time() - left.stat().st_mtime > _LONGEST_BUILD:
+                shutil.rmtree(left, ignore_errors=True)
     entries: list[tuple[float, int, Path]] = []
     for part in ("objects", "programs", "facts"):
         with suppress(OSError):

@@ -269,8 +269,14 @@ def test_a_cache_that_cannot_be_written_is_named(monkeypatch: pytest.MonkeyPatch
 @needs_compiler
 def test_the_cache_keeps_what_was_used_last(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr("cspdiag.simulate.native_build._LARGEST_CACHE", 1)
+    abandoned, present = tmp_path / "building-old", tmp_path / "building-now"
+    abandoned.mkdir()
+    present.mkdir()
+    os.utime(abandoned, (0, 0))
     program = Build({"main.c": "int main(void) { return 0; }\n"}, ["main.c"], folder=tmp_path).executable()
     assert not program.exists()
+    assert not abandoned.exists()
+    assert present.exists()
     assert not list((tmp_path / "objects").iterdir())
 
 
