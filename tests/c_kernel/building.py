@@ -10,6 +10,7 @@ import pytest
 
 HERE = Path(__file__).parent
 SUPPORT = Path(__file__).parents[2] / "templates" / "c" / "support"
+PROGRAMS = tuple(sorted((HERE / "programs").glob("*.c")))
 STRICT = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror")
 SCENARIOS = ("-DCSP_TRACE=1", "-DCSP_LEVELS=3U")
 HOSTED = ("csp_simulation.c", "csp_stream.c")

@@ -1,6 +1,5 @@
 #include "script.h"
 
-#include <inttypes.h>
 #include <stdio.h>
 
 enum { FAILS = SCRIPT_STEPS + 1 };
@@ -116,7 +115,8 @@ static csp_progress act(csp_party *party, script *self, const script_step *step,
     case TOGETHER:
         return again ? csp_offers_again(party, &self->offers) : csp_offers_wait(&self->offers);
     case SAY:
-        printf("%6.1f ms  %s: %s %" PRId64 "\n", (double)csp.now / 1e6, self->name, step->text, self->value);
+        printf("%6.1f ms  %s: %s %lld\n", (double)csp.now / 1e6, self->name, step->text,
+               (long long)self->value);
         return CSP_DONE;
     default:
         return CSP_DONE;
@@ -289,13 +289,14 @@ static void name_channel(uint32_t number, char *text, size_t size)
 
 void csp_observe(uint32_t channel, const void *value, uint32_t writer, uint32_t reader)
 {
-    printf("%6.1f ms  %s %" PRId64 "  %s -> %s\n", (double)csp.now / 1e6, names[channel], *(const int64_t *)value,
+    printf("%6.1f ms  %s %lld  %s -> %s\n", (double)csp.now / 1e6, names[channel], (long long)*(const int64_t *)value,
            (writer == 0U) ? "outside" : all[writer - 1U].name, (reader == 0U) ? "outside" : all[reader - 1U].name);
 }
 
 void csp_observe_release(uint32_t port, const void *value)
 {
-    printf("%6.1f ms  release %s %" PRId64 "\n", (double)csp.now / 1e6, names[port], *(const int64_t *)value);
+    printf("%6.1f ms  release %s %lld\n", (double)csp.now / 1e6, names[port],
+           (long long)*(const int64_t *)value);
 }
 
 void csp_observe_begin(uint32_t number)

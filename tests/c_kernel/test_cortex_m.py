@@ -1,6 +1,7 @@
-"""A generated program with its simulated plant on an emulated microcontroller, against the clock of the emulation: the trace is that of the reference.
+"""The kernel on an emulated microcontroller: words of 32 bits, nothing below it.
 
-The emulator counts instructions for its clock, so that the run does not depend on the machine of the test.
+A generated program with its simulated plant runs against the clock of the emulation, and its trace is that of the reference. The emulator
+counts instructions for its clock, so that the run does not depend on the machine of the test.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ import pytest
 
 from cspdiag import pipeline
 from cspdiag.network.ir import Network
-from tests.c_kernel.building import HERE, SUPPORT, need, run
+from tests.c_kernel.building import HERE, PROGRAMS, SCENARIOS, SUPPORT, kernel_files, need, run
 from tests.conformance.sources import network_of, read
 from tests.conformance.targets import GeneratedPython
 from tests.conformance.traces import Communication, compare
@@ -22,6 +23,7 @@ UNTIL = 3_000_500_000
 """Nanoseconds, amid two ticks: both joints of JIWY find their end stops."""
 
 PROCESSOR = ("-mcpu=cortex-m3", "-mthumb")
+LINKED = ("-nostartfiles", "--specs=nosys.specs", "-Wl,--gc-sections", "-T", SUPPORT / "csp_port_cortex_m.ld", "-lm")
 FLAGS = ("-std=c99", "-Os", "-Wall", "-Wextra", "-ffp-contract=off", "-ffunction-sections", "-fdata-sections")
 MACHINE = ("qemu-system-arm", "-machine", "mps2-an385", "-nographic", "-semihosting-config", "enable=on,target=native")
 CLOCK = ("-icount", "shift=3,sleep=off")
@@ -46,10 +48,20 @@ def firmware(network: Network, level: int, folder: Path) -> Path:
     image = folder / "program.elf"
     run(
         *("arm-none-eabi-gcc", *PROCESSOR, *FLAGS, *definitions, *includes, *sources, HERE / "cortex_m" / "main.c"),
-        *("-nostartfiles", "--specs=nosys.specs", "-Wl,--gc-sections", "-T", SUPPORT / "csp_port_cortex_m.ld"),
-        *("-lm", "-o", image),
+        *LINKED,
+        *("-o", image),
     )
     return image
+
+
+def emulated(image: Path) -> list[str]:
+    """What the program writes."""
+    completed = subprocess.run(
+        [*MACHINE, *CLOCK, "-kernel", image], capture_output=True, text=True, timeout=120, check=False
+    )
+    written = completed.stdout + completed.stderr
+    assert completed.returncode == 0, written[-1000:]
+    return written.splitlines()
 
 
 def bits(value: object) -> int:
@@ -67,11 +79,7 @@ def test_jiwy_on_a_microcontroller(level: int, tmp_path: Path) -> None:
     need("arm-none-eabi-gcc", "qemu-system-arm")
     network = network_of(read("models/jiwy/jiwy.csp"))
     image = firmware(network, level, tmp_path)
-    emulated = subprocess.run(
-        [*MACHINE, *CLOCK, "-kernel", image], capture_output=True, text=True, timeout=120, check=False
-    )
-    assert emulated.returncode == 0, emulated.stderr[-1000:]
-    lines = [line.split() for line in (emulated.stdout + emulated.stderr).splitlines()]
+    lines = [line.split() for line in emulated(image)]
     records = [line for line in lines if line[0].isdigit()]
     trace = [Communication(int(time), name, int(number)) for time, name, number in records]
     reference = GeneratedPython(level=0).run(network, None, UNTIL).trace
@@ -79,3 +87,37 @@ def test_jiwy_on_a_microcontroller(level: int, tmp_path: Path) -> None:
     external = {communication.channel for communication in expected}
     assert compare(trace, expected, external) is None
     assert [line[0] for line in lines[-3:]] == ["release", "release", "ended"]
+
+
+@pytest.fixture(scope="module")
+def objects(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The kernel in virtual time, for the microcontroller."""
+    need("arm-none-eabi-gcc", "qemu-system-arm")
+    folder = tmp_path_factory.mktemp("cortex_m")
+    sources = [
+        *kernel_files(),
+        SUPPORT / "csp_port_cortex_m_startup.c",
+        HERE / "script.c",
+        HERE / "cortex_m" / "console.c",
+    ]
+    run("arm-none-eabi-gcc", *PROCESSOR, *FLAGS, *SCENARIOS, f"-I{SUPPORT}", "-c", *sources, cwd=folder)
+    return folder
+
+
+@pytest.mark.parametrize("program", PROGRAMS, ids=lambda program: program.stem)
+def test_scenario_on_a_microcontroller(objects: Path, program: Path) -> None:
+    image = objects / f"{program.stem}.elf"
+    includes = (f"-I{SUPPORT}", f"-I{HERE}")
+    run(
+        "arm-none-eabi-gcc",
+        *PROCESSOR,
+        *FLAGS,
+        *SCENARIOS,
+        *includes,
+        program,
+        *objects.glob("*.o"),
+        *LINKED,
+        "-o",
+        image,
+    )
+    assert emulated(image) == program.with_suffix(".txt").read_text().splitlines()

@@ -14,9 +14,7 @@ from typing import NamedTuple
 import networkx
 import pytest
 
-from tests.c_kernel.building import HERE, SCENARIOS, STRICT, SUPPORT, kernel_files, need, run
-
-PROGRAMS = tuple(sorted((HERE / "programs").glob("*.c")))
+from tests.c_kernel.building import HERE, PROGRAMS, SCENARIOS, STRICT, SUPPORT, kernel_files, need, run
 
 
 class Variant(NamedTuple):
