@@ -7,6 +7,7 @@ import pytest
 from cspdiag import pipeline
 from cspdiag.codegen.optimized_python.cancellation import checked_classes
 from cspdiag.codegen.optimized_python.storage import local_variables, run_again
+from cspdiag.codegen.python_statements import Block, Line, lines
 from cspdiag.diagnostics import SourceFile
 from cspdiag.diagnostics.render_text import render
 from cspdiag.network.ir import Network, ProcessClass
@@ -102,3 +103,12 @@ process Top {
 )
 def test_only_who_can_be_seen_after_a_cancellation_asks_for_it(composition: str, checked: set[str]) -> None:
     assert checked_classes(network(RACE % composition)) == checked
+
+
+def test_a_block_of_which_only_a_comment_is_left_passes() -> None:
+    """A value that is written to nobody leaves nothing but its place."""
+    assert lines((Block(Line("try:"), (Line("# p.csp:3  o ! 1"),)),), "") == [
+        "try:",
+        "    # p.csp:3  o ! 1",
+        "    pass",
+    ]
