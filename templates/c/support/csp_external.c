@@ -122,7 +122,7 @@ csp_progress csp_sampled_take(csp_party *party, csp_sampled_end *end, void *valu
     return CSP_DONE;
 }
 
-csp_progress csp_sampled_read(csp_party *party, csp_sampled_end *end, void *value, size_t size)
+csp_progress csp_sampled_read_any(csp_party *party, csp_sampled_end *end, void *value, size_t size)
 {
     if (csp_is_cancelled(party)) {
         return csp_refuse(party);
@@ -134,11 +134,6 @@ csp_progress csp_sampled_read(csp_party *party, csp_sampled_end *end, void *valu
     end->reader = party;
     csp_sampled_begin(end);
     return CSP_WAITS;
-}
-
-csp_progress csp_sampled_read_again(csp_party *party, csp_sampled_end *end, void *value, size_t size)
-{
-    return csp_sampled_read(party, end, value, size);
 }
 
 void csp_ends_close(csp_ends *ends)
@@ -308,14 +303,6 @@ void csp_direct_output_init(csp_direct_output *output, uint32_t number, csp_driv
     output->medium.number = number;
     output->medium.kind = (uint8_t)CSP_AT_ONCE;
     output->driver = driver;
-}
-
-csp_progress csp_latched_write(csp_party *party, csp_latched_output *output, void *value, size_t size)
-{
-    csp_copy(output->value, value, size);
-    output->written = true;
-    output->writer = party->number;
-    return CSP_DONE;
 }
 
 csp_progress csp_direct_write(csp_party *party, csp_direct_output *output, void *value, size_t size)

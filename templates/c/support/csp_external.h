@@ -49,9 +49,25 @@ struct csp_sampled_end {
     csp_guard *inputs;
 };
 
-/* CSP_AWAIT(csp_sampled_read(...), csp_sampled_read_again(...), ...): CSP_FAILS also with Timeout. */
-csp_progress csp_sampled_read(csp_party *party, csp_sampled_end *end, void *value, size_t size);
-csp_progress csp_sampled_read_again(csp_party *party, csp_sampled_end *end, void *value, size_t size);
+/* In general; CSP_FAILS also with Timeout. */
+csp_progress csp_sampled_read_any(csp_party *party, csp_sampled_end *end, void *value, size_t size);
+
+/* CSP_AWAIT(csp_sampled_read(...), csp_sampled_read_again(...), ...) */
+static inline csp_progress csp_sampled_read(csp_party *party, csp_sampled_end *end, void *value, size_t size)
+{
+    if (end->fresh && end->begun && !end->overdue && (end->inputs == NULL) && !csp_is_cancelled(party)) {
+        end->fresh = false;
+        csp_copy(value, end->port->value, size);
+        csp_observe(end->medium.number, value, 0U, party->number);
+        return CSP_DONE;
+    }
+    return csp_sampled_read_any(party, end, value, size);
+}
+
+static inline csp_progress csp_sampled_read_again(csp_party *party, csp_sampled_end *end, void *value, size_t size)
+{
+    return csp_sampled_read(party, end, value, size);
+}
 
 /* The process, or the scope, that has these ends has ended. */
 void csp_ends_close(csp_ends *ends);
@@ -113,7 +129,14 @@ typedef struct csp_direct_output {
 } csp_direct_output;
 
 /* Whether a value has NaN or infinite parts is asked by generated code before. Always CSP_DONE; a process asks csp_is_cancelled before. */
-csp_progress csp_latched_write(csp_party *party, csp_latched_output *output, void *value, size_t size);
+static inline csp_progress csp_latched_write(csp_party *party, csp_latched_output *output, void *value, size_t size)
+{
+    csp_copy(output->value, value, size);
+    output->written = true;
+    output->writer = party->number;
+    return CSP_DONE;
+}
+
 csp_progress csp_direct_write(csp_party *party, csp_direct_output *output, void *value, size_t size);
 
 /* ---- Before the program starts ---- */

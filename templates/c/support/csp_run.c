@@ -13,6 +13,16 @@ static volatile bool stop_requested;
 static int64_t next_grid; /* of the environment */
 static int64_t next_tick; /* of a port or the grid */
 
+/* Where the inputs and the latched outputs stand among the ports: from a number on, to before another. */
+typedef struct range {
+    uint32_t from;
+    uint32_t to;
+} range;
+
+static range inputs;
+static range outputs;
+static uint32_t awaited; /* the port for which something waited last */
+
 void csp_request_stop(void)
 {
     stop_requested = true;
@@ -28,10 +38,30 @@ static int64_t later(int64_t one, int64_t other)
     return (one > other) ? one : other;
 }
 
-/* The next instant of a tick or of the grid; INT64_MAX: none. */
-static void find_next_tick(const csp_program *program)
+static void extend(range *ports, uint32_t index)
+{
+    if (ports->to == 0U) {
+        ports->from = index;
+    }
+    ports->to = index + 1U;
+}
+
+/* Finds the ports that have instants, and the next instant of a tick or of the grid; INT64_MAX: none. */
+static void begin_ticks(const csp_program *program)
 {
     next_tick = next_grid;
+    inputs.to = 0U;
+    outputs.to = 0U;
+    awaited = 0U;
+    for (uint32_t index = 0U; index < program->port_count; index++) {
+        if ((program->ports[index].kind == CSP_PORT_SAMPLED) || (program->ports[index].kind == CSP_PORT_EVENT)) {
+            extend(&inputs, index);
+        } else if (program->ports[index].kind == CSP_PORT_LATCHED) {
+            extend(&outputs, index);
+        } else {
+            /* It has no instants. */
+        }
+    }
     for (uint32_t index = 0U; index < program->port_count; index++) {
         const csp_port *const port = &program->ports[index];
         if (port->kind == CSP_PORT_SAMPLED) {
@@ -46,7 +76,7 @@ static void find_next_tick(const csp_program *program)
 
 static void inputs_meet(const csp_program *program, int64_t instant)
 {
-    for (uint32_t index = 0U; index < program->port_count; index++) {
+    for (uint32_t index = inputs.from; index < inputs.to; index++) {
         const csp_port *const port = &program->ports[index];
         if (port->kind == CSP_PORT_SAMPLED) {
             csp_sampled_input *const input = (csp_sampled_input *)(void *)port->medium;
@@ -65,7 +95,7 @@ static void inputs_meet(const csp_program *program, int64_t instant)
 
 static void outputs_meet(const csp_program *program, int64_t instant)
 {
-    for (uint32_t index = 0U; index < program->port_count; index++) {
+    for (uint32_t index = outputs.from; index < outputs.to; index++) {
         const csp_port *const port = &program->ports[index];
         if (port->kind == CSP_PORT_LATCHED) {
             csp_latched_output *const output = (csp_latched_output *)(void *)port->medium;
@@ -99,30 +129,37 @@ static bool meet(const csp_program *program, int64_t instant)
     return true;
 }
 
+/* Whether the port can make a process ready, or will hand over a value. */
+static bool port_can_come(const csp_port *port)
+{
+    switch (port->kind) {
+    case CSP_PORT_SAMPLED:
+        return csp_sampled_can_come((const csp_sampled_input *)(const void *)port->medium);
+    case CSP_PORT_EVENT:
+        return csp_event_can_come((const csp_event_input *)(const void *)port->medium);
+    case CSP_PORT_LATCHED:
+        return ((const csp_latched_output *)(const void *)port->medium)->written;
+    default:
+        return false;
+    }
+}
+
 /* Whether anything can make a process ready or hand over a value later. */
 static bool can_come(const csp_program *program)
 {
     if (csp_timer_next() != INT64_MAX) {
         return true;
     }
-    bool comes = false;
-    for (uint32_t index = 0U; (index < program->port_count) && !comes; index++) {
-        const csp_port *const port = &program->ports[index];
-        switch (port->kind) {
-        case CSP_PORT_SAMPLED:
-            comes = csp_sampled_can_come((const csp_sampled_input *)(const void *)port->medium);
-            break;
-        case CSP_PORT_EVENT:
-            comes = csp_event_can_come((const csp_event_input *)(const void *)port->medium);
-            break;
-        case CSP_PORT_LATCHED:
-            comes = ((const csp_latched_output *)(const void *)port->medium)->written;
-            break;
-        default:
-            break;
+    if ((awaited < program->port_count) && port_can_come(&program->ports[awaited])) {
+        return true;
+    }
+    for (uint32_t index = 0U; index < program->port_count; index++) {
+        if (port_can_come(&program->ports[index])) {
+            awaited = index;
+            return true;
         }
     }
-    return comes;
+    return false;
 }
 
 static csp_ending ended_by_itself(void)
@@ -265,7 +302,7 @@ csp_ending csp_run(const csp_program *program, int64_t until)
         if ((program->environment != NULL) && (program->environment->step > 0)) {
             next_grid = program->environment->step;
         }
-        find_next_tick(program);
+        begin_ticks(program);
         program->process->party.flags = 0U;
         program->process->party.state = 0U;
         csp_ready(&program->process->party);
