@@ -30,6 +30,7 @@ from collections.abc import Container, Iterator
 
 from cspdiag.diagnostics.record import replaced
 from cspdiag.network.actions import Action, End, ParallelSteps, PortEnd, ProcessScope, ReadValue
+from cspdiag.network.actions import Step as ActionStep
 from cspdiag.network.ir import CreatedChoice, Network, Port, ProcessClass, SubmodelClass
 from cspdiag.network.optimize.dead import remove_dead_parts
 from cspdiag.network.optimize.fuse_actions import Composition
@@ -41,6 +42,9 @@ from cspdiag.network.optimize.fuse_open import opened
 from cspdiag.network.optimize.fuse_record import Step
 from cspdiag.network.optimize.fuse_schedule import Path, schedule, schedule_like, with_loop_begun, with_loop_early
 from cspdiag.network.walk import parts
+
+MOST_GROWTH = 8
+"""The schedule of a program that only repeats after long is much text, and no faster to read or to compile than its processes."""
 
 
 def fuse(network: Network) -> Network:
@@ -75,8 +79,15 @@ def fused(network: Network) -> Network:
         if again is not None and same_schedule(path, again, counters):
             assert single.body is not None
             single = replaced(single, body=without_copies(single.body))
+            _refuse_growth(entry, single)
             return remove_dead_parts(replaced(network, classes=(single,)))
     raise NotStaticError("one process would take its samples at other instants")
+
+
+def _refuse_growth(entry: ProcessClass, single: ProcessClass) -> None:
+    before, after = (sum(isinstance(part, ActionStep) for part in _steps(item)) for item in (entry, single))
+    if after > MOST_GROWTH * before:
+        raise NotStaticError(f"the schedule, written down, is {after // before} times as long as the processes")
 
 
 def _steps(entry: ProcessClass | SubmodelClass) -> Iterator[object]:

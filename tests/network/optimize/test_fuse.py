@@ -167,6 +167,15 @@ REFUSED = {
         ),
         "samples of x are missed",
     ),
+    "too much text": (
+        program(
+            "process Counter {\n  out o : int\n  communication { var n : int = 0  var m : int = 0 }\n"
+            "  composition { mu (n := n * 3 % 97 + 1 ; (if n > 50 then o ! n else m := n)) }\n}\n" + RECEIVER,
+            "    s : Counter\n    r : Receiver\n    s.o -> c : int -> r.i",
+            "s || r",
+        ),
+        "times as long as the processes",
+    ),
     "too long": (
         program(
             "process Counter {\n  out o : int\n  communication { var n : int = 0 }\n"
