@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -90,11 +91,14 @@ class Writer:
         if ends(action):
             routine.body += [*closing, Row("return csp_end(party);")]
         failing = routine.label(routine.outermost, place)
-        if failing and routine.body[-1].text == f"goto {routine.outermost.label};" and len(failing) == 1:
-            last = routine.body.pop()
-            failing = [*([Row("", last.depth, last.comment)] if last.comment else []), *failing]
-        if failing:
-            routine.body += [*failing, Row("csp_unwind(party);"), *closing, Row("return csp_fail(party);")]
+        unwinding = [Row("csp_unwind(party);"), *closing, Row("return csp_fail(party);")]
+        if failing and not routine.outermost.needed and routine.body[-1].text == f"goto {routine.outermost.label};":
+            routine.body.pop()
+            reached = re.compile(rf"\b{routine.outermost.label}\b")
+            failing = failing if any(reached.search(row.text) for row in routine.body) else []
+            routine.body += [*failing, *unwinding]
+        elif failing:
+            routine.body += [*failing, *unwinding]
         if outer is not None:
             self.current, self.handler = outer
 

@@ -17,6 +17,7 @@ ROOT = Path(__file__).parents[3]
 OWN = Path(__file__).parent / "programs"
 PROGRAMS = ROOT / "tests" / "conformance" / "programs"
 LIMIT = 60_000_001
+STRICT = ("-O0", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror")
 
 NEEDS_COMPILER = pytest.mark.skipif(
     not any(shutil.which(name) for name in ("cc", "gcc", "clang")), reason="there is no C compiler"
@@ -31,11 +32,11 @@ def network_of(path: Path) -> Network:
 
 @NEEDS_COMPILER
 @pytest.mark.parametrize("level", [0, 1])
-@pytest.mark.parametrize("name", ["names", "priorities"])
+@pytest.mark.parametrize("name", ["names", "priorities", "raising"])
 def test_a_program_gives_the_trace_of_the_reference(name: str, level: int) -> None:
     network = network_of(OWN / f"{name}.csp")
     wanted = execute.simulate(network, pipeline.generate(network, read_source), until=LIMIT)
-    run = native.simulate(network, read_source, level=level, until=LIMIT, options=("-O0",))
+    run = native.simulate(network, read_source, level=level, until=LIMIT, options=STRICT)
     assert run.communications == wanted.communications
     assert (run.outcome.ended, run.outcome.time) == (wanted.outcome.ended, wanted.outcome.time)
 
