@@ -47,6 +47,7 @@ from cspdiag.network.actions import (
 )
 from cspdiag.network.expressions import Expression
 from cspdiag.network.ir import InstanceOf, ProcessClass
+from cspdiag.network.optimize.faults import may_fault
 from cspdiag.network.walk import parts
 
 _LONGEST_COMMENT = 70
@@ -90,12 +91,12 @@ class Composition(Alternatives, LawSteps):
                 return (self.comment(action), *self.run_here(instance))
             case ResetInstance(instance=instance):
                 return (text(f"{self._instance(instance)}.reset()"),)
-            case Repeat(body=body, until=until):
+            case Repeat(until=until):
                 with self._loop():
-                    return (self._repeat(body, until),)
+                    return (self._repeat(action, until),)
             case WhileLoop(condition=condition, body=body):
                 with self._loop():
-                    return (Block(Line("while ", self.printer.print(condition), ":"), self.statements(body)),)
+                    return (Block(self._head("while ", condition, action), self.statements(body)),)
             case IfElse():
                 return self._if(action)
             case CatchException():
@@ -136,10 +137,10 @@ class Composition(Alternatives, LawSteps):
 
     # Control flow
 
-    def _repeat(self, body: Action, until: Expression | None) -> Block:
-        statements = self.statements(body)
+    def _repeat(self, action: Repeat, until: Expression | None) -> Block:
+        statements = self.statements(action.body)
         if until is not None:
-            statements += (Block(Line("if ", self.printer.print(until), ":"), (text("break"),)),)
+            statements += (Block(self._head("if ", until, action), (text("break"),)),)
         return Block(text("while True:"), statements)
 
     def _if(self, action: IfElse) -> Statements:
@@ -147,12 +148,18 @@ class Composition(Alternatives, LawSteps):
         blocks: list[Statement] = []
         rest: Action = action
         while isinstance(rest, IfElse):
-            blocks.append(Block(Line(keyword, self.printer.print(rest.condition), ":"), self.statements(rest.then)))
+            blocks.append(Block(self._head(keyword, rest.condition, rest), self.statements(rest.then)))
             keyword, rest = "elif ", rest.otherwise
         otherwise = self.statements(rest)
         if otherwise:
             blocks.append(Block(text("else:"), otherwise))
         return tuple(blocks)
+
+    def _head(self, keyword: str, condition: Expression, action: Step) -> Line:
+        """A statement with a condition, with its place if that can fault."""
+        span = condition.span or action.span
+        place = self.imports.names.place(span.file, span.line) if may_fault(condition) else None
+        return Line(keyword, self.printer.print(condition), ":", place)
 
     def _catch(self, action: CatchException) -> Statements:
         exception = Atom(self.imports.exception(action.exception))
