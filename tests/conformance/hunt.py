@@ -2,42 +2,39 @@
 
 from __future__ import annotations
 
-from hypothesis import HealthCheck, Phase, given, seed, settings
+from random import SystemRandom
 
 from cspdiag.diagnostics import SourceFile
 from tests.conformance.kit import judge
 from tests.conformance.sources import JUST_AFTER, network_of
 from tests.conformance.targets import Target
-from tests.properties.encounters import encounters
-from tests.properties.programs import programs
+from tests.properties.drawing import draw_programs
 
 LIMIT = 60_000_000 + JUST_AFTER
 """Nanoseconds that a random program runs."""
 
+A_START = 15
+"""How many programs are drawn from one start."""
+
+
+class DifferenceFoundError(Exception):
+    """A program, and how it differs."""
+
 
 def hunt(target: Target, count: int, start: int | None = None) -> str | None:
     """The smallest program found that differs, with how it does; None where none of so many does."""
-    failures: list[str] = []
 
-    @settings(
-        max_examples=count,
-        deadline=None,
-        database=None,
-        derandomize=False,
-        phases=(Phase.generate, Phase.shrink),
-        suppress_health_check=list(HealthCheck),
-    )
-    @given(programs() | encounters())
-    def search(text: str) -> None:
+    def look(text: str) -> None:
         details = difference_of(target, text)
         if details:
-            failures.append(f"{text}\n{details}")
-        assert not details
+            raise DifferenceFoundError(f"{text}\n{details}")
 
+    first = SystemRandom().randrange(2**32) if start is None else start
     try:
-        (search if start is None else seed(start)(search))()
-    except AssertionError:
-        return failures[-1]
+        for number in range(0, count, A_START):
+            draw_programs(look, min(A_START, count - number), first + number // A_START)
+    except DifferenceFoundError as found:
+        return str(found)
     return None
 
 

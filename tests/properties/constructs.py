@@ -85,7 +85,7 @@ def _parameter(parameter: ClassParameter, kind: str) -> Iterator[str]:
 def _submodel(entry: SubmodelClass) -> Iterator[str]:
     for port in entry.ports:
         yield f"submodel {port.direction}put of {_type(port.type)}"
-        if port.size is not None:
+        if "[" in port.name:
             yield f"array of submodel {port.direction}puts"
     for parameter in entry.parameters:
         yield from _parameter(parameter, "submodel")

@@ -222,9 +222,8 @@ def add_law(draw: st.DrawFn, leaf: Leaf, free: list[str]) -> None:
     period = leaf.periods.get(doubles[0])
     inputs = [p for p in doubles if leaf.periods.get(p) == period]
     outputs = [p for p in free if leaf.ports[p] == ("out", "double") and leaf.periods.get(p, period) == period]
-    form = draw(
-        st.sampled_from([f for f in LAWS if len(f.inputs) <= len(inputs) and (period is not None or not f.sampled)])
-    )
+    count = draw(st.sampled_from([1, 2, 2])) if len(inputs) > 1 else 1
+    form = draw(st.sampled_from([f for f in LAWS if len(f.inputs) == count and (period is not None or not f.sampled)]))
     name = leaf.fresh("law")
     leaf.instances[name] = form.text
     inputs, outputs = inputs[: len(form.inputs)], [*outputs, "_", "_"][: len(form.outputs)]

@@ -5,13 +5,10 @@ from __future__ import annotations
 from collections import Counter
 from itertools import product
 
-from hypothesis import HealthCheck, Phase, given, settings
-
 from cspdiag.diagnostics import SourceFile
 from tests.conformance.sources import network_of
 from tests.properties.constructs import constructs
-from tests.properties.encounters import encounters
-from tests.properties.programs import programs
+from tests.properties.drawing import draw_programs
 
 EVENTS = ("InputEvent", "OutputEvent", "ReadyEvent", "AfterEvent", "SkipEvent")
 OPERATORS = ("ParallelSteps", "Choice", "Repeat", "WhileLoop", "CatchException", "InterruptOn", "Group")
@@ -54,14 +51,10 @@ NESTED = {f"{inner} in {outer}" for inner, outer in product(OPERATORS, OPERATORS
 def test_every_construct_occurs() -> None:
     found: Counter[str] = Counter()
 
-    @settings(
-        max_examples=200, derandomize=True, database=None, phases=(Phase.generate,), deadline=None,
-        suppress_health_check=list(HealthCheck),
-    )  # fmt: skip
-    @given(programs() | encounters())
     def count(text: str) -> None:
         found.update(constructs(network_of(SourceFile(name="random.csp", text=text))))
 
-    count()
+    for start in range(12):
+        draw_programs(count, 15, start)
     assert sorted(WANTED - set(found)) == []
     assert len(NESTED & set(found)) >= 0.8 * len(NESTED)

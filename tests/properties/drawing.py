@@ -1,0 +1,32 @@
+"""Draws random programs, the same ones for the same start."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from hypothesis import HealthCheck, Phase, given, seed, settings
+
+from tests.properties.encounters import encounters
+from tests.properties.programs import programs
+
+
+def draw_programs(look: Callable[[str], None], count: int, start: int | None = None) -> None:
+    """Hands so many programs to ``look``; what that raises ends the search, at the smallest program for which it does.
+
+    Programs of one start resemble each other: several starts with few programs each show more than one with many. Without ``start`` they are other ones
+    each time.
+    """
+
+    @settings(
+        max_examples=count,
+        deadline=None,
+        database=None,
+        derandomize=False,
+        phases=(Phase.generate, Phase.shrink),
+        suppress_health_check=list(HealthCheck),
+    )
+    @given(encounters() | programs())
+    def search(text: str) -> None:
+        look(text)
+
+    (search if start is None else seed(start)(search))()
