@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import array
+import fcntl
 import os
+import resource
 import shutil
 import signal
 import stat
+import subprocess
+import termios
 import threading
 import time
 from pathlib import Path
@@ -20,6 +25,7 @@ from cspdiag.runtime.exceptions import described
 from cspdiag.simulate import execute, native
 from cspdiag.simulate.native_build import Build, CompilerError, explained, find_compiler
 from cspdiag.simulate.native_stream import StreamReader
+from cspdiag.simulate.recorder import Recorder
 from cspdiag.simulate.result import Run
 from cspdiag.sources import read_source
 
@@ -296,3 +302,25 @@ def test_an_interrupted_run_is_told_to_its_end() -> None:
     assert run.outcome.ended == "stopped"
     assert run.releases == [(run.outcome.time, "Main.y", 0.0)]
     assert run.communications[-1].time <= run.outcome.time
+
+
+@needs_compiler
+def test_a_signal_while_nobody_reads_loses_no_record() -> None:
+    """A program that is ahead of its reader waits in the middle of a write: the signal must not cut that short."""
+    network = network_of(FAULTY.replace("n + 10", "n"))
+    files = pipeline.generate(network, read_source, "c")
+    sources = [path for path in files if path.endswith(".c") and not path.endswith("csp_port_posix.c")]
+    sources = [path for path in sources if "csp_port_cortex_m" not in path]
+    program = Build(files, sources, (*FAST, "-DCSP_TRACE=1")).executable()
+    with subprocess.Popen([program, "--observe", "all"], stdout=subprocess.PIPE) as running:
+        assert running.stdout is not None
+        capacity = fcntl.fcntl(running.stdout, fcntl.F_GETPIPE_SZ)
+        waiting = array.array("i", [0])
+        while waiting[0] <= capacity - resource.getpagesize():
+            assert running.poll() is None
+            fcntl.ioctl(running.stdout, termios.FIONREAD, waiting)
+        running.send_signal(signal.SIGTERM)
+        reader = StreamReader(running.stdout, network, Recorder())
+        reader.read()
+    assert reader.end is not None
+    assert reader.end.ending == 4

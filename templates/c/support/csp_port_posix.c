@@ -56,7 +56,7 @@ void csp_port_start(void)
     struct sigaction action;
     parameter.sched_priority = PRIORITY;
     action.sa_handler = stop;
-    action.sa_flags = 0;
+    action.sa_flags = SA_RESTART; /* of writes only: waits end at a signal */
     (void)sigemptyset(&action.sa_mask);
     (void)sigaction(SIGINT, &action, NULL);
     (void)sigaction(SIGTERM, &action, NULL);

@@ -1,5 +1,5 @@
 /* See csp_simulation.h. */
-#define _POSIX_C_SOURCE 199309L /* clock_gettime */
+#define _POSIX_C_SOURCE 200809L /* clock_gettime, sigaction */
 
 #include "csp_simulation.h"
 
@@ -24,6 +24,17 @@ static void stop(int number)
 {
     (void)number;
     csp_request_stop();
+}
+
+/* Writing goes on after a signal: what the run tells would otherwise end in the middle of a record. */
+static void stop_at_signals(void)
+{
+    struct sigaction action;
+    action.sa_handler = stop;
+    action.sa_flags = SA_RESTART;
+    (void)sigemptyset(&action.sa_mask);
+    (void)sigaction(SIGINT, &action, NULL);
+    (void)sigaction(SIGTERM, &action, NULL);
 }
 
 static double seconds_now(void)
@@ -182,8 +193,7 @@ int csp_simulate(int count, char **options, const csp_program *program, const cs
     if (scenario->counts_misses) {
         count_misses(&run);
     }
-    (void)signal(SIGINT, stop);
-    (void)signal(SIGTERM, stop);
+    stop_at_signals();
     csp_stream_begin(&run, names, asked.observed);
     const double began = seconds_now();
     const csp_ending ending = csp_run(&run, asked.until);
