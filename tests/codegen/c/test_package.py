@@ -69,6 +69,22 @@ def test_make_builds_the_simulation(tmp_path: Path) -> None:
 
 
 @needs_compiler
+@pytest.mark.skipif(shutil.which("make") is None, reason="there is no make")
+def test_make_goes_on_when_headers_are_gone(tmp_path: Path) -> None:
+    network = network_of("ring/ring.csp")
+    make = ["make", "-s", f"CC={COMPILERS[0]}", "CFLAGS=-O0"]
+    readable = pipeline.generate(network, read_source, "c")
+    written(readable, tmp_path)
+    subprocess.run(make, cwd=tmp_path, check=True, capture_output=True)
+    fast = pipeline.generate(network, read_source, "c", 1)
+    for path in readable.keys() - fast.keys():
+        (tmp_path / path).unlink()
+    written(fast, tmp_path)
+    done = subprocess.run(make, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+
+
+@needs_compiler
 @pytest.mark.skipif(shutil.which("cmake") is None, reason="there is no cmake")
 def test_cmake_knows_all_files(tmp_path: Path) -> None:
     files = pipeline.generate(network_of("cascade/cascade.csp"), read_source, "c")
