@@ -182,12 +182,12 @@ class Members:
     @property
     def initial_printer(self) -> Printer:
         """For expressions in the function that initializes the process."""
-        return Printer(self.types, parameter=self.initial_parameter, signal=self.signal, variable=self.value)
+        return Printer(self.types, parameter=self.initial_parameter, signal=self.signal, variable=self.variable)
 
     @property
     def running_printer(self) -> Printer:
         """For expressions in step functions."""
-        return Printer(self.types, parameter=self.running_parameter, signal=self.signal, variable=self.variable)
+        return Printer(self.types, parameter=self.running_parameter, signal=self.signal, variable=self.value)
 
     def is_own(self, variable: str) -> bool:
         """Whether only this process has the variable."""
