@@ -12,7 +12,19 @@ from typing import assert_never
 from cspdiag.codegen.optimized_python.communications import Statements, text
 from cspdiag.codegen.optimized_python.expressions import FastPrinter
 from cspdiag.codegen.optimized_python.values import Values, one_line
-from cspdiag.codegen.python_code import Argument, Atom, Call, Code, call
+from cspdiag.codegen.python_code import (
+    OR,
+    Argument,
+    Atom,
+    Call,
+    Code,
+    Conditional,
+    Entry,
+    Items,
+    at_least,
+    call,
+    tuple_of,
+)
 from cspdiag.codegen.python_rolling import LEAST, statements_template
 from cspdiag.codegen.python_statements import Block, Line, Statement, assign
 from cspdiag.network.actions import (
@@ -199,31 +211,31 @@ class Alternatives(Values):
 
     def _select_arguments(self, branches: Sequence[Branch]) -> Iterator[Argument]:
         if any(branch.condition is not None for branch in branches):
-            conditions = ", ".join(
-                "True" if branch.condition is None else self.printer.print(branch.condition).flat for branch in branches
-            )
-            yield Argument(Atom(f"({conditions},)" if len(branches) == 1 else f"({conditions})"), "enabled")
-        values = [
-            f"{number}: {self._if_enabled(branch, branch.event.value, 'None')}"
+            yield Argument(tuple_of(self._condition(branch) for branch in branches), "enabled")
+        values = tuple(
+            Entry(str(number), self._if_enabled(branch, branch.event.value, "None"))
             for number, branch in enumerate(branches)
             if isinstance(branch.event, OutputEvent)
-        ]
+        )
         if values:
-            yield Argument(Atom(f"{{{', '.join(values)}}}"), "values")
-        delays = [
-            f"{number}: {self._if_enabled(branch, branch.event.duration, '0')}"
+            yield Argument(Items("{}", values), "values")
+        delays = tuple(
+            Entry(str(number), self._if_enabled(branch, branch.event.duration, "0"))
             for number, branch in enumerate(branches)
             if isinstance(branch.event, AfterEvent) and mentions_variable(branch.event.duration)
-        ]
+        )
         if delays:
-            yield Argument(Atom(f"{{{', '.join(delays)}}}"), "delays")
+            yield Argument(Items("{}", delays), "delays")
 
-    def _if_enabled(self, branch: Branch, expression: Expression, otherwise: str) -> str:
+    def _condition(self, branch: Branch) -> Code:
+        return Atom("True") if branch.condition is None else self.printer.print(branch.condition)
+
+    def _if_enabled(self, branch: Branch, expression: Expression, otherwise: str) -> Code:
         """What an event needs; where the condition does not hold it is not evaluated."""
-        code = self.printer.print(expression).flat
+        code = self.printer.print(expression)
         if branch.condition is None or isinstance(expression, LiteralValue | ParameterValue):
             return code
-        return f"({code}) if ({self.printer.print(branch.condition).flat}) else {otherwise}"
+        return Conditional(at_least(code, OR), at_least(self.printer.print(branch.condition), OR), Atom(otherwise))
 
     def _guard(self, event: Event, printer: FastPrinter, *, made: bool) -> Code:
         """A guard; ``made`` in the constructor, where values are not known yet."""
