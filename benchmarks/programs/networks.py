@@ -93,7 +93,7 @@ def runs_of(network: Network, target: str, folder: Path, until: int | None = Non
 
 def memory(target: str, folder: Path) -> None:
     """Bytes a process: of C those of its static memory, of Python what the resident memory grows by."""
-    size = 10_000
+    size = 2_000 if target.startswith("c") else 10_000
     if target.startswith("c"):
         static = [static_memory(count, folder / str(count)) for count in (size, 2 * size)]
         report((static[1] - static[0]) / size)
