@@ -36,7 +36,7 @@ static csp_party *align_repeat_velocity_step(csp_party *party)
             }
             self->stop = self->velocity.stop;
             self->stop_written.done = true;
-            condition = self->stop;
+            condition = (*(csp_require_written(&self->stop_written), &self->stop));
             CSP_FAULT("jiwy.csp:39", fails);
             if (condition) {
                 break;

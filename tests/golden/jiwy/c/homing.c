@@ -39,7 +39,7 @@ static csp_party *homing_repeat_servo_step(csp_party *party)
             self->reference_written.done = true;
             self->stop = self->servo.stop;
             self->stop_written.done = true;
-            condition = self->stop;
+            condition = (*(csp_require_written(&self->stop_written), &self->stop));
             CSP_FAULT("jiwy.csp:97", fails);
             if (condition) {
                 break;
