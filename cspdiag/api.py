@@ -97,22 +97,28 @@ class LoadedProgram:
         until: str | float | None = None,
         set: Mapping[str, Setting] | None = None,
         real_time: bool = False,
+        target: str = "python",
         level: int = 1,
     ) -> Run:
         """Run the program against an environment (the first one by default), until ``until``: ``"20 s"``, or a number of seconds.
 
-        With ``level=0`` the readable code runs instead of the fast one; the results are the same.
+        ``target="c"`` builds and runs a native program; with ``level=0`` the readable code runs instead of the fast one. The results are the same.
 
-        Raises what ``build`` raises, and ``cspdiag.simulate.execute.NoEnvironmentError``.
+        Raises what ``build`` raises, ``cspdiag.simulate.execute.NoEnvironmentError``, for C also
+        ``cspdiag.simulate.native_build.CompilerError``, and ValueError for a level or target that there is not, or a program that the target cannot express.
         """
         from cspdiag.settings import parse_duration
-        from cspdiag.simulate.execute import simulate
+        from cspdiag.simulate import execute, native
 
+        if level not in (0, 1):
+            raise ValueError(f"there is no level {level!r} of optimization: it is 0 or 1")
+        if target not in ("python", "c"):
+            raise ValueError(f"nothing runs the target {target!r}: it is 'python' or 'c'")
         network = self.build(environment=environment, set=set)
-        return simulate(
-            network,
-            pipeline.generate(network, read_source, level=level, traced=True, observed=True),
-            environment=environment,
-            until=None if until is None else parse_duration(until if isinstance(until, str) else f"{until!r} s"),
-            real_time=real_time,
-        )
+        limit = None if until is None else parse_duration(until if isinstance(until, str) else f"{until!r} s")
+        if target == "c":
+            return native.simulate(
+                network, read_source, level=level, environment=environment, until=limit, real_time=real_time
+            )
+        files = pipeline.generate(network, read_source, level=level, traced=True, observed=True)
+        return execute.simulate(network, files, environment=environment, until=limit, real_time=real_time)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 
 import pytest
@@ -112,3 +113,19 @@ def test_near_names_are_offered(arguments: dict[str, object], meant: str) -> Non
 def test_an_unknown_target_is_named() -> None:
     with pytest.raises(ValueError, match="unknown target 'folder'"):
         cspdiag.load(JIWY).compile("folder")
+
+
+@pytest.mark.skipif(not any(map(shutil.which, ("cc", "gcc", "clang"))), reason="no C compiler: install gcc or clang")
+def test_every_target_and_level_runs_the_same() -> None:
+    program = cspdiag.load(JIWY.parents[1] / "watchdog/watchdog.csp")
+    runs = [program.run(until=0.3, target=target, level=level) for target in ("python", "c") for level in (0, 1)]
+    assert len(runs[0].communications) > 10
+    for run in runs[1:]:
+        assert [c[:3] for c in run.communications] == [c[:3] for c in runs[0].communications]
+
+
+def test_what_cannot_run_is_named() -> None:
+    with pytest.raises(ValueError, match="no level 2"):
+        cspdiag.load(JIWY).run(level=2)
+    with pytest.raises(ValueError, match="nothing runs the target 'rust'"):
+        cspdiag.load(JIWY).run(target="rust")
