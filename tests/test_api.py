@@ -118,7 +118,7 @@ def test_an_unknown_target_is_named() -> None:
 @pytest.mark.skipif(not any(map(shutil.which, ("cc", "gcc", "clang"))), reason="no C compiler: install gcc or clang")
 def test_every_target_and_level_runs_the_same() -> None:
     program = cspdiag.load(JIWY.parents[1] / "watchdog/watchdog.csp")
-    runs = [program.run(until=0.3, target=target, level=level) for target in ("python", "c") for level in (0, 1)]
+    runs = [program.run(until=3, target=target, level=level) for target in ("python", "c") for level in (0, 1)]
     assert len(runs[0].communications) > 10
     for run in runs[1:]:
         assert [c[:3] for c in run.communications] == [c[:3] for c in runs[0].communications]
