@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from cspdiag.codegen.python_names import MEMBERS, Names, indexed
+from cspdiag.codegen.python_names import PROCESS_MEMBERS, Names, indexed
 from cspdiag.network.actions import ChannelEnd, End, InputEvent, InputRead, PortEnd, ReadValue, ReadyEvent
 from cspdiag.network.ir import InstanceOf, LocalChannel, Network, ProcessClass, SubmodelClass
 from cspdiag.network.walk import parts
@@ -25,7 +25,7 @@ class Members:
 
     def __init__(self, process: ProcessClass, network: Network) -> None:
         self.process = process
-        self.names = Names(MEMBERS)
+        self.names = Names(PROCESS_MEMBERS)
         self.arguments = {item.name: self.names[item.name] for item in (*process.parameters, *process.ports)}
         self._ports = {port.name: port for port in process.ports}
         self._channels = {channel.name: channel for channel in process.channels}

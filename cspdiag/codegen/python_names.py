@@ -35,6 +35,9 @@ BUILTINS = _words(
 MEMBERS = _words("self name source run runs_now execute enclosing started ended owns calculate reset ends _place")
 """What the base classes ``Process`` and ``Submodel`` define themselves."""
 
+PROCESS_MEMBERS = MEMBERS | _words("kind steps start end fail blame checked tracked _enclosing")
+"""The same with what ``Routine`` defines: a generated process has the same names at every level of optimization."""
+
 MODULES = _words("network constants types exceptions runtime environments external")
 """Modules of a generated package that no class may be stored in."""
 

@@ -12,7 +12,7 @@ from cspdiag.codegen.python_external import ExternalModules
 from cspdiag.codegen.python_imports import Imports
 from cspdiag.codegen.python_members import Members
 from cspdiag.codegen.python_modules import ClassModule, port_annotation
-from cspdiag.codegen.python_names import MEMBERS, Names, PackageNames
+from cspdiag.codegen.python_names import MEMBERS, PROCESS_MEMBERS, Names, PackageNames
 from cspdiag.codegen.python_rolling import rolled_list
 from cspdiag.codegen.python_statements import Line, Statement, assign, docstring, lines, signature
 from cspdiag.codegen.python_submodels import signal_names
@@ -213,7 +213,10 @@ class _ProcessWriter:
 
 def keywords_of(class_: ProcessClass | SubmodelClass) -> Mapping[str, str]:
     """The keywords of a class's constructor by parameter and port."""
-    names = Names(MEMBERS) if isinstance(class_, ProcessClass) else signal_names(class_)
+    if isinstance(class_, ProcessClass):
+        names = Names(MEMBERS if class_.external is not None else PROCESS_MEMBERS)
+    else:
+        names = signal_names(class_)
     return {item.name: names[item.name] for item in (*class_.parameters, *class_.ports)}
 
 
