@@ -42,7 +42,14 @@ def _equal(self: Any, other: object) -> bool:
 
 
 def _hash(self: Any) -> int:
-    return hash((type(self), *(getattr(self, name) for name in self.__record_compared__)))
+    # Kept, because a record may hold a whole program, and is looked up again and again.
+    kept: dict[str, Any] = self.__dict__
+    known: int | None = kept.get("__record_hash__")
+    if known is None:
+        known = kept["__record_hash__"] = hash(
+            (type(self), *(getattr(self, name) for name in self.__record_compared__))
+        )
+    return known
 
 
 def _prepare(cls: type[T]) -> None:
