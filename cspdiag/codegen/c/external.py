@@ -5,14 +5,19 @@ from __future__ import annotations
 import posixpath
 from collections.abc import Iterator, Mapping
 
-from cspdiag.network.ir import ExternalBody, Network
+from cspdiag.network.ir import ExternalBody, Network, SubmodelClass
 from cspdiag.network.walk import parts
+
+
+def compositions_and_laws(network: Network) -> list[object]:
+    """Of each class the parts in which a body in another language can be named: large networks have far more instances."""
+    return [entry if isinstance(entry, SubmodelClass) else (entry.body, entry.external) for entry in network.classes]
 
 
 def c_bodies(network: Network) -> Iterator[ExternalBody]:
     """The bodies in C that a network names, each once."""
     found: dict[ExternalBody, None] = {}
-    for part in parts((network.classes, network.environments)):
+    for part in parts((compositions_and_laws(network), network.environments)):
         if isinstance(part, ExternalBody) and part.language == "c":
             found[part] = None
     yield from found

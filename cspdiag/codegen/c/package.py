@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from weakref import ref
 
 from cspdiag.codegen.c.definitions import constants_header, types_header
 from cspdiag.codegen.c.environments import environment_files
@@ -55,7 +56,22 @@ class Scenario:
 
 
 def lowered_for_c(network: Network, level: int, *, observed: bool = False) -> Network:
-    """The network that is generated at a level; ``observed`` keeps processes apart that could be fused, so that each can be told of."""
+    """The network that is generated at a level; ``observed`` keeps processes apart that could be fused, so that each can be told of.
+
+    The last one is kept as long as its network: the package and the question what it takes of memory need the same.
+    """
+    for known, same, lowered in _last_lowered:
+        if known() is network and same == (level, observed):
+            return lowered
+    lowered = _lowered(network, level, observed)
+    _last_lowered[:] = [(ref(network, lambda _: _last_lowered.clear()), (level, observed), lowered)]
+    return lowered
+
+
+_last_lowered: list[tuple[ref[Network], tuple[int, bool], Network]] = []
+
+
+def _lowered(network: Network, level: int, observed: bool) -> Network:
     if level == 0:
         return lower_for_targets(network)
     return optimize(network, [entry for entry in PASSES if entry.name != "fuse"] if observed else PASSES)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
+from cspdiag.codegen.c.external import compositions_and_laws
 from cspdiag.codegen.target_error import TargetError
 from cspdiag.model.types import TextType
 from cspdiag.network.ir import Environment, ExternalBody, ExternalCall, Network, ProcessClass
@@ -40,7 +41,7 @@ def _bodies(network: Network) -> Iterator[tuple[str, str, ExternalBody]]:
             kind = "process" if isinstance(class_, ProcessClass) else "submodel"
             yield kind, class_.definition, class_.external
     systems = [environment.system for environment in network.environments if not environment.drivers]
-    for part in parts((network.classes, systems)):
+    for part in parts((compositions_and_laws(network), systems)):
         if isinstance(part, ExternalCall):
             yield "submodel", part.definition, part.external
 
