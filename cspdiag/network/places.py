@@ -72,10 +72,11 @@ class Places:
     def indexes(self, expressions: tuple[ast.Expression, ...], values: Values) -> list[int] | None:
         """Values of indexes; None where one is unknown."""
         found = [self.elaboration.integer(expression, values) for expression in expressions]
-        if any(index is None for index in found):
+        known = [index for index in found if index is not None]
+        if len(known) < len(found):
             self.shape.incomplete = True
             return None
-        return [index for index in found if index is not None]
+        return known
 
     def instance(self, reference: ast.Reference, values: Values) -> InstanceShape | None:
         """The one instance that a reference names."""
@@ -209,12 +210,12 @@ class Places:
         self, reference: ast.Reference, symbol: ast.Instance, values: Values
     ) -> tuple[list[InstanceShape], bool] | None:
         """The instances that a reference names, and whether that is a whole array."""
-        given = self.indexes(reference.indexes, values)
+        given = self.indexes(reference.indexes, values) if reference.indexes else []
         if given is None:
             return None
         loops = self.loops.get(symbol, ())
         depth = len(loops) + (symbol.size is not None)
-        around = [index for loop in loops if isinstance(index := values.get(loop), int)]
+        around = [index for loop in loops if isinstance(index := values.get(loop), int)] if loops else []
         if len(around) == len(loops) and len(given) <= depth - len(loops):
             given = around + given
         full = element_name(symbol.name.text, *given)

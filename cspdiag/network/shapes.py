@@ -33,8 +33,8 @@ Overrides: TypeAlias = Mapping[str, Value]
 
 def element_name(name: str, *indexes: int | None) -> str:
     """``cell[3][0]``; an index that is None is left out."""
-    if indexes == (None,):
-        return name
+    if len(indexes) == 1:
+        return name if indexes[0] is None else f"{name}[{indexes[0]}]"
     return name + "".join(f"[{index}]" for index in indexes if index is not None)
 
 

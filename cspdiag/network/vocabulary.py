@@ -68,16 +68,33 @@ class Vocabulary:
         pending: list[object] = list(parts)
         pending.reverse()
         met: set[int] = set()
+        inside: dict[type, tuple[str, ...]] = {}
         while pending:
             item = pending.pop()
             if isinstance(item, tuple):
                 pending.extend(reversed(item))
-            elif isinstance(item, Span) or not is_record(item) or id(item) in met:
                 continue
-            else:
+            names = inside.get(type(item))
+            if names is None:
+                names = inside[type(item)] = _names_inside(item)
+            if names and id(item) not in met:
                 met.add(id(item))
                 if isinstance(item, LiteralValue) and item.name is not None:
                     self._constants.add(item.name)
                 elif isinstance(item, EnumType | StructType):
                     self._types[item] = None
-                pending.extend(getattr(item, name) for name in reversed(field_names(item)))
+                pending.extend(inner for name in names if (inner := getattr(item, name)) is not None)
+
+
+_ATOMS = frozenset({"str", "str | None", "int", "int | None", "bool", "Span", "Span | None"})
+
+
+def _names_inside(item: object) -> tuple[str, ...]:
+    """The fields of a record that are looked into, the last one first, and at least one; of anything else none."""
+    if isinstance(item, Span) or not is_record(item):
+        return ()
+    annotations = {
+        name: kind for cls in type(item).__mro__ for name, kind in getattr(cls, "__annotations__", {}).items()
+    }
+    names = field_names(item)
+    return tuple(name for name in reversed(names) if annotations[name] not in _ATOMS) or names[:1]
