@@ -138,7 +138,9 @@ class _Values:
         elif is_record(item):
             for name in field_names(item):
                 if name not in ("span", "type"):
-                    yield from self._effects(getattr(item, name))
+                    inner = getattr(item, name)
+                    if isinstance(inner, tuple) or is_record(inner):
+                        yield from self._effects(inner)
 
     def _effects_of_law(self, law: RunLaw) -> Iterable[Any]:
         for equation in law.equations:
