@@ -43,13 +43,17 @@ class Branches:
     def start(self, bodies: tuple[Body, ...], *, prioritized: bool = False) -> None:
         """Makes the branches and puts them into the ready queue."""
         parent = self._parent
-        self.tasks = [task_for(body, self, parent) for body in bodies]
+        self.tasks = [self._task_for(body) for body in bodies]
         self.pending = len(self.tasks)
         if prioritized:
             for rank, task in enumerate(self.tasks):
                 scheduler.set_priority(task, (*parent.priority, rank))
         for task in self.tasks:
             scheduler.enqueue(task)
+
+    def _task_for(self, body: Body) -> Task:
+        """What executes a branch."""
+        return task_for(body, self, self._parent)
 
     def wait(self) -> Generator[None, None, None]:
         """Waits for all; raises what the first unsuccessful one raised."""

@@ -10,6 +10,7 @@ from .alternative import Alternative
 from .choice import Choice, Guard, Input, Output, waits_of_guard
 from .composition import Body, Branches
 from .exceptions import Cancelled
+from .routine import CheckedTask, RoutineTask
 from .scheduler import Party, Task, Waits, scheduler
 
 
@@ -59,6 +60,13 @@ class _Body(Branches):
     __slots__ = ("interruption",)
 
     interruption: _Interruption
+
+    def _task_for(self, body: Body) -> Task:
+        """What executes the body: optimized code of it asks if it was cancelled, also below a process whose code does not."""
+        task = super()._task_for(body)
+        if isinstance(task, RoutineTask) and not isinstance(task, CheckedTask) and not isinstance(body, Awaitable):
+            return CheckedTask(body, self, self._parent)
+        return task
 
     def branch_ended(self, branch: Task, error: BaseException | None) -> None:
         """See ``Join.branch_ended``. A body that ends by itself takes the guard with it, unless somebody has chosen it."""
