@@ -14,7 +14,8 @@ When that can be done, and why nothing else can be seen from outside:
   by hand, variables that may be read before they are written, and guards and delays that depend on values are refused. A decision that depends
   on a value may have one way that goes on for ever; the other is followed to the end of the program, and stands in the fused process as an exit.
 - *Faults* end the program in the middle of a computation. Its other processes would still have computed up to their next communication, which nobody
-  sees: there is nobody left to look at their variables. For the same reason processes that are cancelled by an exception end where they are.
+  sees: there is nobody left to look at their variables. For the same reason processes that are cancelled by an exception end where they are; a program that
+  looks at their variables afterwards is refused (``fuse_catch``).
 - *A program that deadlocks* stays as it is, for the report names its processes; and so does one that misses samples.
 - *Samples* are taken by ends of the fused process, one for each end there was. As one process they follow their periods together, and each from its
   first read on, which can differ from what several processes do. So it may have to begin to wait for several inputs at once, by an alternative before the
@@ -34,6 +35,7 @@ from cspdiag.network.actions import Step as ActionStep
 from cspdiag.network.ir import CreatedChoice, Network, Port, ProcessClass, SubmodelClass
 from cspdiag.network.optimize.dead import remove_dead_parts
 from cspdiag.network.optimize.fuse_actions import Composition
+from cspdiag.network.optimize.fuse_catch import refuse_seen_cancellation
 from cspdiag.network.optimize.fuse_check import same_schedule
 from cspdiag.network.optimize.fuse_code import NotStaticError
 from cspdiag.network.optimize.fuse_copies import without_copies
@@ -72,6 +74,7 @@ def fused(network: Network) -> Network:
     if not any(isinstance(part, ParallelSteps) for entry in network.classes for part in _steps(entry)):
         raise NotStaticError("it is one process already")
     entry = opened(network)
+    refuse_seen_cancellation(entry)
     path = with_loop_early(schedule(entry, network.external_ports))
     for together, closing in ((False, False), (True, False), (True, True)):
         single, counters = _single(entry, path, together=together, closing=closing)
