@@ -21,7 +21,7 @@ class DifferenceFoundError(Exception):
     """A program, and how it differs."""
 
 
-def hunt(target: Target, count: int, start: int | None = None) -> str | None:
+def hunt(target: Target, count: int, start: int | None = None, *, shrink: bool = True) -> str | None:
     """The smallest program found that differs, with how it does; None where none of so many does."""
 
     def look(text: str) -> None:
@@ -32,7 +32,7 @@ def hunt(target: Target, count: int, start: int | None = None) -> str | None:
     first = SystemRandom().randrange(2**32) if start is None else start
     try:
         for number in range(0, count, A_START):
-            draw_programs(look, min(A_START, count - number), first + number // A_START)
+            draw_programs(look, min(A_START, count - number), first + number // A_START, shrink=shrink)
     except DifferenceFoundError as found:
         return str(found)
     return None

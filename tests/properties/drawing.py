@@ -10,8 +10,8 @@ from tests.properties.encounters import encounters
 from tests.properties.programs import programs
 
 
-def draw_programs(look: Callable[[str], None], count: int, start: int | None = None) -> None:
-    """Hands so many programs to ``look``; what that raises ends the search, at the smallest program for which it does.
+def draw_programs(look: Callable[[str], None], count: int, start: int | None = None, *, shrink: bool = True) -> None:
+    """Hands so many programs to ``look``; what that raises ends the search, with ``shrink`` at the smallest program for which it does, which may take minutes.
 
     Programs of one start resemble each other: several starts with few programs each show more than one with many. Without ``start`` they are other ones
     each time.
@@ -22,7 +22,7 @@ def draw_programs(look: Callable[[str], None], count: int, start: int | None = N
         deadline=None,
         database=None,
         derandomize=False,
-        phases=(Phase.generate, Phase.shrink),
+        phases=(Phase.generate, Phase.shrink) if shrink else (Phase.generate,),
         suppress_health_check=list(HealthCheck),
     )
     @given(encounters() | programs())
