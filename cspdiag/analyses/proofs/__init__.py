@@ -1,0 +1,1 @@
+"""Proofs over transition systems: deadlock, knots, livelock, termination, refinement."""

@@ -1,0 +1,73 @@
+"""What a proof method answers."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, field
+from typing import Literal, TypeAlias
+
+Method: TypeAlias = Literal["rules", "sat", "invariants", "stubborn", "minimization", "breadth-first", "spin"]
+
+
+@dataclass(frozen=True, slots=True)
+class Move:
+    """One step of a trace: the event (an index, or INTERNAL) and the state that each component that takes part goes to."""
+
+    event: int
+    moves: tuple[tuple[int, int], ...]
+
+
+@dataclass(frozen=True)
+class Proved:
+    """The property holds. ``reason`` is a sentence for people: which rule, how many states."""
+
+    method: Method
+    reason: str
+    states: int | None = None
+
+
+@dataclass(frozen=True)
+class Refuted:
+    """The property fails: ``trace`` leads from the initial state to where it does, the shortest found.
+
+    ``stuck`` are the components that never go on (deadlock and knots). For livelock ``cycle`` is what repeats for ever after the trace.
+    """
+
+    method: Method
+    trace: tuple[Move, ...]
+    stuck: tuple[int, ...] = ()
+    cycle: tuple[Move, ...] = ()
+    states: int | None = None
+
+
+@dataclass(frozen=True)
+class Unknown:
+    """Neither. ``candidate`` is a state of every component that could not be excluded, with the components suspected to be stuck."""
+
+    method: Method
+    reason: str
+    candidate: tuple[int, ...] | None = None
+    stuck: tuple[int, ...] = ()
+
+
+Verdict: TypeAlias = Proved | Refuted | Unknown
+
+
+class LimitError(Exception):
+    """The time or the memory that was allowed is used up."""
+
+
+@dataclass
+class Limits:
+    """Time (seconds from now) and memory (bytes of the state store) that a method may use; it asks ``check`` now and then."""
+
+    seconds: float = 60.0
+    memory: int = 2_000_000_000
+    started: float = field(default_factory=time.monotonic)
+
+    def check(self, used: int = 0) -> None:
+        """Raise LimitError when the time, or the memory of which ``used`` bytes are taken, is up."""
+        if time.monotonic() - self.started > self.seconds:
+            raise LimitError(f"the time limit of {self.seconds:g} s was reached")
+        if used > self.memory:
+            raise LimitError(f"the memory limit of {self.memory / 1e6:g} MB was reached")

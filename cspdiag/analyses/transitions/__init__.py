@@ -1,0 +1,1 @@
+"""Networks as transition systems: what the proofs reason about."""

@@ -1,0 +1,94 @@
+"""A network as communicating state machines, kept apart: components joined by events, never their product.
+
+An **event** has parties, the components that must all offer it; it happens when each of them is in a state with an edge that carries it, and moves them
+all at once (the synchronization of CSP, Roscoe, "Understanding Concurrent Systems", chapter 4). Events with a single party are those of the environment, of
+time and of variables: they can happen whenever their party offers them. ``INTERNAL`` edges belong to one component and carry no event.
+
+A state without edges that is not ``terminal`` never goes on (``stop``); in a terminal state the process has ended, which is no deadlock.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Literal, TypeAlias
+
+from cspdiag.diagnostics import Span
+
+INTERNAL = -1
+"""The event of an edge that a component takes on its own, unseen."""
+
+Edge: TypeAlias = tuple[int, int]
+"""An event (an index into ``System.events``, or ``INTERNAL``) and the state after it."""
+
+EventKind: TypeAlias = Literal[
+    "communication", "external", "variable", "sample", "miss", "time", "start", "end", "cancel", "exception"
+]  # fmt: skip
+"""``communication``: of two or more processes; ``external``: with the environment; ``variable``: an access to a tracked ``var``;
+``sample`` and ``miss``: a sampled input taken, or found overwritten; ``time``: a delay or time-out; the others belong to compositions."""
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """Something that happens to all its parties at once.
+
+    ``channel`` is the hierarchical name as in traces; ``value`` the value as text where values are tracked. ``visible`` events are those that a specification sees:
+    they pass an external port.
+    """
+
+    channel: str
+    parties: tuple[int, ...]
+    kind: EventKind = "communication"
+    value: str | None = None
+    visible: bool = False
+
+    def __str__(self) -> str:
+        return self.channel if self.value is None else f"{self.channel}.{self.value}"
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """What a process is doing in a state, for people: ``waits to write fork[1]``, and where the text says so."""
+
+    words: str
+    span: Span | None = None
+
+
+@dataclass(frozen=True)
+class Component:
+    """One state machine: a sequential process, a branch of a parallel composition, a channel with memory, or a tracked variable.
+
+    ``edges[state]`` are the edges out of a state; ``terminal`` the states in which it has ended. ``places`` describes states to people, and may lack some.
+    ``process`` says whether it is a process that can be stuck: a channel or a variable is not. ``path`` is the instance's path from the outermost process.
+    """
+
+    name: str
+    edges: tuple[tuple[Edge, ...], ...]
+    terminal: frozenset[int] = frozenset()
+    initial: int = 0
+    places: Mapping[int, Place] = field(default_factory=dict)
+    process: bool = True
+    path: str = ""
+
+
+@dataclass(frozen=True)
+class Abstraction:
+    """Something that the transition system leaves open although the program decides it; a refutation that depends on it must be replayed."""
+
+    what: str
+    span: Span | None = None
+
+
+@dataclass(frozen=True)
+class System:
+    """Components and the events that join them. Every component that has an edge with an event is one of its parties, and conversely."""
+
+    components: tuple[Component, ...]
+    events: tuple[Event, ...]
+    abstractions: tuple[Abstraction, ...] = ()
+
+    @cached_property
+    def initial(self) -> tuple[int, ...]:
+        """The initial state of every component."""
+        return tuple(component.initial for component in self.components)
