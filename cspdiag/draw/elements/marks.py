@@ -1,0 +1,63 @@
+"""Marks on elements: an error or a warning, or what changed between two versions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Literal, TypeAlias
+
+from cspdiag.diagnostics import Diagnostic, Span
+from cspdiag.diagnostics.record import record
+
+MarkKind: TypeAlias = Literal["error", "warning", "added", "removed", "changed", "highlighted"]
+
+
+@record
+class Mark:
+    """How an element is set off; ``numbers`` are those of the messages below the picture, ``note`` is for the tooltip."""
+
+    kind: MarkKind
+    numbers: tuple[int, ...] = ()
+    note: str = ""
+
+
+Marks: TypeAlias = Mapping[str, Mark]
+"""By the key of the element."""
+
+
+def numbered(diagnostics: Iterable[Diagnostic]) -> dict[int, Diagnostic]:
+    """Diagnostics by the number that they are shown under, from 1."""
+    return dict(enumerate(diagnostics, 1))
+
+
+def marks_of(places: Mapping[str, Sequence[Span]], diagnostics: Mapping[int, Diagnostic]) -> dict[str, Mark]:
+    """The marks of elements, given the places in the text that each stands for.
+
+    A diagnostic belongs to the element with the smallest range that contains the place of the diagnostic (the first of equals). One whose place is in no
+    element marks nothing.
+    """
+    found: dict[str, list[int]] = {}
+    for number, diagnostic in diagnostics.items():
+        key = _owner(places, diagnostic.span)
+        if key is not None:
+            found.setdefault(key, []).append(number)
+    return {key: _mark([diagnostics[number] for number in numbers], numbers) for key, numbers in found.items()}
+
+
+def _owner(places: Mapping[str, Sequence[Span]], span: Span) -> str | None:
+    best: tuple[int, str] | None = None
+    for key, ranges in places.items():
+        for place in ranges:
+            if place.source is span.source and place.start <= span.start and span.end <= place.end:
+                size = place.end - place.start
+                if best is None or size < best[0]:
+                    best = size, key
+    return None if best is None else best[1]
+
+
+def _mark(diagnostics: list[Diagnostic], numbers: list[int]) -> Mark:
+    is_error = any(diagnostic.severity == "error" for diagnostic in diagnostics)
+    return Mark(
+        kind="error" if is_error else "warning",
+        numbers=tuple(numbers),
+        note="\n".join(f"{diagnostic.code}: {diagnostic.message}" for diagnostic in diagnostics),
+    )
