@@ -259,12 +259,20 @@ class ProcessInstance:
                 assert_never(action)
 
     def _read(self, source: act.End, target: act.Target) -> Steps:
+        medium = self.medium(source)
+        if isinstance(medium, media.AtOnce) and not medium.communicates:
+            self.assign(target, medium.value)
+            return
         request = Communicate()
         request.offers.append(self._reader(request, source))
         (value,) = yield request
         self.assign(target, value)
 
     def _write(self, sink: act.End, value: Expression) -> Steps:
+        medium = self.medium(sink)
+        if isinstance(medium, media.AtOnce) and not medium.communicates:
+            medium.write(self.value(value))
+            return
         request = Communicate()
         request.offers.append(self._writer(request, sink, self.value(value)))
         yield request

@@ -251,7 +251,9 @@ class Broadcast(Medium):
 
 
 class AtOnce(Medium):
-    """What never waits: readers get what ``value`` says."""
+    """What never waits: readers get what ``value`` says. A read or a write by itself is no communication, and no process is cancelled there."""
+
+    communicates = False
 
     def __init__(self, world: Scheduler, name: str, value: Any = None) -> None:
         super().__init__(world, name)
@@ -298,6 +300,8 @@ class Variable(AtOnce):
 class EventOutput(AtOnce):
     """An output that hands each value to the environment at the write: an event port, or an ``immediate`` one."""
 
+    communicates = True
+
     def write(self, value: Any) -> None:
         _refuse_what_is_no_number(value)
         self.world.hand_over(self.name, value)
@@ -305,6 +309,8 @@ class EventOutput(AtOnce):
 
 class SampledOutput(AtOnce):
     """A latch of one place that is handed over at the next tick."""
+
+    communicates = True
 
     def __init__(self, world: Scheduler, name: str, period: int) -> None:
         super().__init__(world, name)
