@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from cspdiag.diagnostics import Report
+from cspdiag.model.assertions import resolve_assertion
 from cspdiag.model.coercion import Purpose
 from cspdiag.model.communications import resolve_declarations
 from cspdiag.model.compositions import resolve_composition
@@ -48,7 +49,7 @@ def resolve(trees: Sequence[ast.SourceTree], overrides: Mapping[str, Value], rep
                 pass
     refuse_recursion(context)
     for assertion in program.assertions:
-        _resolve_assertion(context, assertion)
+        resolve_assertion(context, assertion)
     return program
 
 
@@ -84,11 +85,3 @@ def _resolve_environment(context: Context, definition: ast.EnvironmentDefinition
     kinds = (ast.SubmodelDefinition, ast.DriverDefinition)
     where = definition_text(definition)
     resolve_declarations(typer, definition.declarations, where, kinds, "a submodel or a driver")
-
-
-def _resolve_assertion(context: Context, assertion: ast.Assertion) -> None:
-    surroundings = Surroundings(place="constant", owner=assertion, scope=Scope(), replicators={}, constant=True)
-    typer = Typer(context, surroundings)
-    for name in (assertion.process, assertion.specification):
-        if name is not None:
-            bind_definition(typer, name, (ast.ProcessDefinition,), "a process")

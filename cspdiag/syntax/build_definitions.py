@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple, cast
+from typing import Any, NamedTuple, TypeAlias, cast
 
 from cspdiag.diagnostics.span import Span
 from cspdiag.syntax import ast
@@ -27,6 +27,9 @@ _CLAUSES = {
     "method": "`method`",
     "on_miss": "`on miss`",
 }
+
+
+Names: TypeAlias = tuple[ast.Identifier, ...]
 
 
 class DefinitionBuilder(CommunicationBuilder, CompositionBuilder):
@@ -205,7 +208,7 @@ class DefinitionBuilder(CommunicationBuilder, CompositionBuilder):
     def assertion(self, span: Span, process: ast.Identifier, claim: tuple[Any, ...]) -> ast.Assertion:
         """``assert P deadlock free``."""
         claimed, *rest = claim
-        specification, model = cast("Any", rest or (None, "traces"))
+        specification, model, hidden = cast("Any", rest or (None, "traces", ()))
         return ast.Assertion(
             span=span,
             doc=self.doc(span.start),
@@ -213,6 +216,7 @@ class DefinitionBuilder(CommunicationBuilder, CompositionBuilder):
             property=claimed,
             specification=specification,
             model=model,
+            hidden=hidden,
         )
 
     def deadlock_free(self, span: Span) -> tuple[str]:
@@ -231,13 +235,17 @@ class DefinitionBuilder(CommunicationBuilder, CompositionBuilder):
         """``schedulable``."""
         return ("schedulable",)
 
-    def refines_traces(self, span: Span, specification: ast.Identifier) -> tuple[str, ast.Identifier, str]:
+    def refines_traces(self, span: Span, specification: ast.Identifier, hidden: Names) -> tuple[object, ...]:
         """``refines Q``."""
-        return "refines", specification, "traces"
+        return "refines", specification, "traces", hidden
 
-    def refines_failures(self, span: Span, specification: ast.Identifier) -> tuple[str, ast.Identifier, str]:
+    def refines_failures(self, span: Span, specification: ast.Identifier, hidden: Names) -> tuple[object, ...]:
         """``refines Q in failures``."""
-        return "refines", specification, "failures"
+        return "refines", specification, "failures", hidden
+
+    def hidden(self, span: Span, *ports: ast.Identifier) -> Names:
+        """``hide a, b``, or nothing."""
+        return ports
 
     def equations(self, span: Span, *items: ast.SubmodelItem) -> tuple[ast.SubmodelItem, ...]:
         """What is in a submodel after its ports."""

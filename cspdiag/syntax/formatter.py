@@ -120,6 +120,9 @@ class _Formatter(CommunicationFormatter, CompositionFormatter):
         if self.writer.next == "in" and node.model == "failures":
             self.token(" ")
             self.token(" ")
+        for position in range(len(node.hidden)):
+            self.token(" " if position == 0 else "")
+            self.token(" ")
 
     def _head(self, parameters: Sequence[ast.Parameter]) -> None:
         """Up to the opening brace."""

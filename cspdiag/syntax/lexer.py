@@ -14,7 +14,7 @@ from cspdiag.syntax.tables import END, Tables
 WORDS_OF_THEIR_PLACE = frozenset(
     [
         *("step", "method", "wcet", "on", "miss", "stop"),
-        *("free", "deadlock", "livelock", "terminates", "schedulable", "refines", "failures"),
+        *("free", "deadlock", "livelock", "terminates", "schedulable", "refines", "failures", "hide"),
     ]
 )
 """Keywords where the grammar asks for them, names everywhere else."""

@@ -232,6 +232,8 @@ class Generator:
                 claim = r.choice(
                     [["deadlock", "free"], ["terminates"], ["refines", "Q"], ["refines", "Q", "in", "failures"]]
                 )
+                if claim[0] == "refines":
+                    claim += self.maybe("hide", *self.separated(",", lambda: [self.name()]))
                 return ["assert", self.name(), *claim]
             case 7:
                 clauses = self.maybe("wcet", "5 us") + self.maybe("step", "1 ms") + self.maybe("method", "=", "tustin")

@@ -184,13 +184,14 @@ class EnvironmentDefinition(Node):
 
 @node
 class Assertion(Node):
-    """``assert P deadlock free`` and its kin; ``specification`` and ``model`` belong to ``refines``."""
+    """``assert P deadlock free`` and its kin; ``specification``, ``model`` and ``hidden`` (ports of the process) belong to ``refines``."""
 
     doc: str | None
     process: Identifier
     property: Literal["deadlock free", "livelock free", "terminates", "schedulable", "refines"]
     specification: Identifier | None = None
     model: Literal["traces", "failures"] = "traces"
+    hidden: tuple[Identifier, ...] = ()
 
 
 Definition: TypeAlias = (
