@@ -24,10 +24,14 @@ Reader = Callable[[str], SourceFile]
 
 @node
 class Checked:
-    """A program after all checks; ``program`` is None where nothing of it could be understood."""
+    """A program after all checks; ``program`` is None where it could not be understood as a whole.
+
+    ``readable`` has the definitions that could be read, if any: enough for a picture, not always for code.
+    """
 
     program: Program | None
     report: Report
+    readable: Program | None = None
 
 
 @node
@@ -59,8 +63,9 @@ def check(main: SourceFile, read: Reader, overrides: Mapping[str, Value] | None 
     if broken:
         # Definitions are missing, so the network cannot be judged, but those that were read whole can.
         trees = [sound_part(tree, broken) for tree in trees]
-        check_model(resolve(trees, overrides or {}, report), report)
-        return Checked(program=None, report=report)
+        readable = resolve(trees, overrides or {}, report)
+        check_model(readable, report)
+        return Checked(program=None, report=report, readable=readable)
     program = resolve(trees, overrides or {}, report)
     check_model(program, report)
     check_network(program, report)
@@ -68,7 +73,7 @@ def check(main: SourceFile, read: Reader, overrides: Mapping[str, Value] | None 
         from cspdiag.analyses import analyse
 
         analyse(program, report)
-    return Checked(program=program, report=report)
+    return Checked(program=program, report=report, readable=program)
 
 
 @room_to_recurse()

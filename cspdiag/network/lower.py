@@ -28,7 +28,17 @@ class SelectionError(ValueError):
 
 
 def check(program: Program, report: Report) -> None:
-    """Report everything that is wrong with the processes, submodels and environments of a program.
+    """Report everything that is wrong with the processes, submodels and environments of a program."""
+    analysis = analysed(program, report)
+    check_release(program, report)
+    submodels.check(program, report, analysis.law_samples())
+    external_bodies.check(program, report)
+    for environment in _environments(program):
+        environments.check(program, environment, report)
+
+
+def analysed(program: Program, report: Report) -> Analysis:
+    """What is known about the processes of a program, and a report of what is wrong with them.
 
     Every environment's process is looked at with its arguments, every process that nobody instantiates by itself.
     """
@@ -46,11 +56,7 @@ def check(program: Program, report: Report) -> None:
             values = _arguments(analysis, definition, (), {})
             analysis.add_root(definition, (), _by_name(values), {}, is_open=definition not in main)
     analysis.run()
-    check_release(program, report)
-    submodels.check(program, report, analysis.law_samples())
-    external_bodies.check(program, report)
-    for environment in _environments(program):
-        environments.check(program, environment, report)
+    return analysis
 
 
 def lower(

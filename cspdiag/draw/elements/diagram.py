@@ -69,10 +69,15 @@ class Box(Element):
 
 @record(kw_only=True)
 class ParentPort(Element):
-    """A port of the process that the diagram belongs to, drawn as a name at the end of arrows: ``feedback: double<rad> @T``."""
+    """A port of the process that the diagram belongs to, drawn as a name at the end of arrows: ``feedback: double<rad> @T``.
+
+    ``size`` is that of an array, in brackets.
+    """
 
     direction: Direction
     type: str
+    size: str | None = None
+    kinds: tuple[FlowKind, ...] = ()
     period: str | None = None
     periods: tuple[int, ...] = ()
     immediate: bool = False
@@ -87,6 +92,7 @@ class Store(Element):
     form: Literal["variable", "label", "channel"]
     type: str
     initial: str | None = None
+    asked: str | None = None
     kinds: tuple[FlowKind, ...] = ()
     capacity: str | None = None
 

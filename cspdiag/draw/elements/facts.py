@@ -1,0 +1,91 @@
+"""What the compiler has found out about the channels, ports and instances that a diagram shows."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, cast, get_args
+
+from cspdiag.diagnostics import Report
+from cspdiag.diagnostics.record import record
+from cspdiag.draw.elements.diagram import FlowKind
+from cspdiag.network.shapes import UNKNOWN_PERIOD
+from cspdiag.syntax import ast
+
+if TYPE_CHECKING:
+    from cspdiag.model.program import Program
+    from cspdiag.network.contexts import Fact, Placed
+
+_FLOW_KINDS: tuple[str, ...] = get_args(FlowKind)
+
+
+@record
+class Flow:
+    """The kinds and periods, in nanoseconds, that a channel or port has in the contexts of its process.
+
+    Empty where nothing is known; ``kinds`` are in the order in which contexts were met.
+    """
+
+    kinds: tuple[FlowKind, ...] = ()
+    periods: tuple[int, ...] = ()
+
+
+NOTHING = Flow()
+
+
+class Facts:
+    """The facts of a program by what they are about; a program with errors has those that could still be found out."""
+
+    def __init__(self, program: Program) -> None:
+        from cspdiag.network.lower import analysed
+
+        self._ports: dict[tuple[ast.Node, str], list[Fact]] = {}
+        self._channels: dict[tuple[ast.Node, ast.Node], list[Fact]] = {}
+        self._samples: dict[tuple[ast.Node, ast.Node], list[int]] = {}
+        self._stated: dict[tuple[ast.Node, str], list[int | None]] = {}
+        """By definition, or by the declaration of an instance."""
+        for placed in analysed(program, Report()).contexts.placed:
+            self._collect(placed)
+
+    def _collect(self, placed: Placed) -> None:
+        definition = placed.shape.definition
+        for port, _, key in placed.shape.port_elements():
+            self._stated.setdefault((definition, port.name), []).append(port.period)
+            if key in placed.facts:
+                self._ports.setdefault((definition, port.name), []).append(placed.facts[key])
+        for key, channel in placed.shape.channels.items():
+            if key in placed.facts:
+                self._channels.setdefault((definition, channel.declaration), []).append(placed.facts[key])
+        for instance in placed.shape.instances.values():
+            for port in instance.shape.ports.values():
+                self._stated.setdefault((instance.declaration, port.name), []).append(port.period)
+            if instance.name in placed.samples:
+                self._samples.setdefault((definition, instance.declaration), []).append(placed.samples[instance.name])
+
+    def port(self, definition: ast.Node, name: str) -> Flow:
+        """What the port of a process meets; an array of ports as its elements do."""
+        return _flow(self._ports.get((definition, name), ()))
+
+    def channel(self, definition: ast.Node, declaration: ast.Node) -> Flow:
+        """What a variable, a channel or the object of a relationship is, within a process."""
+        return _flow(self._channels.get((definition, declaration), ()))
+
+    def samples(self, definition: ast.Node, declaration: ast.Instance) -> tuple[int, ...]:
+        """The sample periods at which a submodel instance of a process runs."""
+        return _distinct(self._samples.get((definition, declaration), ()))
+
+    def stated_periods(self, of: ast.Node, name: str) -> tuple[int, ...]:
+        """The periods that a port states: ``of`` a definition, or of the declaration of an instance of it."""
+        return _periods(self._stated.get((of, name), ()))
+
+
+def _flow(pairs: Sequence[Fact]) -> Flow:
+    kinds = dict.fromkeys(kind for kind, _ in pairs if kind in _FLOW_KINDS)
+    return Flow(tuple(cast("FlowKind", kind) for kind in kinds), _periods(period for _, period in pairs))
+
+
+def _periods(periods: Iterable[int | None]) -> tuple[int, ...]:
+    return _distinct(period for period in periods if period is not None and period != UNKNOWN_PERIOD)
+
+
+def _distinct(values: Iterable[int]) -> tuple[int, ...]:
+    return tuple(dict.fromkeys(values))

@@ -1,0 +1,47 @@
+"""Pieces of the text as they are written on a diagram: on one line, without comments."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+
+from cspdiag.syntax import ast
+
+_COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.DOTALL)
+
+
+def written(node: ast.Node) -> str:
+    """What the node is in the text."""
+    return " ".join(_COMMENT.sub(" ", node.span.text).split())
+
+
+def optional(node: ast.Node | None) -> str | None:
+    """The same, or None for nothing."""
+    return None if node is None else written(node)
+
+
+def indexes(expressions: Iterable[ast.Expression]) -> str:
+    """``[i + 1][0]``, or nothing."""
+    return "".join(f"[{written(expression)}]" for expression in expressions)
+
+
+def replicator(item: ast.Replicator) -> str:
+    """``i < n``."""
+    return f"{item.name.text} < {written(item.count)}"
+
+
+def parameters(items: Iterable[ast.Parameter]) -> tuple[str, ...]:
+    """``speed: double<rad/s> = 1<rad/s>``, one each."""
+    return tuple(written(item) for item in items)
+
+
+def arguments(items: Iterable[ast.Argument]) -> tuple[str, ...]:
+    """``speed = 1<rad/s>``, one each."""
+    return tuple(
+        written(item.value) if item.name is None else f"{item.name.text} = {written(item.value)}" for item in items
+    )
+
+
+def kind(item: ast.Kind | None) -> tuple[str | None, str | None]:
+    """The kind that was asked for and its capacity."""
+    return (None, None) if item is None else (item.name, optional(item.capacity))
