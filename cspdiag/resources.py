@@ -41,6 +41,12 @@ def template_folder(target: str) -> Path:
     return _path("templates", target)
 
 
+def third_party(*parts: str) -> str | None:
+    """The path of a file that others have written, such as ``third_party("elkjs", "elk-worker.min.js")``; None where it was not fetched."""
+    path = _place("third-party", *parts)
+    return path if os.path.isfile(path) else None
+
+
 def benchmark_folder() -> Path:
     """The folder of the benchmarks, itself a program."""
     return _path("benchmarks")

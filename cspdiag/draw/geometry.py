@@ -55,9 +55,7 @@ class Rectangle:
 
     def contains(self, other: Rectangle) -> bool:
         """Whether ``other`` lies within, borders included."""
-        return (
-            self.x <= other.x and self.y <= other.y and other.right <= self.right and other.bottom <= self.bottom
-        )
+        return self.x <= other.x and self.y <= other.y and other.right <= self.right and other.bottom <= self.bottom
 
 
 def around(rectangles: list[Rectangle]) -> Rectangle:

@@ -1,0 +1,144 @@
+"""Runs the layout engine, ELK's layered algorithm as JavaScript, in QuickJS or else in node.
+
+The engine is elkjs, ELK (Eclipse Layout Kernel) compiled to JavaScript; see Schulze, Spönemann, von Hanxleden, "Drawing layered graphs with port
+constraints", JVLC 25 (2014). It is deterministic: the same graph gets the same layout.
+"""
+
+from __future__ import annotations
+
+import json
+import threading
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from functools import cache
+from importlib.util import find_spec
+from typing import Any
+
+from cspdiag import resources
+from cspdiag.draw.layout.graph import LayoutError
+from cspdiag.draw.missing import missing
+
+_STACK = 256 * 1024 * 1024
+"""Bytes of stack for the engine; recursion in large graphs is deep. Only what is used takes memory."""
+
+_ENVIRONMENT = """
+var window = globalThis, self = globalThis, global = globalThis;
+var setTimeout = function (job) { Promise.resolve().then(job); return 1; }, setInterval = setTimeout;
+var clearTimeout = function () {}, clearInterval = clearTimeout;
+var console = { log: function () {}, warn: function () {}, error: function () {} };
+var module = { exports: {} }, exports = module.exports;
+"""
+"""What elkjs expects around it: a worker that is asked by messages."""
+
+_WORKER = """
+var answer = null, worker = new module.exports.Worker();
+worker.onmessage = function (message) { answer = message.data; };
+worker.postMessage({ id: 0, cmd: "register", algorithms: ["layered"] });
+"""
+
+_NODE = """
+const { Worker } = require(process.argv[1]);
+const worker = new Worker();
+let asked = false;
+worker.onmessage = (message) => {
+  if (!asked) {
+    asked = true;
+    worker.postMessage({ id: 1, cmd: "layout", graph: JSON.parse(require("fs").readFileSync(0, "utf8")), layoutOptions: {}, options: {} });
+  } else process.stdout.write(JSON.stringify(message.data));
+};
+worker.postMessage({ id: 0, cmd: "register", algorithms: ["layered"] });
+"""
+
+
+def run(graph: dict[str, Any]) -> dict[str, Any]:
+    """The graph in ELK's JSON format with places. Raises LayoutError, and MissingToolError where nothing can run the engine."""
+    answer: dict[str, Any] = json.loads(_runner()(json.dumps(graph)))
+    if "error" in answer:
+        raise LayoutError(f"the layout failed: {_reason(answer['error'])}")
+    placed: dict[str, Any] = answer["data"]
+    return placed
+
+
+def available() -> bool:
+    """Whether there is an engine, and something to run it."""
+    return resources.third_party("elkjs", "elk-worker.min.js") is not None and (
+        find_spec("quickjs") is not None or _node() is not None
+    )
+
+
+def _reason(error: object) -> str:
+    message = error.get("message") if isinstance(error, dict) else None
+    return str(message or error).splitlines()[0]
+
+
+@cache
+def _runner() -> Callable[[str], str]:
+    script = resources.third_party("elkjs", "elk-worker.min.js")
+    if script is None:
+        raise missing("the layout engine elkjs")
+    if find_spec("quickjs") is not None:
+        return _in_quickjs(script)
+    node = _node()
+    if node is None:
+        raise missing("quickjs-ng")
+    return lambda graph: _in_node(node, script, graph)
+
+
+def _in_quickjs(script: str) -> Callable[[str], str]:
+    """A function that lays out in a thread of its own: a context belongs to the thread that made it, and needs more stack than others."""
+    before = threading.stack_size(_STACK)
+    try:
+        executor = ThreadPoolExecutor(1, thread_name_prefix="layout")
+        context = executor.submit(_context, script).result()
+    finally:
+        threading.stack_size(before)
+    return lambda graph: executor.submit(_ask, context, graph).result()
+
+
+def _context(script: str) -> Any:
+    import quickjs
+
+    context = quickjs.Context()
+    context.set_max_stack_size(_STACK // 2)
+    context.eval(_ENVIRONMENT)
+    with open(script, encoding="utf-8") as file:
+        context.eval(file.read())
+    context.eval(_WORKER)
+    _finish_jobs(context)
+    return context
+
+
+def _ask(context: Any, graph: str) -> str:
+    import quickjs
+
+    context.set("question", graph)
+    try:
+        context.eval(
+            'answer = null; worker.postMessage({ id: 1, cmd: "layout", graph: JSON.parse(question), layoutOptions: {}, options: {} })'
+        )
+        _finish_jobs(context)
+        text = context.eval("JSON.stringify(answer)")
+    except quickjs.JSException as problem:
+        raise LayoutError(f"the layout failed: {problem}") from None
+    return str(text)
+
+
+def _finish_jobs(context: Any) -> None:
+    while context.execute_pending_job():
+        pass
+
+
+def _node() -> str | None:
+    from shutil import which
+
+    return which("node")
+
+
+def _in_node(node: str, script: str, graph: str) -> str:
+    from subprocess import run as run_process
+
+    done = run_process([node, "-e", _NODE, script], input=graph, capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        lines = [line for line in done.stderr.splitlines() if "Error" in line] or ["node ended unexpectedly"]
+        raise LayoutError(f"the layout failed: {lines[0]}")
+    return done.stdout

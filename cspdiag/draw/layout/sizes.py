@@ -1,0 +1,76 @@
+"""How large a box has to be for its title and its ports, and where their labels go in it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from cspdiag.draw.geometry import Point, Rectangle
+from cspdiag.draw.layout.graph import Node, Padding, Port, Side
+
+BORDER_GAP = 8.0
+"""Between the border of a box and what stands in it."""
+COLUMN_GAP = 18.0
+"""Between the labels of ports on opposite sides."""
+PORT_SPACING = 22.0
+"""Between ports on one side."""
+TITLE_GAP = 7.0
+"""Above and below a title."""
+
+
+def title_height(node: Node) -> float:
+    """The height of the row that the title has, 0 without one."""
+    return node.title.height + 2 * TITLE_GAP if node.title else 0
+
+
+def _widest(ports: Iterable[Port], side: Side) -> float:
+    return max((port.label.width for port in ports if port.side is side and port.label), default=0)
+
+
+def least_size(node: Node) -> tuple[float, float]:
+    """The width and height below which a box without children does not show its title and the labels of its ports.
+
+    The room that the ports themselves need along their sides is not counted.
+    """
+    west, east = _widest(node.ports, Side.WEST), _widest(node.ports, Side.EAST)
+    free = max((port.label.width for port in node.ports if port.side is None and port.label), default=0)
+    west, east = max(west, free), max(east, free)
+    labels = west + east + 2 * BORDER_GAP + (COLUMN_GAP if west and east else 0) if west or east else 0
+    title = node.title.width + 2 * BORDER_GAP if node.title else 0
+    return max(node.width, labels, title), max(node.height, title_height(node))
+
+
+def children_padding(node: Node) -> Padding:
+    """The room around the children of a node, its title included."""
+    padding = node.padding
+    return Padding(padding.top + title_height(node), padding.right, padding.bottom, padding.left)
+
+
+def port_spacing(node: Node) -> float:
+    """How far apart the ports of a side are at least: side by side their labels have to fit."""
+    across = [port.label.width for port in node.ports if port.label and port.side in {Side.NORTH, Side.SOUTH}]
+    return max([PORT_SPACING, *(width + BORDER_GAP for width in across)])
+
+
+def title_place(node: Node, place: Rectangle) -> Rectangle | None:
+    """Where the title of a placed node stands: at the top, in the middle."""
+    if node.title is None:
+        return None
+    title = node.title
+    return Rectangle(place.centre.x - title.width / 2, place.y + TITLE_GAP, title.width, title.height)
+
+
+def port_label_place(node: Node, port: Port, at: Point, side: Side) -> Rectangle | None:
+    """Where the label of a placed port stands: inside, beside the port; above the line that enters where the node has parts."""
+    if port.label is None:
+        return None
+    width, height = port.label.width, port.label.height
+    y = at.y - height - 2 if node.children else at.y - height / 2
+    match side:
+        case Side.WEST:
+            return Rectangle(at.x + BORDER_GAP, y, width, height)
+        case Side.EAST:
+            return Rectangle(at.x - BORDER_GAP - width, y, width, height)
+        case Side.NORTH:
+            return Rectangle(at.x - width / 2, at.y + BORDER_GAP, width, height)
+        case Side.SOUTH:
+            return Rectangle(at.x - width / 2, at.y - BORDER_GAP - height, width, height)
