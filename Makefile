@@ -1,4 +1,4 @@
-# Works with python3 (3.11 or newer), gcc and make; everything else is installed into .venv.
+# Works with python3 (3.11 or newer), gcc and make; everything else is installed into .venv. Drawing from a checkout takes npm once, too.
 
 PYTHON ?= python3
 VENV   := .venv
@@ -55,11 +55,13 @@ $(VENV)/bin/python:
 	$(PYTHON) -m venv $(VENV)
 
 $(VENV)/.stamp-run: pyproject.toml | $(VENV)/bin/python
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[plot]'
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[plot,draw]'
+	-@$(BIN)/python distribution/third_party.py
 	@touch $@
 
 $(VENV)/.stamp-dev: pyproject.toml | $(VENV)/bin/python
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[plot,dev]'
+	-@$(BIN)/python distribution/third_party.py
 	@touch $(VENV)/.stamp-run $@
 
 $(VENV)/.stamp-bench: pyproject.toml | $(VENV)/bin/python
