@@ -1,0 +1,164 @@
+"""Draws composition diagrams: processes joined by lines that carry their operators, after Hilderink's CSP diagrams.
+
+The notation is explained in docs/notation.md.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import assert_never
+
+from cspdiag.draw import composition_relations as relations
+from cspdiag.draw.composition_blocks import PADDING, SIZE, Block, FrameStyle, framed, look, width_of
+from cspdiag.draw.composition_shapes import (
+    activity_block,
+    condition_block,
+    exception_block,
+    guard_block,
+    operator_sign,
+)
+from cspdiag.draw.elements.composition import (
+    Activity,
+    Chain,
+    Choice,
+    Composition,
+    CompositionDiagram,
+    Guarded,
+    Handler,
+    Loop,
+    NamedGroup,
+    Replication,
+    Watched,
+    sentence,
+)
+from cspdiag.draw.elements.marks import Mark, Marks
+from cspdiag.draw.geometry import Point
+from cspdiag.draw.scene import Face, Head, Ink, Item, Line, Run, Scene, Text
+from cspdiag.draw.scene_geometry import fitted
+from cspdiag.syntax.nesting import room_to_recurse
+
+WIDEST = 1000.0
+"""A sequence goes on in a new row beyond this, in pixels."""
+_NARROWEST = 360.0
+_NO_MARKS: Mapping[str, Mark] = {}
+
+
+@room_to_recurse()
+def draw_composition(diagram: CompositionDiagram, *, marks: Marks = _NO_MARKS) -> Scene:
+    """The drawing of a composition diagram; a process without a composition gives an empty one.
+
+    ``marks`` are by the key of the element (``1.2``).
+    """
+    title = f"Composition diagram of {diagram.key}"
+    if diagram.root is None:
+        return fitted((), title=title, name=f"{diagram.key}-composition")
+    drawer = _Drawer(marks)
+    root = diagram.root
+    block = drawer.operand(root, WIDEST) if root.key in marks else drawer.bare(root, WIDEST)
+    return fitted(block.items, title=title, description=diagram.doc or "", name=f"{diagram.key}-composition")
+
+
+class _Drawer:
+    def __init__(self, marks: Marks) -> None:
+        self._marks = marks
+
+    def operand(self, element: Composition, limit: float) -> Block:
+        """An element that a relation joins: one shape, or a group."""
+        if isinstance(element, Activity | NamedGroup | Replication):
+            return self.bare(element, limit)
+        style = FrameStyle(
+            f"group {type(element).__name__.lower()}",
+            element.key,
+            title=sentence(element),
+            mark=self._marks.get(element.key),
+        )
+        return framed(self.bare(element, limit - 2 * PADDING), style)
+
+    def bare(self, element: Composition, limit: float) -> Block:
+        """An element without a frame of its own."""
+        limit = max(limit, _NARROWEST)
+        match element:
+            case Activity():
+                return activity_block(element, self._marks.get(element.key))
+            case Chain():
+                return self._chain(element, limit)
+            case Guarded():
+                return self._guarded(element, limit)
+            case Loop():
+                return relations.loop(self.operand(element.process, limit - 90), element.form, element.condition)
+            case Choice():
+                return self._choice(element, limit)
+            case Watched():
+                return self._watched(element, limit)
+            case Replication():
+                return self._replication(element, limit)
+            case NamedGroup():
+                name = (Text(Point(0, 0), (Run(element.label, Face.BOLD),), SIZE),)
+                width = width_of([element.label], Face.BOLD)
+                return self._frame("group named", element, limit, name, width)
+            case _:
+                assert_never(element)
+
+    def _chain(self, chain: Chain, limit: float) -> Block:
+        if chain.operator == "sequence":
+            return relations.sequence([self.operand(part, limit) for part in chain.parts], limit)
+        branches = [part for part in chain.parts if isinstance(part, Guarded)]
+        guards = [guard_block(branch.guard, self._marks.get(branch.guard.key)) for branch in branches]
+        widest = max((guard.width for guard in guards), default=0)
+        by_key = {branch.key: guard.at_least(widest) for branch, guard in zip(branches, guards, strict=True)}
+        blocks = [
+            self._guarded(part, limit, by_key[part.key]) if isinstance(part, Guarded) else self.operand(part, limit)
+            for part in chain.parts
+        ]
+        if chain.operator == "parallel":
+            blocks = list(relations.equally_wide(blocks))
+        return relations.vertical(blocks, chain.operator, chain.prioritized)
+
+    def _guarded(self, element: Guarded, limit: float, guard: Block | None = None) -> Block:
+        guard = guard or guard_block(element.guard, self._marks.get(element.guard.key))
+        return relations.guarded(guard, self.operand(element.process, limit - guard.width - 40))
+
+    def _choice(self, element: Choice, limit: float) -> Block:
+        conditions = [
+            condition_block(f"{'else if' if number else 'if'} {case.condition}", case.key, self._marks.get(case.key))
+            for number, case in enumerate(element.cases)
+        ]
+        rest = limit - max(condition.width for condition in conditions) - 40
+        processes = [self.operand(case.process, rest) for case in element.cases]
+        otherwise = None if element.otherwise is None else self.operand(element.otherwise, rest)
+        return relations.choice(conditions, processes, otherwise)
+
+    def _watched(self, element: Watched, limit: float) -> Block:
+        process = self.operand(element.process, limit)
+        return relations.watched(process, [self._watch(handler, limit) for handler in element.handlers])
+
+    def _watch(self, handler: Handler, limit: float) -> relations.Watch:
+        mark = self._marks.get(handler.key)
+        if handler.guard is None:
+            guard = exception_block(handler.exception or "", handler.key, mark)
+        else:
+            guard = guard_block(handler.guard, self._marks.get(handler.guard.key, mark))
+        process = self.operand(handler.process, limit - guard.width - 100)
+        return relations.Watch(guard, process, handler.guard is None, look(mark, Ink.LINE, None).stroke)
+
+    def _replication(self, element: Replication, limit: float) -> Block:
+        name: list[Item] = []
+        if element.operator == "sequence":
+            name.append(Line((Point(0, -5), Point(16, -5)), end=Head.OPEN_ARROW))
+        else:
+            name += operator_sign(element.operator, element.prioritized, Point(8, -5))[0]
+        name.append(Text(Point(24, 0), (Run(element.replicator),), SIZE))
+        return self._frame("group replicated", element, limit, tuple(name), 24 + width_of([element.replicator]), 3)
+
+    def _frame(
+        self,
+        kind: str,
+        element: NamedGroup | Replication,
+        limit: float,
+        name: tuple[Item, ...],
+        width: float,
+        copies: int = 1,
+    ) -> Block:
+        block = self.bare(element.process, limit - 2 * PADDING)
+        style = FrameStyle(kind, element.key, sentence(element), self._marks.get(element.key), name, width, copies)
+        return framed(block, style)

@@ -1,0 +1,312 @@
+"""Places blocks beside and below each other and draws the relations that join them.
+
+A sequence flows from left to right and goes on in a new row where it would be too long; parallel and alternative processes stand below each other.
+Where a line ends at a group it carries the circle of a parenthesis.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+from cspdiag.draw.composition_blocks import (
+    LINE,
+    PARENTHESIS,
+    Block,
+    above,
+    centred,
+    lines_of,
+    parenthesis,
+    placed,
+    width_of,
+)
+from cspdiag.draw.composition_shapes import operator_sign, warning_sign
+from cspdiag.draw.elements.composition import Operator
+from cspdiag.draw.geometry import Point, Rectangle
+from cspdiag.draw.scene import Ellipse, Group, Head, Ink, Item, Line
+from cspdiag.draw.scene_geometry import moved
+
+AHEAD = 34
+"""Between two processes of a sequence."""
+BELOW = 40
+"""Between two processes of a vertical relation."""
+_INDENT = 30
+"""Of the rows of a sequence after the first."""
+_ROWS = 34
+"""Between two rows of a sequence, and two columns of a vertical relation."""
+_TALLEST = 900
+"""A vertical relation goes on in a new column beyond this."""
+_TURN = 18
+"""How far the line of a loop keeps from its body."""
+_CORNER = 5
+_MU = 30
+
+
+@dataclass(frozen=True)
+class _Placed:
+    block: Block
+    x: float
+    y: float
+
+    @property
+    def entry(self) -> Point:
+        return self.block.entry.moved(self.x, self.y)
+
+    @property
+    def exit(self) -> Point:
+        return self.block.exit.moved(self.x, self.y)
+
+    @property
+    def right(self) -> float:
+        return self.x + self.block.width
+
+    @property
+    def bottom(self) -> float:
+        return self.y + self.block.height
+
+    def items(self) -> tuple[Item, ...]:
+        return placed(self.block, self.x, self.y)
+
+
+def _join(kind: str, points: Sequence[Point], first: Block, last: Block, head: Head = Head.NONE) -> Group:
+    """A line between the borders of two blocks, with the circles of those that are groups."""
+    shortened = [points[0], *points[1:-1], points[-1]]
+    circles: list[Item] = []
+    for block, end, beside in ((first, 0, 1), (last, -1, -2)):
+        if block.is_group:
+            dx, dy = _direction(points[end], points[beside])
+            circles.append(parenthesis(points[end], dx, dy))
+            shortened[end] = points[end].moved(dx * PARENTHESIS, dy * PARENTHESIS)
+    line = Line(tuple(shortened), end=head, corner=_CORNER)
+    return Group(kind, (line, *circles))
+
+
+def _direction(start: Point, end: Point) -> tuple[float, float]:
+    dx, dy = end.x - start.x, end.y - start.y
+    return ((dx > 0) - (dx < 0), 0) if abs(dx) > abs(dy) else (0, (dy > 0) - (dy < 0))
+
+
+def _whole(parts: Sequence[_Placed], relations: Sequence[Item], axis: float, width: float = 0) -> Block:
+    width = max([width, *(part.right for part in parts)])
+    height = max(part.bottom for part in parts)
+    items = (*(item for part in parts for item in part.items()), *relations)
+    return Block(width, height, Point(0, axis), Point(width, axis), min(width / 2, 80), items)
+
+
+def sequence(blocks: Sequence[Block], limit: float) -> Block:
+    """Blocks from left to right with an arrow from each to the next, in rows not wider than ``limit`` where that can be."""
+    parts: list[_Placed] = []
+    relations: list[Item] = []
+    top = 0.0
+    for number, row in enumerate(_rows(blocks, limit)):
+        x = float(_INDENT) if number else 0.0
+        axis = top + max(block.entry.y for block in row)
+        for position, block in enumerate(row):
+            part = _Placed(block, x, axis - block.entry.y)
+            if parts:
+                points = (parts[-1].exit, part.entry) if position else _return(parts, part, top)
+                relations.append(_join("relation sequence", points, parts[-1].block, block, Head.OPEN_ARROW))
+            parts.append(part)
+            x = part.right + AHEAD + block.gap
+            if position + 1 < len(row):
+                x += row[position + 1].gap
+        top = max(part.bottom for part in parts) + _ROWS
+    extra = max((part.right for part in parts), default=0) + (
+        _INDENT / 2 if top and len(_rows(blocks, limit)) > 1 else 0
+    )
+    return _whole(parts, relations, parts[0].entry.y, extra)
+
+
+def _rows(blocks: Sequence[Block], limit: float) -> list[list[Block]]:
+    rows: list[list[Block]] = []
+    used = 0.0
+    for block in blocks:
+        if rows and used + AHEAD + block.width <= limit:
+            rows[-1].append(block)
+            used += AHEAD + block.width + 2 * block.gap
+        else:
+            used = block.width + (_INDENT if rows else 0)
+            rows.append([block])
+    return rows
+
+
+def _return(parts: Sequence[_Placed], part: _Placed, top: float) -> tuple[Point, ...]:
+    """From the last block of a row to the first of the next."""
+    start, end = parts[-1].exit, part.entry
+    right = max(each.right for each in parts) + _INDENT / 2
+    between = top - _ROWS / 2
+    left = part.x - _INDENT + 5
+    return (
+        start,
+        Point(right, start.y),
+        Point(right, between),
+        Point(left, between),
+        Point(left, end.y),
+        end,
+    )
+
+
+def vertical(blocks: Sequence[Block], operator: Operator, prioritized: bool) -> Block:
+    """Blocks below each other, joined by a line that carries the sign of the operator; in columns where they are many."""
+    spine = min(block.spine for block in blocks)
+    parts: list[_Placed] = []
+    relations: list[Item] = []
+    x = y = 0.0
+    for block in blocks:
+        if parts and y > 0 and y + block.height > _TALLEST:
+            x = max(part.right for part in parts) + _ROWS + 20
+            y = 0.0
+        part = _Placed(block, x, y)
+        if parts:
+            relations.append(_vertical_relation(parts[-1], part, spine, operator, prioritized))
+        parts.append(part)
+        y = part.bottom + BELOW + 2 * PARENTHESIS * block.is_group
+    if x:
+        # The line to the next column goes round the upper edge.
+        parts = [replace(part, y=part.y + _TURN) for part in parts]
+        relations = [moved(relation, 0, _TURN) for relation in relations]
+    return _whole(parts, relations, max(part.bottom for part in parts) / 2)
+
+
+def _vertical_relation(upper: _Placed, lower: _Placed, spine: float, operator: Operator, prioritized: bool) -> Group:
+    start, end = Point(upper.x + spine, upper.bottom), Point(lower.x + spine, lower.y)
+    if upper.x == lower.x:
+        before: tuple[Point, ...] = (start,)
+        after: tuple[Point, ...] = (end,)
+        centre = Point(start.x, (start.y + end.y) / 2)
+    else:
+        turn = lower.x - _ROWS / 2 - 2
+        before = (start, Point(start.x, start.y + _TURN), Point(turn, start.y + _TURN))
+        after = (Point(turn, end.y - _TURN), Point(end.x, end.y - _TURN), end)
+        centre = Point(turn, end.y + 40)
+    sign, up, down = operator_sign(operator, prioritized, centre)
+    first, second = centre.moved(0, -up), centre.moved(0, down)
+    if upper.x != lower.x:
+        first, second = second, first
+    neutral = Block(0, 0, start, start, 0, ())
+    return Group(
+        f"relation {operator}{' prioritized' if prioritized else ''}",
+        (
+            *_join("line", (*before, first), upper.block, neutral).items,
+            *_join("line", (second, *after), neutral, lower.block).items,
+            *sign,
+        ),
+        title=f"{'prioritized ' if prioritized else ''}{operator}",
+    )
+
+
+def guarded(guard: Block, process: Block) -> Block:
+    """A guard and, after it, its process."""
+    axis = max(guard.entry.y, process.entry.y)
+    first = _Placed(guard, 0, axis - guard.entry.y)
+    second = _Placed(process, guard.width + AHEAD - 4 + process.gap, axis - process.entry.y)
+    relation = _join("relation guarded", (first.exit, second.entry), guard, process, Head.OPEN_ARROW)
+    return replace(_whole([first, second], [relation], axis), spine=guard.spine)
+
+
+def loop(body: Block, form: str, condition: str | None) -> Block:
+    """The sign of the μ-process, an arrow to its body, and a line back; the condition stands where it is tested."""
+    before = lines_of(f"while {condition}") if form == "while" else []
+    after = lines_of(f"until {condition}", 300) if form == "mu" and condition is not None else []
+    forward = max(AHEAD, width_of(before) + 24 if before else 0) + body.gap
+    back = len(after) * LINE + 6.0
+    axis = max(back + _TURN + body.entry.y, back + 12 + _MU / 2, len(before) * LINE + back + 14)
+    part = _Placed(body, _MU + forward, axis - body.entry.y)
+    centre = Point(_MU / 2, axis)
+    sign = [Ellipse(Rectangle(0, axis - _MU / 2, _MU, _MU), Ink.PAPER, Ink.LINE, 1.2), *centred(["μ"], centre, size=17)]
+    neutral = Block(0, 0, centre, centre, 0, ())
+    words_right = centre.x + 10 + (width_of(after) if after else 0)
+    right = max(part.right + _TURN + body.gap, words_right + 10 if after else 0)
+    there = _join("line", (Point(_MU, axis), part.entry), neutral, body, Head.OPEN_ARROW)
+    back_points = (
+        part.exit,
+        Point(right, part.exit.y),
+        Point(right, back),
+        Point(centre.x, back),
+        Point(centre.x, axis - _MU / 2),
+    )
+    again = _join("line", back_points, body, neutral, Head.OPEN_ARROW)
+    words = [
+        *above(after, Point(centre.x + 10, back)),
+        *above(before, Point(_MU + 8, axis)),
+    ]
+    relation = Group("relation loop", (*sign, there, again, *words), title="μ-process" if form == "mu" else "while")
+    return _whole([part], [relation], axis, right + 1)
+
+
+def choice(conditions: Sequence[Block], processes: Sequence[Block], otherwise: Block | None) -> Block:
+    """Conditions below each other, each with its process at the right; the last may be left out by ``otherwise``."""
+    width = max(condition.width for condition in conditions)
+    conditions = [condition.at_least(width) for condition in conditions]
+    parts: list[_Placed] = []
+    relations: list[Item] = []
+    tests: list[_Placed] = []
+    y = 0.0
+    x = width + AHEAD
+    for condition, process in zip(conditions, processes, strict=True):
+        axis = y + max(condition.entry.y, process.entry.y)
+        test = _Placed(condition, 0, axis - condition.entry.y)
+        part = _Placed(process, x + process.gap, axis - process.entry.y)
+        relations.append(_join("relation then", (test.exit, part.entry), condition, process, Head.OPEN_ARROW))
+        if tests:
+            points = (Point(width / 2, tests[-1].bottom), Point(width / 2, test.y))
+            relations.append(_join("relation else", points, condition, condition, Head.OPEN_ARROW))
+        tests.append(test)
+        parts += [test, part]
+        y = max(test.bottom, part.bottom) + 24
+    if otherwise is not None:
+        part = _Placed(otherwise, x + otherwise.gap, y)
+        points = (Point(width / 2, tests[-1].bottom), Point(width / 2, part.entry.y), part.entry)
+        words = above(["else"], Point(width / 2 + 8, part.entry.y))
+        relations.append(_join("relation else", points, conditions[-1], otherwise, Head.OPEN_ARROW))
+        relations += words
+        parts.append(part)
+    return _whole(parts, relations, parts[0].entry.y)
+
+
+@dataclass(frozen=True)
+class Watch:
+    """A handler that is placed: what it waits for, the process that then runs, and whether that is for an exception."""
+
+    guard: Block
+    process: Block
+    is_exception: bool
+    stroke: Ink = Ink.LINE
+
+
+def watched(process: Block, watches: Sequence[Watch]) -> Block:
+    """A process, and below it what ends it, the innermost first; a line from the process to each carries its sign."""
+    count = len(watches)
+    process = process.at_least(26 + 34 * (count - 1) + 26)
+    parts = [_Placed(process, 0, 0)]
+    relations: list[Item] = []
+    width = max(watch.guard.width for watch in watches)
+    x = 26 + 34 * (count - 1) + 30.0
+    y = process.height + 34 + process.gap
+    for number, watch in enumerate(watches):
+        guard = watch.guard.at_least(width)
+        axis = y + max(guard.entry.y, watch.process.entry.y)
+        first = _Placed(guard, x, axis - guard.entry.y)
+        second = _Placed(watch.process, x + width + AHEAD - 4 + watch.process.gap, axis - watch.process.entry.y)
+        column = 26.0 + 34 * (count - 1 - number)
+        start = Point(column, process.height)
+        down = _join("line", (start, Point(column, axis), first.entry), process, guard, Head.OPEN_ARROW)
+        sign = warning_sign(
+            Point(column, process.height + process.gap + 18), exclaims=watch.is_exception, stroke=watch.stroke
+        )
+        name = "catch" if watch.is_exception else "interrupt"
+        relations.append(Group(f"relation {name}", (*down.items, *sign), title=name))
+        relations.append(_join("relation guarded", (first.exit, second.entry), guard, watch.process, Head.OPEN_ARROW))
+        parts += [first, second]
+        y = max(first.bottom, second.bottom) + 16
+    return _whole(parts, relations, process.entry.y)
+
+
+def equally_wide(blocks: Sequence[Block]) -> Iterator[Block]:
+    """Groups as wide as the widest group, and other blocks as the widest of the others."""
+    widths = {
+        is_group: max((block.width for block in blocks if block.is_group is is_group), default=0)
+        for is_group in (False, True)
+    }
+    for block in blocks:
+        yield block.at_least(widths[block.is_group])
