@@ -182,6 +182,11 @@ def text_width(text: str, size: float, face: Face = Face.SANS) -> float:
     return units * size / UNITS
 
 
+def is_measured(text: str) -> bool:
+    """Whether all characters are among those whose widths are known."""
+    return all(each in _advances(False) for each in text)
+
+
 def runs_width(runs: Iterable[Run], size: float) -> float:
     """The width in pixels of pieces of text that follow each other."""
     return sum(text_width(run.text, size, run.face) for run in runs)
