@@ -190,8 +190,8 @@ class _Extraction:
         if name not in self.vertices:
             self.vertices[name] = Sink(key=name)
             self.boxes.add_unknown(reference)
-        index = texts.indexes(reference.indexes)
-        return End(name, index or None)
+            return End(name)
+        return End(name, texts.indexes(reference.indexes) or None)
 
     def _discard(self, sources: tuple[End, ...]) -> End:
         key = f"{', '.join(map(str, sources))} -> _"

@@ -1,0 +1,220 @@
+"""Draws communication diagrams."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import assert_never
+
+from cspdiag.diagnostics import Diagnostic
+from cspdiag.draw import symbols
+from cspdiag.draw.annotations import SMALLEST_ROW, badge, heading, messages
+from cspdiag.draw.communication_graph import Caption, CommunicationGraph, communication_graph
+from cspdiag.draw.elements.diagram import Arrow, Box, CommunicationDiagram, ParentPort, Sink, Store, Value, Vertex
+from cspdiag.draw.elements.marks import Mark, Marks
+from cspdiag.draw.geometry import Point, Rectangle
+from cspdiag.draw.hiding import NOTHING_HIDDEN, Hidden
+from cspdiag.draw.layout.elk import lay_out
+from cspdiag.draw.layout.graph import Layout, Route, Side
+from cspdiag.draw.legend import legend
+from cspdiag.draw.scene import Anchor, Dash, Face, Group, Head, Ink, Item, Line, Run, Scene, Text
+from cspdiag.draw.scene_geometry import bounds, fitted, moved
+from cspdiag.draw.text_metrics import ASCENT, line_height
+from cspdiag.draw.tooltips import arrow_tooltip, box_tooltip, parent_port_tooltip, port_tooltip, store_tooltip
+
+GAP = 26.0
+"""Between heading, drawing, legend and messages."""
+
+
+def draw_communication(
+    diagram: CommunicationDiagram,
+    *,
+    hidden: Hidden = NOTHING_HIDDEN,
+    marks: Marks | None = None,
+    diagnostics: Mapping[int, Diagnostic] | None = None,
+    links: Mapping[str, str] | None = None,
+) -> Scene:
+    """A communication diagram with its heading, a legend of what occurs, and the messages that the marks refer to.
+
+    ``marks`` are by the key of the element, below that of the box around it: ``horizontal/alignL``; ``links`` lead from a definition to an address. Raises what ``lay_out``
+    raises.
+    """
+    made = communication_graph(diagram, hidden)
+    layout = lay_out(made.graph)
+    drawing = _Drawing(made, layout, marks or {}, links or {})
+    picture = drawing.picture()
+    parts: list[Item] = [heading(_title(diagram), diagram.doc)]
+    if picture:
+        parts.append(Group("diagram", picture))
+    width = max(SMALLEST_ROW, bounds(parts[-1]).width)
+    explained = legend(made.vertices.values(), made.arrows.values(), width)
+    if explained is not None and not hidden.hides("legend"):
+        parts.append(explained)
+    if diagnostics:
+        parts.append(messages(diagnostics.items(), width))
+    return fitted(_below_each_other(parts), title=diagram.key, description=diagram.doc or "", name=diagram.key)
+
+
+def _title(diagram: CommunicationDiagram) -> tuple[Run, ...]:
+    if diagram.environment_of is not None:
+        return (Run("environment ", ink=Ink.FAINT), Run(diagram.key, Face.BOLD), Run(f" for {diagram.environment_of}"))
+    names = ", ".join(parameter.partition(":")[0].strip() for parameter in diagram.parameters)
+    parameters = (Run(f"({names})", ink=Ink.FAINT),) if names else ()
+    return (Run("process ", ink=Ink.FAINT), Run(diagram.key, Face.BOLD), *parameters)
+
+
+def _below_each_other(parts: list[Item]) -> list[Item]:
+    placed: list[Item] = []
+    y = 0.0
+    for part in parts:
+        room = bounds(part)
+        placed.append(moved(part, -room.x, y - room.y))
+        y += room.height + GAP
+    return placed
+
+
+class _Drawing:
+    """Puts shapes and texts where the layout says."""
+
+    def __init__(self, made: CommunicationGraph, layout: Layout, marks: Marks, links: Mapping[str, str]) -> None:
+        self.made = made
+        self.layout = layout
+        self.marks = marks
+        self.links = links
+
+    def picture(self) -> tuple[Item, ...]:
+        """Boxes, outer ones first, then the arrows above them, then badges."""
+        boxes = [self._vertex(name, vertex) for name, vertex in self.made.vertices.items()]
+        arrows = [self._arrow(name, arrow) for name, arrow in self.made.arrows.items()]
+        badges = [self._badge(name, mark) for name, mark in self.marks.items()]
+        return (*boxes, *arrows, *(item for item in badges if item is not None))
+
+    def _vertex(self, name: str, vertex: Vertex) -> Item:
+        place = self.layout.nodes[name]
+        mark = self.marks.get(name)
+        match vertex:
+            case Box():
+                return self._box(name, vertex, place, mark)
+            case ParentPort():
+                is_in = vertex.direction == "in"
+                text = self._beside(name, place, Anchor.END if is_in else Anchor.START, mark)
+                return Group("port", (text,), name, _with_note(parent_port_tooltip(vertex), mark))
+            case Store():
+                shapes = symbols.store(vertex, place, mark)
+                return Group(
+                    vertex.form, (*shapes, self._centred(name, place)), name, _with_note(store_tooltip(vertex), mark)
+                )
+            case Value():
+                return Group("value", (self._beside(name, place, Anchor.END, mark),), name, _with_note("", mark))
+            case Sink():
+                return Group("sink", symbols.sink(place, mark), name, _with_note("discarded", mark))
+            case _:
+                assert_never(vertex)
+
+    def _box(self, name: str, box: Box, place: Rectangle, mark: Mark | None) -> Item:
+        items: list[Item] = [*symbols.instance(box, place, mark)]
+        title = self.made.captions[f"{name}#title"]
+        items += _lines(title, self.layout.labels[f"{name}#title"], Anchor.MIDDLE)
+        for port in box.ports:
+            items.append(self._port(f"{name}|{port.key}", name))
+        kind = f"{box.kind} hand-written" if box.language else box.kind
+        link = self.links.get(box.definition, "")
+        return Group(f"instance {kind}", tuple(items), name, _with_note(box_tooltip(box), mark), link)
+
+    def _port(self, name: str, box: str) -> Item:
+        port = self.made.ports[name]
+        at = self.layout.ports[name]
+        mark = self.marks.get(f"{box}.{port.key}")
+        inwards = -1 if self.layout.sides[name] is Side.EAST else 1
+        items: list[Item] = [symbols.port(at, mark, is_connected=port.is_connected, inwards=inwards)]
+        label = self.layout.labels.get(f"{name}#name")
+        if label is not None:
+            anchor = Anchor.END if inwards < 0 else Anchor.START
+            items += _lines(self.made.captions[f"{name}#name"], label, anchor)
+        return Group(f"port {port.direction}", tuple(items), name, _with_note(port_tooltip(port), mark))
+
+    def _centred(self, name: str, place: Rectangle) -> Item:
+        caption = self.made.captions[name]
+        baseline = place.centre.y + (ASCENT - line_height(1) / 2) * caption.size
+        return Text(Point(place.centre.x + 2, baseline), caption.lines[0], caption.size, Anchor.MIDDLE)
+
+    def _beside(self, name: str, place: Rectangle, anchor: Anchor, mark: Mark | None) -> Item:
+        caption = self.made.captions[name]
+        baseline = place.centre.y + (ASCENT - line_height(1) / 2) * caption.size
+        x = place.right - 3 if anchor is Anchor.END else place.x + 3
+        return Text(Point(x, baseline), _inked(caption.lines[0], mark), caption.size, anchor)
+
+    def _arrow(self, name: str, arrow: Arrow) -> Item:
+        mark = self.marks.get(name)
+        route = self.layout.routes[f"{name}#edge"]
+        items: list[Item] = [*self._lines_of(arrow, route, mark)]
+        caption = self.made.captions.get(f"{name}#label")
+        place = self.layout.labels.get(f"{name}#label")
+        if caption is not None and place is not None:
+            marked = Caption(tuple(_inked(line, mark) for line in caption.lines), caption.size)
+            items += _lines(marked, place, Anchor.START)
+        kind = " ".join(("channel", *arrow.kinds)) if not arrow.by_composition else "communication"
+        return Group(kind, tuple(items), name, _with_note(arrow_tooltip(arrow), mark))
+
+    def _lines_of(self, arrow: Arrow, route: Route, mark: Mark | None) -> tuple[Item, ...]:
+        ink, width, dash = symbols.outline(mark, Ink.LINE)
+        if arrow.by_composition and mark is None:
+            dash = Dash.DASHED
+        items: list[Item] = []
+        for section in route.sections:
+            ends_in_sink = section.target is not None and self._is_sink(section.target)
+            head = Head.NONE if section.target is None or ends_in_sink else Head.ARROW
+            items.append(Line(section.points, ink, width, dash, end=head, corner=5))
+        for junction in route.junctions:
+            items.append(Line((junction, junction.moved(0.01, 0)), ink, width, start=Head.DOT))
+        begun: set[Point] = set()
+        for section in route.sections:
+            start = section.points[0]
+            kind = symbols.symbol_of(arrow)
+            if kind is None or section.source is None or start in begun or self._is_border(section.source):
+                continue
+            begun.add(start)
+            items += symbols.kind_symbol(kind, start, section.points[1], ink)
+        return tuple(items)
+
+    def _is_sink(self, target: str) -> bool:
+        return isinstance(self.made.vertices.get(target.rpartition("|")[0]), Sink)
+
+    def _is_border(self, source: str) -> bool:
+        """Whether a line begins at the inner side of a box that shows its inside, where it goes on from outside."""
+        port = self.made.ports.get(source)
+        return port is not None and port.direction == "in"
+
+    def _badge(self, name: str, mark: Mark) -> Item | None:
+        place = self.layout.nodes.get(name)
+        if place is not None:
+            return badge(mark, Point(place.right - 4, place.y))
+        route = self.layout.routes.get(f"{name}#edge")
+        if route is not None:
+            return badge(mark, _middle(route))
+        return None
+
+
+def _middle(route: Route) -> Point:
+    """The middle of the longest straight piece."""
+    pieces = [pair for section in route.sections for pair in zip(section.points, section.points[1:], strict=False)]
+    a, b = max(pieces, key=lambda pair: abs(pair[0].x - pair[1].x) + abs(pair[0].y - pair[1].y))
+    return Point((a.x + b.x) / 2, (a.y + b.y) / 2)
+
+
+def _lines(caption: Caption, place: Rectangle, anchor: Anchor) -> list[Item]:
+    x = {Anchor.START: place.x, Anchor.MIDDLE: place.centre.x, Anchor.END: place.right}[anchor]
+    return [
+        Text(Point(x, place.y + ASCENT * caption.size + row * line_height(caption.size)), line, caption.size, anchor)
+        for row, line in enumerate(caption.lines)
+    ]
+
+
+def _inked(runs: tuple[Run, ...], mark: Mark | None) -> tuple[Run, ...]:
+    if mark is None:
+        return runs
+    ink = symbols.INKS[mark.kind][0]
+    return tuple(Run(run.text, run.face, ink) for run in runs)
+
+
+def _with_note(tooltip: str, mark: Mark | None) -> str:
+    return "\n".join(part for part in (tooltip, mark.note if mark is not None else "") if part)
