@@ -8,7 +8,7 @@ from cspdiag.draw.missing import missing
 from cspdiag.draw.palette import Scheme
 from cspdiag.draw.scene import Scene, Text
 from cspdiag.draw.scene_geometry import every
-from cspdiag.draw.svg import render_svg
+from cspdiag.draw.svg import plain_svg
 from cspdiag.draw.text_metrics import is_measured
 from cspdiag.draw.typefaces import typefaces
 
@@ -23,7 +23,7 @@ def render_png(scene: Scene, scheme: Scheme = Scheme.LIGHT, *, scale: float = 2.
     except ModuleNotFoundError:
         raise missing("resvg-py") from None
     files = typefaces()
-    picture = render_svg(scene, Scheme.LIGHT if scheme is Scheme.AUTO else scheme)
+    picture = plain_svg(scene, Scheme.LIGHT if scheme is Scheme.AUTO else scheme)
     return bytes(
         svg_to_bytes(
             svg_string=picture,

@@ -46,6 +46,15 @@ def render_svg(scene: Scene, scheme: Scheme = Scheme.AUTO) -> str:
     return "\n".join([*body, "</svg>", ""])
 
 
+def plain_svg(scene: Scene, scheme: Scheme) -> str:
+    """The drawing for programs that know no CSS: colours as attributes only."""
+    writer = _Writer(scheme, scene.name)
+    body = [*writer.opening(scene), writer.background(scene)]
+    for item in scene.items:
+        body += writer.item(item, 1)
+    return "\n".join([*body, "</svg>", ""])
+
+
 def embedded_svg(scene: Scene) -> str:
     """The drawing for a page that defines the custom properties itself, such as by ``custom_properties``."""
     writer = _Writer(Scheme.AUTO, scene.name)
