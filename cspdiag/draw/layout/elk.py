@@ -101,7 +101,7 @@ def _node(question: _Question, node: Node) -> _Json:
     width, height = sizes.least_size(node)
     top = sizes.title_height(node)
     options = {
-        "elk.nodeSize.constraints": "[PORTS, MINIMUM_SIZE]" if node.ports else "[MINIMUM_SIZE]",
+        "elk.nodeSize.constraints": "[PORTS, MINIMUM_SIZE]" if node.title else "[MINIMUM_SIZE]",
         "elk.nodeSize.minimum": f"({width},{height})",
         "elk.portConstraints": node.port_order.value,
         "elk.layered.layering.layerConstraint": _layer(question, node).value,
