@@ -32,7 +32,7 @@ _OPTIONS = {
     "elk.randomSeed": "1",
     "elk.padding": "[top=0,left=0,bottom=0,right=0]",
     "elk.layered.considerModelOrder.strategy": "PREFER_NODES",
-    "elk.layered.crossingMinimization.forceNodeModelOrder": "false",
+    "elk.layered.crossingMinimization.forceNodeModelOrder": "true",
     "elk.layered.cycleBreaking.strategy": "GREEDY_MODEL_ORDER",
     "elk.layered.nodePlacement.strategy": "NETWORK_SIMPLEX",
     "elk.layered.edgeLabels.sideSelection": "ALWAYS_UP",
