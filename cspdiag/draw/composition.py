@@ -8,15 +8,19 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import assert_never
 
+from cspdiag.diagnostics import Diagnostic
 from cspdiag.draw import composition_relations as relations
+from cspdiag.draw.annotations import SMALLEST_ROW, heading, messages
 from cspdiag.draw.composition_blocks import PADDING, SIZE, Block, FrameStyle, framed, look, width_of
 from cspdiag.draw.composition_shapes import (
+    HEAD,
     activity_block,
     condition_block,
     exception_block,
     guard_block,
     operator_sign,
 )
+from cspdiag.draw.composition_tooltips import step_tooltip
 from cspdiag.draw.elements.composition import (
     Activity,
     Chain,
@@ -29,38 +33,68 @@ from cspdiag.draw.elements.composition import (
     NamedGroup,
     Replication,
     Watched,
-    sentence,
 )
-from cspdiag.draw.elements.marks import Mark, Marks
+from cspdiag.draw.elements.marks import Marks
 from cspdiag.draw.geometry import Point
-from cspdiag.draw.scene import Face, Head, Ink, Item, Line, Run, Scene, Text
-from cspdiag.draw.scene_geometry import fitted
+from cspdiag.draw.scene import Face, Group, Head, Ink, Item, Line, Run, Scene, Text
+from cspdiag.draw.scene_geometry import bounds, fitted, moved
 from cspdiag.syntax.nesting import room_to_recurse
 
 WIDEST = 1000.0
 """A sequence goes on in a new row beyond this, in pixels."""
 _NARROWEST = 360.0
-_NO_MARKS: Mapping[str, Mark] = {}
+GAP = 26.0
+"""Between heading, drawing and messages."""
 
 
 @room_to_recurse()
-def draw_composition(diagram: CompositionDiagram, *, marks: Marks = _NO_MARKS) -> Scene:
-    """The drawing of a composition diagram; a process without a composition gives an empty one.
+def draw_composition(
+    diagram: CompositionDiagram,
+    *,
+    marks: Marks | None = None,
+    diagnostics: Mapping[int, Diagnostic] | None = None,
+    links: Mapping[str, str] | None = None,
+    is_headed: bool = True,
+) -> Scene:
+    """A composition diagram with its heading and the messages that the marks refer to.
 
-    ``marks`` are by the key of the element (``1.2``).
+    ``marks`` are by the key of the element (``1.2``); ``links`` lead from the definition of an instance to an address. A process without a composition
+    has an empty diagram.
     """
-    title = f"Composition diagram of {diagram.key}"
-    if diagram.root is None:
-        return fitted((), title=title, name=f"{diagram.key}-composition")
-    drawer = _Drawer(marks)
-    root = diagram.root
-    block = drawer.operand(root, WIDEST) if root.key in marks else drawer.bare(root, WIDEST)
-    return fitted(block.items, title=title, description=diagram.doc or "", name=f"{diagram.key}-composition")
+    parts: list[Item] = []
+    if is_headed:
+        parts.append(heading((Run("composition of ", ink=Ink.FAINT), Run(diagram.key, Face.BOLD)), None))
+    if diagram.root is not None:
+        drawer = _Drawer(marks or {}, links or {})
+        parts.append(Group("diagram", drawer.whole(diagram.root).items))
+    if diagnostics:
+        parts.append(messages(diagnostics.items(), max(SMALLEST_ROW, bounds(parts[-1]).width if parts else 0)))
+    return fitted(
+        _below_each_other(parts),
+        title=f"composition of {diagram.key}",
+        description=diagram.doc or "",
+        name=f"{diagram.key}-composition",
+    )
+
+
+def _below_each_other(parts: list[Item]) -> list[Item]:
+    y = 0.0
+    stacked: list[Item] = []
+    for part in parts:
+        room = bounds(part)
+        stacked.append(moved(part, -room.x, y - room.y))
+        y += room.height + GAP
+    return stacked
 
 
 class _Drawer:
-    def __init__(self, marks: Marks) -> None:
+    def __init__(self, marks: Marks, links: Mapping[str, str]) -> None:
         self._marks = marks
+        self._links = links
+
+    def whole(self, root: Composition) -> Block:
+        """The whole diagram; it has a frame only where that carries a mark."""
+        return self.operand(root, WIDEST) if root.key in self._marks else self.bare(root, WIDEST)
 
     def operand(self, element: Composition, limit: float) -> Block:
         """An element that a relation joins: one shape, or a group."""
@@ -69,7 +103,7 @@ class _Drawer:
         style = FrameStyle(
             f"group {type(element).__name__.lower()}",
             element.key,
-            title=sentence(element),
+            title=step_tooltip(element),
             mark=self._marks.get(element.key),
         )
         return framed(self.bare(element, limit - 2 * PADDING), style)
@@ -79,7 +113,9 @@ class _Drawer:
         limit = max(limit, _NARROWEST)
         match element:
             case Activity():
-                return activity_block(element, self._marks.get(element.key))
+                return activity_block(
+                    element, self._marks.get(element.key), self._links.get(element.definition or "", "")
+                )
             case Chain():
                 return self._chain(element, limit)
             case Guarded():
@@ -95,7 +131,9 @@ class _Drawer:
             case NamedGroup():
                 name = (Text(Point(0, 0), (Run(element.label, Face.BOLD),), SIZE),)
                 width = width_of([element.label], Face.BOLD)
-                return self._frame("group named", element, limit, name, width)
+                mark = self._marks.get(element.key)
+                style = FrameStyle("group named", element.key, step_tooltip(element), mark, name, width)
+                return framed(self.bare(element.process, limit - 2 * PADDING), style)
             case _:
                 assert_never(element)
 
@@ -120,7 +158,7 @@ class _Drawer:
 
     def _choice(self, element: Choice, limit: float) -> Block:
         conditions = [
-            condition_block(f"{'else if' if number else 'if'} {case.condition}", case.key, self._marks.get(case.key))
+            condition_block(case, self._marks.get(case.key), is_first=number == 0)
             for number, case in enumerate(element.cases)
         ]
         rest = limit - max(condition.width for condition in conditions) - 40
@@ -135,11 +173,11 @@ class _Drawer:
     def _watch(self, handler: Handler, limit: float) -> relations.Watch:
         mark = self._marks.get(handler.key)
         if handler.guard is None:
-            guard = exception_block(handler.exception or "", handler.key, mark)
+            guard = exception_block(handler, mark)
         else:
             guard = guard_block(handler.guard, self._marks.get(handler.guard.key, mark))
         process = self.operand(handler.process, limit - guard.width - 100)
-        return relations.Watch(guard, process, handler.guard is None, look(mark, Ink.LINE, None).stroke)
+        return relations.Watch(guard, process, handler.guard is None, look(mark, Ink.LINE, Ink.PAPER).stroke)
 
     def _replication(self, element: Replication, limit: float) -> Block:
         name: list[Item] = []
@@ -148,17 +186,14 @@ class _Drawer:
         else:
             name += operator_sign(element.operator, element.prioritized, Point(8, -5))[0]
         name.append(Text(Point(24, 0), (Run(element.replicator),), SIZE))
-        return self._frame("group replicated", element, limit, tuple(name), 24 + width_of([element.replicator]), 3)
-
-    def _frame(
-        self,
-        kind: str,
-        element: NamedGroup | Replication,
-        limit: float,
-        name: tuple[Item, ...],
-        width: float,
-        copies: int = 1,
-    ) -> Block:
-        block = self.bare(element.process, limit - 2 * PADDING)
-        style = FrameStyle(kind, element.key, sentence(element), self._marks.get(element.key), name, width, copies)
-        return framed(block, style)
+        style = FrameStyle(
+            "group replicated",
+            element.key,
+            step_tooltip(element),
+            self._marks.get(element.key),
+            tuple(name),
+            24 + width_of([element.replicator]),
+            name_height=22 + HEAD * element.prioritized,
+            copies=3,
+        )
+        return framed(self.bare(element.process, limit - 2 * PADDING), style)

@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
+from cspdiag.draw.annotations import badge
 from cspdiag.draw.elements.marks import Mark
 from cspdiag.draw.geometry import Point, Rectangle
 from cspdiag.draw.scene import Anchor, Box, Dash, Ellipse, Face, Group, Ink, Item, Run, Text
 from cspdiag.draw.scene_geometry import moved
+from cspdiag.draw.symbols import STACK, inside, outline
 from cspdiag.draw.text_metrics import CAPITAL, text_width
 
 SIZE = 13
@@ -19,8 +21,6 @@ PARENTHESIS = 7
 """The diameter of the little circle at the end of a line that belongs to a group."""
 PADDING = 14
 """Between a frame and what it holds."""
-TAB = 22
-"""What the name of a frame takes above what the frame holds."""
 LONGEST = 220
 """What a line of text may take before it is broken."""
 MOST_LINES = 4
@@ -32,8 +32,8 @@ class Block:
     """Items in a room that begins at (0, 0).
 
     Lines of a sequence end at ``entry`` on the left and begin at ``exit`` on the right; vertical lines meet the upper and the lower side at
-    ``spine`` or further to the left. ``is_group``: lines at its border end in the circle of a parenthesis. ``widened`` makes the
-    same block at least so wide.
+    ``spine`` or further to the left, at the heights ``top`` and ``bottom`` (None: the sides of the room). ``is_group``: lines at its border
+    end in the circle of a parenthesis. ``widened`` makes the same block at least so wide.
     """
 
     width: float
@@ -43,6 +43,8 @@ class Block:
     spine: float
     items: tuple[Item, ...]
     is_group: bool = False
+    top: float = 0
+    bottom: float | None = None
     widened: Callable[[float], Block] | None = None
 
     @property
@@ -65,47 +67,27 @@ class Look:
     """How an element is outlined and filled."""
 
     stroke: Ink
-    fill: Ink | None
-    text: Ink = Ink.TEXT
-    dash: Dash = Dash.SOLID
+    fill: Ink
     width: float = 1.2
+    dash: Dash = Dash.SOLID
 
 
-_MARKED = {
-    "error": Look(Ink.ERROR, Ink.ERROR_FILL, width=2.2),
-    "warning": Look(Ink.WARNING, Ink.WARNING_FILL, width=2.2),
-    "added": Look(Ink.ADDED, Ink.ADDED_FILL, width=2.2),
-    "removed": Look(Ink.REMOVED, Ink.REMOVED_FILL, dash=Dash.DASHED, width=2.2),
-    "changed": Look(Ink.CHANGED, Ink.CHANGED_FILL, width=2.2),
-    "highlighted": Look(Ink.ACCENT, Ink.ACCENT_FILL, width=2.2),
-}
-
-_SIGNS = {"added": "+", "removed": "−", "changed": "~"}  # noqa: RUF001
-
-
-def look(mark: Mark | None, stroke: Ink, fill: Ink | None) -> Look:
+def look(mark: Mark | None, stroke: Ink, fill: Ink) -> Look:
     """The look of an element with its mark, or without one."""
-    return Look(stroke, fill) if mark is None else _MARKED[mark.kind]
+    ink, width, dash = outline(mark, stroke)
+    return Look(ink, inside(mark, fill), width, dash)
 
 
-def badges(mark: Mark | None, corner: Point) -> tuple[Item, ...]:
+def badges(mark: Mark | None, right: float) -> tuple[Item, ...]:
     """The numbers of messages, or the sign of a change, at the upper right corner of an element."""
-    if mark is None:
-        return ()
-    words = [str(number) for number in mark.numbers] or [_SIGNS[mark.kind]] * (mark.kind in _SIGNS)
-    items: list[Item] = []
-    for position, word in enumerate(reversed(words)):
-        centre = corner.moved(-14 * position, 0)
-        items.append(Ellipse(Rectangle(centre.x - 7, centre.y - 7, 14, 14), Ink.PAPER, _MARKED[mark.kind].stroke, 1.6))
-        items.append(centred([word], centre, Face.BOLD, size=10)[0])
-    return tuple(items)
+    return () if mark is None or mark.kind == "highlighted" else (badge(mark, Point(right - 4, 0)),)
 
 
-def group(kind: str, key: str, items: Iterable[Item], title: str, mark: Mark | None) -> Group:
+def group(kind: str, key: str, items: Iterable[Item], title: str, mark: Mark | None, link: str = "") -> Group:
     """What belongs to one element, marked in its classes and its tooltip as well."""
     words = kind if mark is None else f"{kind} {mark.kind}"
-    notes = [title] + ([mark.note] if mark is not None and mark.note else [])
-    return Group(words, tuple(items), id=key, title="\n".join(note for note in notes if note))
+    notes = (title, mark.note if mark is not None else "")
+    return Group(words, tuple(items), f"step-{key}", "\n".join(note for note in notes if note), link)
 
 
 def lines_of(text: str, longest: float = LONGEST, face: Face = Face.SANS) -> list[str]:
@@ -163,13 +145,14 @@ class FrameStyle:
     mark: Mark | None = None
     name: tuple[Item, ...] = ()
     name_width: float = 0
+    name_height: float = 22
     copies: int = 1
 
 
 def framed(block: Block, style: FrameStyle) -> Block:
     """A block within a frame: one process for whatever is joined to it."""
-    top = PADDING + (TAB if style.name else 0)
-    behind = 5 * (style.copies - 1)
+    top = PADDING + (style.name_height if style.name else 0)
+    behind = STACK * (style.copies - 1)
     inner_width = max(block.width + 2 * PADDING, style.name_width + 2 * PADDING)
     height = block.height + top + PADDING
     shown = look(style.mark, Ink.FAINT, Ink.FRAME)
@@ -177,11 +160,18 @@ def framed(block: Block, style: FrameStyle) -> Block:
     def frame(wanted: float) -> Block:
         width = max(inner_width, wanted - behind)
         boxes = [
-            Box(Rectangle(5 * copy, 5 * copy, width, height), shown.fill, shown.stroke, 8, shown.width, shown.dash)
+            Box(
+                Rectangle(STACK * copy, STACK * copy, width, height),
+                shown.fill,
+                shown.stroke,
+                8,
+                shown.width,
+                shown.dash,
+            )
             for copy in reversed(range(style.copies))
         ]
         title = tuple(moved(item, 12, 20) for item in style.name)
-        items = (*boxes, *title, *placed(block, PADDING, top), *badges(style.mark, Point(width, 0)))
+        items = (*boxes, *title, *placed(block, PADDING, top), *badges(style.mark, width))
         axis = top + block.entry.y
         return Block(
             width + behind,

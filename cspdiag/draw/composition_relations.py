@@ -20,7 +20,8 @@ from cspdiag.draw.composition_blocks import (
     placed,
     width_of,
 )
-from cspdiag.draw.composition_shapes import operator_sign, warning_sign
+from cspdiag.draw.composition_shapes import HEAD, operator_sign, warning_sign
+from cspdiag.draw.composition_tooltips import chain_words
 from cspdiag.draw.elements.composition import Operator
 from cspdiag.draw.geometry import Point, Rectangle
 from cspdiag.draw.scene import Ellipse, Group, Head, Ink, Item, Line
@@ -63,6 +64,14 @@ class _Placed:
     @property
     def bottom(self) -> float:
         return self.y + self.block.height
+
+    def above(self, x: float) -> Point:
+        """Where a vertical line ends at its upper side."""
+        return Point(self.x + x, self.y + self.block.top)
+
+    def below(self, x: float) -> Point:
+        """Where a vertical line begins at its lower side."""
+        return Point(self.x + x, self.y + (self.block.height if self.block.bottom is None else self.block.bottom))
 
     def items(self) -> tuple[Item, ...]:
         return placed(self.block, self.x, self.y)
@@ -151,8 +160,9 @@ def vertical(blocks: Sequence[Block], operator: Operator, prioritized: bool) -> 
     spine = min(block.spine for block in blocks)
     parts: list[_Placed] = []
     relations: list[Item] = []
+    after = {number - 1: block.gap for number, block in enumerate(blocks)}
     x = y = 0.0
-    for block in blocks:
+    for number, block in enumerate(blocks):
         if parts and y > 0 and y + block.height > _TALLEST:
             x = max(part.right for part in parts) + _ROWS + 20
             y = 0.0
@@ -160,28 +170,32 @@ def vertical(blocks: Sequence[Block], operator: Operator, prioritized: bool) -> 
         if parts:
             relations.append(_vertical_relation(parts[-1], part, spine, operator, prioritized))
         parts.append(part)
-        y = part.bottom + BELOW + 2 * PARENTHESIS * block.is_group
+        y = part.bottom + BELOW + HEAD * prioritized + block.gap + after.get(number, 0)
     if x:
         # The line to the next column goes round the upper edge.
         parts = [replace(part, y=part.y + _TURN) for part in parts]
         relations = [moved(relation, 0, _TURN) for relation in relations]
-    return _whole(parts, relations, max(part.bottom for part in parts) / 2)
+    whole = _whole(parts, relations, 0)
+    height = whole.height + (_TURN if x else 0)
+    axis = height / 2
+    return replace(whole, height=height, entry=Point(0, axis), exit=Point(whole.width, axis))
 
 
 def _vertical_relation(upper: _Placed, lower: _Placed, spine: float, operator: Operator, prioritized: bool) -> Group:
-    start, end = Point(upper.x + spine, upper.bottom), Point(lower.x + spine, lower.y)
+    start, end = upper.below(spine), lower.above(spine)
     if upper.x == lower.x:
         before: tuple[Point, ...] = (start,)
         after: tuple[Point, ...] = (end,)
-        centre = Point(start.x, (start.y + end.y) / 2)
+        centre = Point(start.x, (start.y + end.y - HEAD * prioritized + upper.block.gap - lower.block.gap) / 2)
     else:
         turn = lower.x - _ROWS / 2 - 2
-        before = (start, Point(start.x, start.y + _TURN), Point(turn, start.y + _TURN))
-        after = (Point(turn, end.y - _TURN), Point(end.x, end.y - _TURN), end)
-        centre = Point(turn, end.y + 40)
-    sign, up, down = operator_sign(operator, prioritized, centre)
+        before = (start, Point(start.x, upper.bottom + _TURN), Point(turn, upper.bottom + _TURN))
+        after = (Point(turn, lower.y - _TURN), Point(end.x, lower.y - _TURN), end)
+        centre = Point(turn, lower.y + 40)
+    upwards = upper.x != lower.x
+    sign, up, down = operator_sign(operator, prioritized, centre, upwards=upwards)
     first, second = centre.moved(0, -up), centre.moved(0, down)
-    if upper.x != lower.x:
+    if upwards:
         first, second = second, first
     neutral = Block(0, 0, start, start, 0, ())
     return Group(
@@ -191,7 +205,7 @@ def _vertical_relation(upper: _Placed, lower: _Placed, spine: float, operator: O
             *_join("line", (second, *after), neutral, lower.block).items,
             *sign,
         ),
-        title=f"{'prioritized ' if prioritized else ''}{operator}",
+        title=chain_words(operator, prioritized),
     )
 
 
@@ -201,7 +215,8 @@ def guarded(guard: Block, process: Block) -> Block:
     first = _Placed(guard, 0, axis - guard.entry.y)
     second = _Placed(process, guard.width + AHEAD - 4 + process.gap, axis - process.entry.y)
     relation = _join("relation guarded", (first.exit, second.entry), guard, process, Head.OPEN_ARROW)
-    return replace(_whole([first, second], [relation], axis), spine=guard.spine)
+    whole = _whole([first, second], [relation], axis)
+    return replace(whole, spine=guard.spine, top=first.y, bottom=first.bottom)
 
 
 def loop(body: Block, form: str, condition: str | None) -> Block:

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import assert_never
 
+from cspdiag.draw import symbols
 from cspdiag.draw.composition_blocks import (
     LINE,
     Block,
@@ -19,61 +20,68 @@ from cspdiag.draw.composition_blocks import (
     look,
     width_of,
 )
-from cspdiag.draw.elements.composition import Activity, Guard
+from cspdiag.draw.composition_tooltips import step_tooltip
+from cspdiag.draw.elements.composition import Activity, Case, Guard, Handler
+from cspdiag.draw.elements.diagram import Box as InstanceBox
 from cspdiag.draw.elements.marks import Mark
 from cspdiag.draw.geometry import Point, Rectangle
-from cspdiag.draw.scene import Box, Ellipse, Face, Ink, Item, Line, Shape, Text
+from cspdiag.draw.scene import Box, Ellipse, Face, Ink, Item, Line, Text
 from cspdiag.draw.scene_geometry import moved
 
 POINT = 10
 """How deep a notch is, or how far a point sticks out."""
+HEAD = 9
+"""The length of the arrow head of a priority."""
 _LOWEST = 36
 _ROOM = 20
 """Around the lines of a text, from top to bottom."""
 
-Outline = Callable[[float, float, Look], Sequence[Shape]]
+Outline = Callable[[float, float, Look], Sequence[Item]]
 """Shapes for a width, a height and a look."""
 
 
 def _box(radius: float) -> Outline:
-    def outline(width: float, height: float, look: Look) -> Sequence[Shape]:
+    def outline(width: float, height: float, look: Look) -> Sequence[Item]:
         return [Box(Rectangle(0, 0, width, height), look.fill, look.stroke, radius, look.width, look.dash)]
 
     return outline
 
 
-def _pill(width: float, height: float, look: Look) -> Sequence[Shape]:
+def _pill(width: float, height: float, look: Look) -> Sequence[Item]:
     return _box(height / 2 if height <= _LOWEST else _LOWEST / 2)(width, height, look)
 
 
-def _submodel(width: float, height: float, look: Look) -> Sequence[Shape]:
-    """A box with a bar at either side: it computes one sample and ends."""
-    return [*_box(0)(width, height, look), *(_stroke(((x, 0), (x, height)), look) for x in (5.0, width - 5))]
+def _instance(activity: Activity, mark: Mark | None) -> Outline:
+    """As in communication diagrams."""
+    box = InstanceBox(
+        key=activity.key, kind=activity.kind, definition=activity.definition or "", language=activity.language
+    )
 
+    def outline(width: float, height: float, look: Look) -> Sequence[Item]:
+        return symbols.instance(box, Rectangle(0, 0, width, height), mark)
 
-def _stroke(points: Sequence[tuple[float, float]], look: Look) -> Line:
-    return Line(tuple(Point(x, y) for x, y in points), look.stroke, look.width, look.dash)
+    return outline
 
 
 def _polygon(points: Sequence[tuple[float, float]], look: Look) -> Line:
     return Line(tuple(Point(x, y) for x, y in points), look.stroke, look.width, look.dash, closed=True, fill=look.fill)
 
 
-def _notched(width: float, height: float, look: Look) -> Sequence[Shape]:
+def _notched(width: float, height: float, look: Look) -> Sequence[Item]:
     return [_polygon([(0, 0), (width, 0), (width, height), (0, height), (POINT, height / 2)], look)]
 
 
-def _pointed(width: float, height: float, look: Look) -> Sequence[Shape]:
+def _pointed(width: float, height: float, look: Look) -> Sequence[Item]:
     corner = width - POINT
     return [_polygon([(0, 0), (corner, 0), (width, height / 2), (corner, height), (0, height)], look)]
 
 
-def _hexagon(width: float, height: float, look: Look) -> Sequence[Shape]:
+def _hexagon(width: float, height: float, look: Look) -> Sequence[Item]:
     left, right, middle = POINT, width - POINT, height / 2
     return [_polygon([(left, 0), (right, 0), (width, middle), (right, height), (left, height), (0, middle)], look)]
 
 
-def _octagon(width: float, height: float, look: Look) -> Sequence[Shape]:
+def _octagon(width: float, height: float, look: Look) -> Sequence[Item]:
     cut, right, low = 10, width - 10, height - 10
     points = [(cut, 0), (right, 0), (width, cut), (width, low), (right, height), (cut, height), (0, low), (0, cut)]
     return [_polygon([(float(x), float(y)) for x, y in points], look)]
@@ -111,6 +119,7 @@ def _shape(
     mark: Mark | None,
     inset: tuple[float, float] = (0, 0),
     sign: _Sign | None = None,
+    link: str = "",
 ) -> Block:
     """A block of one shape around its texts; ``inset`` is what is missing of it on its axis at the left and the right."""
     text_width, height = size
@@ -125,35 +134,28 @@ def _shape(
             left = (width - text_width) / 2 + _ROOM / 2 + 9
             items += [moved(item, left, middle) for item in sign[0]]
         items += texts(Point((width + inset[0] - inset[1]) / 2 + shift, middle))
-        items += badges(mark, Point(width, 0))
+        items += badges(mark, width)
         return Block(
             width,
             height,
             Point(inset[0], middle),
             Point(width, middle),
             width / 2,
-            (group(kind, key, items, title, mark),),
+            (group(kind, key, items, title, mark, link),),
             widened=block,
         )
 
     return block(0)
 
 
-def activity_block(activity: Activity, mark: Mark | None) -> Block:
+def activity_block(activity: Activity, mark: Mark | None, link: str = "") -> Block:
     """The shape of a process without parts."""
     lines = lines_of(activity.text)
-    title = activity.text
-    if activity.definition is not None:
-        title = f"{activity.text}: {activity.definition}"
-    if activity.doc:
-        title = f"{title}\n{activity.doc}"
     fill, outline, inset, face = Ink.PROCESS, _box(3), (0.0, 0.0), Face.SANS
     sign: _Sign | None = None
     match activity.form:
-        case "run" if activity.kind == "submodel":
-            fill, outline = Ink.SUBMODEL, _submodel
         case "run":
-            pass
+            outline = _instance(activity, mark)
         case "read":
             outline, inset = _notched, (POINT, 0)
         case "write":
@@ -180,10 +182,11 @@ def activity_block(activity: Activity, mark: Mark | None) -> Block:
         size,
         outline,
         look(mark, Ink.BORDER, fill),
-        title,
+        step_tooltip(activity),
         mark,
         inset,
         sign,
+        link,
     )
 
 
@@ -215,44 +218,46 @@ def guard_block(guard: Guard, mark: Mark | None) -> Block:
         upper = centred(conditions, Point(centre.x, top + len(conditions) * LINE / 2), Face.ITALIC, Ink.FAINT)
         return [*upper, *centred(lines, Point(centre.x, centre.y + len(conditions) * LINE / 2))]
 
-    title = guard.text if guard.condition is None else f"when {guard.condition} & {guard.text}"
-    return _shape(f"guard {guard.form}", guard.key, texts, size, outline, shown, title, mark, inset, sign)
+    tooltip = step_tooltip(guard)
+    return _shape(f"guard {guard.form}", guard.key, texts, size, outline, shown, tooltip, mark, inset, sign)
 
 
-def exception_block(name: str, key: str, mark: Mark | None) -> Block:
+def exception_block(handler: Handler, mark: Mark | None) -> Block:
     """The name of an exception that is caught."""
-    lines = [name]
+    lines = [handler.exception or ""]
     return _shape(
         "exception",
-        f"{key}-exception",
+        handler.key,
         lambda centre: centred(lines, centre),
         _size(lines, Face.SANS, (0, 0)),
         _pill,
         look(mark, Ink.LINE, Ink.PAPER),
-        f"catch {name}",
+        step_tooltip(handler),
         mark,
     )
 
 
-def condition_block(text: str, key: str, mark: Mark | None) -> Block:
+def condition_block(case: Case, mark: Mark | None, *, is_first: bool) -> Block:
     """A condition that is tested once."""
-    lines = lines_of(text)
+    lines = lines_of(f"{'if' if is_first else 'else if'} {case.condition}")
     return _shape(
         "condition",
-        f"{key}-condition",
+        case.key,
         lambda centre: centred(lines, centre),
         _size(lines, Face.SANS, (POINT, POINT)),
         _hexagon,
         look(mark, Ink.LINE, Ink.PAPER),
-        text,
+        step_tooltip(case),
         mark,
     )
 
 
-def operator_sign(operator: str, prioritized: bool, centre: Point) -> tuple[list[Item], float, float]:
-    """The sign of a vertical relation around a point; how far it reaches above and below it.
+def operator_sign(
+    operator: str, prioritized: bool, centre: Point, *, upwards: bool = False
+) -> tuple[list[Item], float, float]:
+    """The sign of a vertical relation around a point, and how far it reaches above and below it.
 
-    The arrow head of priority points from the higher to the lower.
+    The arrow head of priority points from the higher to the lower: down, or up where the line goes ``upwards``.
     """
     x, y = centre.x, centre.y
     items: list[Item]
@@ -261,10 +266,11 @@ def operator_sign(operator: str, prioritized: bool, centre: Point) -> tuple[list
         reach = 10.0
     else:
         items = [Box(Rectangle(x - 6.5, y - 6.5, 13, 13), Ink.PAPER, Ink.LINE, 0, 1.6)]
-        reach = 6.5
+        reach = 9.0
     if not prioritized:
-        return items, reach, reach
-    top = y + reach + (0 if operator == "parallel" else 3)
-    head = (Point(x - 5, top), Point(x + 5, top), Point(x, top + 9))
-    items.append(Line(head, Ink.LINE, 1.2, closed=True, fill=Ink.LINE))
-    return items, reach, top + 9 - y
+        return items, reach if operator == "parallel" else 6.5, reach if operator == "parallel" else 6.5
+    way = -1 if upwards else 1
+    base, tip = y + way * reach, y + way * (reach + HEAD)
+    items.append(Line((Point(x - 5, base), Point(x + 5, base), Point(x, tip)), Ink.LINE, closed=True, fill=Ink.LINE))
+    before = reach if operator == "parallel" else 6.5
+    return (items, reach + HEAD, before) if upwards else (items, before, reach + HEAD)

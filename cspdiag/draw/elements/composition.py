@@ -21,13 +21,15 @@ Operator: TypeAlias = Literal["sequence", "parallel", "alternative"]
 class Activity(Element):
     """A process without parts: an instance that is run, or a primitive; ``text`` is as written.
 
-    ``kind`` and ``definition`` are those of the instance.
+    ``kind``, ``definition`` and ``language`` (of a hand-written body) are those of the instance.
     """
 
     form: ActivityForm
     text: str
     kind: BoxKind = "process"
     definition: str | None = None
+    language: str | None = None
+    definition_doc: str | None = None
 
 
 @record(kw_only=True)

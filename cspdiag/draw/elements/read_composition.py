@@ -166,12 +166,14 @@ class _Reader:
         definition = self._definitions.get(instance.definition.text)
         return Activity(
             key=key,
-            doc=instance.doc or getattr(definition, "doc", None),
+            doc=instance.doc,
             spans=(node.span,),
             form="run",
             text=written(node),
             kind=_kind(definition),
             definition=instance.definition.text,
+            language=_language(definition),
+            definition_doc=None if definition is None else definition.doc,
         )
 
 
@@ -191,6 +193,12 @@ def _kind(definition: ast.Definition | None) -> BoxKind:
     if isinstance(definition, ast.ProcessDefinition):
         return "process"
     return "submodel" if isinstance(definition, ast.SubmodelDefinition) else "unknown"
+
+
+def _language(definition: ast.Definition | None) -> str | None:
+    if isinstance(definition, ast.ProcessDefinition | ast.SubmodelDefinition) and definition.external is not None:
+        return definition.external.language.text
+    return None
 
 
 _GUARD_FORMS: dict[type[ast.Node], GuardForm] = {

@@ -1,0 +1,79 @@
+"""What the elements of a composition diagram say about themselves when they are pointed at."""
+
+from __future__ import annotations
+
+from typing import assert_never
+
+from cspdiag.draw.elements.composition import (
+    Activity,
+    Case,
+    Chain,
+    Choice,
+    Guard,
+    Guarded,
+    Handler,
+    Loop,
+    NamedGroup,
+    Operator,
+    Part,
+    Replication,
+    Watched,
+)
+
+_CHAINS: dict[tuple[Operator, bool], str] = {
+    ("sequence", False): "sequential: one after the other",
+    ("parallel", False): "parallel: starts all, ends when all have ended",
+    ("parallel", True): "prioritized parallel: the first has the highest priority",
+    ("alternative", False): "alternative: one that is ready, in turn when several are",
+    ("alternative", True): "prioritized alternative: the first that is ready",
+}
+
+
+def chain_words(operator: Operator, prioritized: bool) -> str:
+    """What an operator means."""
+    return _CHAINS[operator, prioritized]
+
+
+def step_tooltip(element: Part) -> str:
+    """What an element is, what its doc comment says, and where it stands in the text."""
+    place = str(element.spans[0]) if element.spans else ""
+    return "\n".join(part for part in (_words(element), *_docs(element), place) if part)
+
+
+def _docs(element: Part) -> list[str]:
+    docs = [element.doc, element.definition_doc] if isinstance(element, Activity) else [element.doc]
+    return [" ".join(doc.split()) for doc in docs if doc]
+
+
+def _words(element: Part) -> str:
+    match element:
+        case Activity(form="run"):
+            definition = "" if element.definition is None else f" : {element.definition}"
+            language = "" if element.language is None else f", hand-written in {element.language}"
+            return f"{element.kind} {element.text}{definition}{language}"
+        case Activity():
+            return element.text
+        case Chain():
+            return chain_words(element.operator, element.prioritized)
+        case Guard():
+            return element.text if element.condition is None else f"when {element.condition} & {element.text}"
+        case Guarded():
+            return "guarded process"
+        case Loop(form="while"):
+            return f"while {element.condition}"
+        case Loop():
+            return "repeats forever" if element.condition is None else f"repeats until {element.condition}"
+        case Case():
+            return f"if {element.condition}"
+        case Choice():
+            return "choice by conditions"
+        case Handler():
+            return "interrupt" if element.guard is not None else f"catch {element.exception}"
+        case Watched():
+            return "process with what can end it"
+        case Replication():
+            return f"for {element.replicator}, {chain_words(element.operator, element.prioritized)}"
+        case NamedGroup():
+            return f"group {element.label}"
+        case _:
+            assert_never(element)
