@@ -1,0 +1,78 @@
+"""One hyperperiod, simulated: every job takes its longest time, and all periods begin together, as those of a program do.
+
+It shows the schedule, it does not bound it: under scheduling without preemption a job that ends early may make another late, which the
+response-time analysis takes into account and this does not.
+"""
+
+from __future__ import annotations
+
+import heapq
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import lcm
+
+from cspdiag.analyses.timing.task import Task
+
+LARGEST_NUMBER_OF_JOBS = 20_000
+
+
+@dataclass(frozen=True, slots=True)
+class Slice:
+    """A step of a job that runs: the index of its task, when the job was released, and from when to when it ran, in nanoseconds."""
+
+    task: int
+    release: int
+    start: int
+    end: int
+    is_last: bool
+
+
+@dataclass(frozen=True)
+class Schedule:
+    """What ran in ``length`` nanoseconds; ``is_whole`` unless the hyperperiod is longer, or had too many jobs to look at."""
+
+    hyperperiod: int
+    length: int
+    slices: tuple[Slice, ...]
+    is_whole: bool
+
+    def longest_response(self, task: int) -> int:
+        """The longest time from the release of a job of the task to its end that was seen; 0 where none ended."""
+        return max((part.end - part.release for part in self.slices if part.task == task and part.is_last), default=0)
+
+
+def hyperperiod(tasks: Sequence[Task]) -> int:
+    """After which everything repeats."""
+    return lcm(*(task.period for task in tasks)) if tasks else 0
+
+
+def simulate(tasks: Sequence[Task], *, limit: int | None = None) -> Schedule:
+    """Run the tasks from one tick of all of them over one hyperperiod, or up to ``limit`` nanoseconds."""
+    whole = hyperperiod(tasks)
+    length = whole if limit is None else min(whole, limit)
+    jobs_in = sum(length // task.period for task in tasks)
+    if jobs_in > LARGEST_NUMBER_OF_JOBS:
+        length = max(1, length * LARGEST_NUMBER_OF_JOBS // jobs_in)
+    releases = sorted(
+        (k * task.period, number)
+        for number, task in enumerate(tasks)
+        if task.work
+        for k in range(-(-length // task.period))
+    )
+    slices: list[Slice] = []
+    ready: list[tuple[int, int, int, int, int]] = []
+    now = position = order = 0
+    while position < len(releases) or ready:
+        if not ready:
+            now = max(now, releases[position][0])
+        while position < len(releases) and releases[position][0] <= now:
+            release, number = releases[position]
+            heapq.heappush(ready, (tasks[number].priority, order, number, release, tasks[number].work))
+            position, order = position + 1, order + 1
+        priority, place, number, release, remaining = heapq.heappop(ready)
+        run = min(remaining, tasks[number].step)
+        slices.append(Slice(number, release, now, now + run, run == remaining))
+        now += run
+        if run < remaining:
+            heapq.heappush(ready, (priority, place, number, release, remaining - run))
+    return Schedule(whole, length, tuple(slices), length == whole)
