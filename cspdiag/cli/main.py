@@ -30,6 +30,8 @@ VERBS = {
     "check": "find everything that is wrong with programs",
     "compile": "generate a controller package",
     "run": "run a program against an environment",
+    "verify": "prove what programs assert, or show how it fails",
+    "draw": "draw communication and composition diagrams",
     "fmt": "format programs",
     "explain": "show the manual page of a diagnostic",
     "new": "start a project",

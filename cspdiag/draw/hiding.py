@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-KINDS_OF_LABELS = ("labels", "types", "ports", "periods", "kinds")
-"""Words that hide all labels of a sort: names of arrows, types, local names of ports, sample periods, kinds of channels."""
+KINDS_OF_LABELS = ("labels", "types", "ports", "periods", "kinds", "legend")
+"""Words that hide all labels of a sort: names of arrows, types, local names of ports, sample periods, kinds of channels; and the legend."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,7 +21,7 @@ class Hidden:
 
 
 NOTHING_HIDDEN = Hidden()
-ALL_LABELS = Hidden(frozenset(KINDS_OF_LABELS))
+ALL_LABELS = Hidden(frozenset(KINDS_OF_LABELS) - {"legend"})
 
 
 def hidden(words: Iterable[str]) -> Hidden:

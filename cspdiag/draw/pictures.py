@@ -1,0 +1,157 @@
+"""The pictures of a program: which definitions have one, and both diagrams of a definition on one sheet."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal, TypeAlias
+
+from cspdiag.diagnostics import Diagnostic, Span
+from cspdiag.draw.communication import draw_communication
+from cspdiag.draw.composition import draw_composition
+from cspdiag.draw.elements.communication import Drawn, communication_diagram
+from cspdiag.draw.elements.composition import CompositionDiagram
+from cspdiag.draw.elements.diagram import CommunicationDiagram
+from cspdiag.draw.elements.facts import Facts
+from cspdiag.draw.elements.marks import marks_of, numbered
+from cspdiag.draw.elements.read_composition import composition_diagram
+from cspdiag.draw.hiding import KINDS_OF_LABELS, NOTHING_HIDDEN, Hidden
+from cspdiag.draw.scene import Scene
+from cspdiag.draw.scene_geometry import stacked
+from cspdiag.model.program import Program
+from cspdiag.syntax import ast
+
+Which: TypeAlias = Literal["communication", "composition", "both"]
+
+
+@dataclass(frozen=True, slots=True)
+class Wish:
+    """How something is to be drawn; ``depth`` 2 shows the inside of the instances."""
+
+    which: Which = "both"
+    hidden: Hidden = NOTHING_HIDDEN
+    depth: int = 1
+
+
+DEFAULT = Wish()
+
+
+class Pictures:
+    """Draws the processes and environments of a program, which may have errors.
+
+    With ``diagnostics`` each picture marks the elements that they concern and lists them.
+    """
+
+    def __init__(self, program: Program, diagnostics: Iterable[Diagnostic] = ()) -> None:
+        self.program = program
+        self.diagnostics = tuple(diagnostics)
+
+    @cached_property
+    def facts(self) -> Facts:
+        """What the compiler has found out."""
+        return Facts(self.program)
+
+    def drawn(self, *, imported: bool = False) -> list[Drawn]:
+        """The processes and environments of the main file in text order; also those of imported files where that is wished."""
+        own = set(self.program.main.items)
+        return [
+            definition
+            for definition in self.program.definitions.values()
+            if isinstance(definition, ast.ProcessDefinition | ast.EnvironmentDefinition)
+            and (imported or definition in own)
+        ]
+
+    def named(self, name: str) -> Drawn | None:
+        """The process or environment of that name."""
+        found = self.program.definitions.get(name)
+        return found if isinstance(found, Drawn) else None
+
+    def outermost(self) -> Drawn | None:
+        """What is drawn when nothing is named: the process of the first environment, or the last that nobody instantiates."""
+        drawn = self.drawn()
+        for definition in drawn:
+            if isinstance(definition, ast.EnvironmentDefinition):
+                process = self.named(definition.process.text)
+                if process is not None:
+                    return process
+        instantiated = {
+            item.definition.text
+            for definition in drawn
+            if isinstance(definition, ast.ProcessDefinition) and definition.communication is not None
+            for item in _instances(definition.communication.declarations)
+        }
+        roots = [definition for definition in drawn if definition.name.text not in instantiated]
+        candidates = roots or drawn
+        return candidates[-1] if candidates else None
+
+    def concerned(self, definition: Drawn) -> dict[int, Diagnostic]:
+        """The diagnostics that lie in a definition, numbered from 1."""
+        span = definition.span
+        return numbered(
+            found
+            for found in self.diagnostics
+            if found.span.source is span.source and span.start <= found.span.start and found.span.end <= span.end
+        )
+
+    def communication(self, definition: Drawn, depth: int = 1) -> CommunicationDiagram:
+        """The elements of the communication diagram."""
+        return communication_diagram(self.program, self.facts, definition, depth)
+
+    def labels(self, definitions: Iterable[Drawn], depth: int = 1) -> frozenset[str]:
+        """The names of labels that can be hidden in some pictures, and the words for sorts of labels."""
+        found = {*KINDS_OF_LABELS}
+        for definition in definitions:
+            pending = [self.communication(definition, depth)]
+            while pending:
+                diagram = pending.pop()
+                found.update(element.key for element in diagram.elements())
+                found.update(port.key for box in diagram.boxes for port in box.ports)
+                pending += [box.inside for box in diagram.boxes if box.inside is not None]
+        return frozenset(found)
+
+    def composition(self, definition: Drawn) -> CompositionDiagram | None:
+        """The elements of the composition diagram; None where there is none."""
+        if not isinstance(definition, ast.ProcessDefinition) or definition.composition is None:
+            return None
+        return composition_diagram(self.program.definitions, definition)
+
+    def scene(self, definition: Drawn, wish: Wish = DEFAULT, links: Mapping[str, str] | None = None) -> Scene:
+        """The picture of a process or an environment. Raises what ``lay_out`` raises."""
+        found = self.concerned(definition)
+        composition = None if wish.which == "communication" else self.composition(definition)
+        scenes: list[Scene] = []
+        if wish.which != "composition" or composition is None:
+            diagram = self.communication(definition, wish.depth)
+            scenes.append(
+                draw_communication(
+                    diagram,
+                    hidden=wish.hidden,
+                    marks=marks_of(places_of(diagram), found),
+                    diagnostics=found if composition is None else None,
+                    links=links,
+                )
+            )
+        if composition is not None:
+            places = {element.key: element.spans for element in composition.elements()}
+            scenes.append(draw_composition(composition, marks=marks_of(places, found), diagnostics=found, links=links))
+        return scenes[0] if len(scenes) == 1 else stacked(scenes)
+
+
+def places_of(diagram: CommunicationDiagram, prefix: str = "") -> dict[str, tuple[Span, ...]]:
+    """The places in the text of all elements of a diagram and of what it shows inside, under the names that marks have."""
+    places: dict[str, tuple[Span, ...]] = {}
+    for element in diagram.elements():
+        places[f"{prefix}{element.key}"] = element.spans
+    for box in diagram.boxes:
+        if box.inside is not None:
+            places |= places_of(box.inside, f"{prefix}{box.key}/")
+    return places
+
+
+def _instances(declarations: Iterable[ast.Declaration]) -> Iterable[ast.Instance]:
+    for item in declarations:
+        if isinstance(item, ast.Instance):
+            yield item
+        elif isinstance(item, ast.RepeatedDeclarations):
+            yield from _instances(item.declarations)
