@@ -1,0 +1,275 @@
+"""Steps the generated program through a trace: does it do what the transition system was found to do?
+
+Who gets on and what alternatives choose follows the trace, as far as priorities allow it: a guard of a prioritized alternative is not chosen while one before it is
+always ready, or offered by a process of higher priority; and processes of higher priority communicate with each other before others do. Values that the trace leaves
+open are tried one after the other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from cspdiag.network.ir import Network
+from cspdiag.runtime.composition import end_all, task_for
+from cspdiag.runtime.deadlock import DeadlockReport, report_deadlock
+from cspdiag.runtime.exceptions import Timeout
+from cspdiag.runtime.scheduler import Task, scheduler
+from cspdiag.simulate.package import LoadedPackage
+from cspdiag.simulate.replay_decisions import Decisions
+from cspdiag.simulate.replay_gates import Gate, Interruption, Option, conductor
+from cspdiag.simulate.replay_runtime import replaying_runtime
+from cspdiag.simulate.replay_trace import Trace, TraceStep
+from cspdiag.simulate.replay_values import Values, numbers_of
+
+MOST_ATTEMPTS = 400
+_SILENT = frozenset({"internal", "variable", "start", "end", "cancel", "exception"})
+
+
+@dataclass(frozen=True)
+class Replay:
+    """How far the program followed a trace.
+
+    ``divergence`` says why it did not to the end; None if it did. ``communications`` are (channel, value) in order; ``deadlock`` is what the runtime says at the end.
+    """
+
+    steps: int
+    divergence: str | None
+    communications: tuple[tuple[str, Any], ...]
+    deadlock: DeadlockReport | None = None
+
+    @property
+    def succeeded(self) -> bool:
+        """Whether the program did all of it."""
+        return self.divergence is None
+
+
+class _DivergenceError(Exception):
+    """The program does not follow the trace; the message says where."""
+
+
+def replay(network: Network, files: Mapping[str, str], trace: Trace) -> Replay:
+    """Step the package ``files`` of ``network``, compiled without optimization, through a trace."""
+    package = LoadedPackage(network.name, files, replaying_runtime())
+    try:
+        decisions = Decisions()
+        best: Replay | None = None
+        for _ in range(MOST_ATTEMPTS):
+            attempt = _Attempt(network, package, trace, decisions).run()
+            if attempt.succeeded:
+                return attempt
+            if best is None or attempt.steps > best.steps:
+                best = attempt
+            if not decisions.advance():
+                break
+        assert best is not None
+        return best
+    finally:
+        package.close()
+
+
+class _Attempt:
+    """One run of the program along the trace, with certain decisions about what the trace leaves open."""
+
+    def __init__(self, network: Network, package: LoadedPackage, trace: Trace, decisions: Decisions) -> None:
+        self._trace = trace
+        self._package = package
+        self._decisions = decisions
+        self._ports = {f"{network.top}.{port.name}": port for port in network.external_ports}
+        types = package.module("types") if network.enums or network.structs else None
+        self._values = Values(types, numbers_of(network))
+        self._communications: list[tuple[str, Any]] = []
+        self._failed: BaseException | None = None
+        self._ended = False
+
+    def branch_ended(self, branch: Task, error: BaseException | None) -> None:
+        """The outermost process has ended."""
+        self._ended = True
+        self._failed = error
+
+    def run(self) -> Replay:
+        conductor.reset()
+        scheduler.reset()
+        self._decisions.begin()
+        network = self._package.module("network").build(_Undriven())
+        root = task_for(network.process, self, None)
+        scheduler.observe = self._observe
+        scheduler.enqueue(root)
+        done = 0
+        deadlock, divergence = None, None
+        try:
+            self._settle()
+            for step in (*self._trace.steps, *self._trace.cycle):
+                self._perform(step)
+                done += 1
+            deadlock = self._conclude(root)
+        except _DivergenceError as problem:
+            divergence = str(problem)
+        finally:
+            scheduler.observe = None
+            end_all(root)
+        return Replay(done, divergence, tuple(self._communications), deadlock)
+
+    def _observe(self, channel: str, value: Any, writer: object, reader: object) -> None:
+        self._communications.append((channel, value))
+
+    def _settle(self) -> None:
+        """Everybody goes on to a gate, or to where only others can help."""
+        while scheduler.run_ready():
+            pass
+        if self._failed is not None:
+            error, self._failed = self._failed, None
+            raise _DivergenceError(f"it ends with {type(error).__name__}: {error}")
+
+    def _perform(self, step: TraceStep) -> None:
+        if step.kind in _SILENT:
+            return
+        if step.kind in {"sample", "miss", "external"} and step.channel in self._ports:
+            self._supply(step)
+        conductor.done.clear()
+        expected = []
+        for option, candidate in self._taking_part(step):
+            if isinstance(candidate, Interruption):
+                candidate.fire()
+            else:
+                self._respect_priorities(candidate, option)
+                conductor.release(candidate, option)
+            expected.append((option.action, option.channel))
+            self._settle()
+        for action, channel in expected:
+            if action == "ready":
+                self._read_after_guard(channel)
+            elif (action, channel) not in conductor.done:
+                raise _DivergenceError(f"`{step}` does not come about")
+
+    def _read_after_guard(self, channel: str) -> None:
+        """A process that was told that it can read does so first."""
+        for gate in list(conductor.halted.values()):
+            for option in gate.options:
+                if (option.action, option.channel) == ("read", channel):
+                    conductor.release(gate, option)
+                    self._settle()
+                    return
+        if ("read", channel) not in conductor.done:
+            raise _DivergenceError(f"nobody reads `{channel}`")
+
+    def _supply(self, step: TraceStep) -> None:
+        port = self._ports[step.channel]
+        if port.direction == "out":
+            return
+        if step.kind == "miss":
+            conductor.supplied[step.channel] = Timeout(f"a sample of {step.channel} was overwritten")
+            return
+        candidates = self._values.candidates(port.type, step.value)
+        if not candidates:
+            raise _DivergenceError(f"no value `{step.value}` can be offered at `{step.channel}`")
+        conductor.supplied[step.channel] = candidates[self._decisions.choose(len(candidates))]
+
+    def _taking_part(self, step: TraceStep) -> Iterator[tuple[Option, Gate | Interruption]]:
+        """The gates to be passed for a step, writers first, alternatives last."""
+        actions = ("wait",) if step.kind == "time" else ("write", "read", "ready")
+        candidates: list[Gate | Interruption] = [*conductor.halted.values(), *conductor.interruptions]
+        offers = [
+            (option, candidate)
+            for candidate in candidates
+            for option in candidate.options
+            if option.action in actions and (step.kind == "time" or option.channel == step.channel)
+        ]
+        found = list(self._chosen(step, offers))
+        if not found:
+            raise _DivergenceError(f"nobody is ready for `{step}`{self._instead(step)}")
+        return iter(sorted(found, key=lambda entry: _order(*entry)))
+
+    def _chosen(
+        self, step: TraceStep, offers: list[tuple[Option, Gate | Interruption]]
+    ) -> Iterator[tuple[Option, Gate | Interruption]]:
+        """For each process of the step what it goes on with; among several that would fit, a decision."""
+        taken: set[int] = set()
+        for path in step.parties:
+            fitting = [
+                (option, candidate)
+                for option, candidate in offers
+                if id(candidate.task) not in taken and _belongs(candidate.path, path)
+            ]
+            exact = [entry for entry in fitting if entry[1].path == path]
+            fitting = exact or fitting
+            if fitting:
+                option, candidate = fitting[self._decisions.choose(len(fitting))]
+                taken.add(id(candidate.task))
+                yield option, candidate
+
+    def _instead(self, step: TraceStep) -> str:
+        told = [
+            f"`{gate.path}` waits {' or '.join(f'to {o.action} {o.channel}'.rstrip() for o in gate.options)}"
+            for gate in conductor.halted.values()
+            if any(_belongs(gate.path, path) for path in step.parties)
+        ]
+        return f": {'; '.join(told[:3])}" if told else ""
+
+    def _respect_priorities(self, gate: Gate, option: Option) -> None:
+        for other in gate.options if gate.prioritized else ():
+            if other == option:
+                break
+            if other.action == "skip" or self._offered_above(other, gate):
+                raise _DivergenceError(f"`{gate.path}` prefers `{other.channel or other.action}` to `{option.channel}`")
+        for first in conductor.halted.values():
+            for second in conductor.halted.values():
+                if first is not second and _meet_above(first, second, gate):
+                    channel = next(o.channel for o in first.options if o.action == "write")
+                    raise _DivergenceError(f"`{channel}` comes first: its processes have a higher priority")
+
+    def _offered_above(self, option: Option, gate: Gate) -> bool:
+        """Whether a process of higher priority waits at the other side of a guard."""
+        opposite = "read" if option.action == "write" else "write"
+        return any(
+            other.priority < gate.priority
+            and any((entry.action, entry.channel) == (opposite, option.channel) for entry in other.options)
+            for other in conductor.halted.values()
+        )
+
+    def _conclude(self, root: Task) -> DeadlockReport | None:
+        """What was refuted is the case now."""
+        if self._trace.failure not in {"deadlock", "knot"}:
+            return None
+        if self._ended:
+            raise _DivergenceError("it ends instead of coming to a halt")
+        before = len(self._communications)
+        stuck = [
+            gate
+            for gate in conductor.halted.values()
+            if self._trace.failure == "deadlock" or any(_belongs(gate.path, path) for path in self._trace.stuck)
+        ]
+        conductor.go_free()
+        for gate in stuck:
+            conductor.release(gate, None)
+        self._settle()
+        if len(self._communications) > before:
+            channel, _ = self._communications[before]
+            raise _DivergenceError(f"it goes on with `{channel}`")
+        return report_deadlock(root, scheduler.now)
+
+
+class _Undriven(dict[str, None]):
+    """Drivers for all ports: none."""
+
+    def __missing__(self, name: str) -> None:
+        return None
+
+
+def _belongs(process: str, path: str) -> bool:
+    """Whether a process is the one of a path, or inside it, or runs it."""
+    return process == path or process.startswith(f"{path}.") or path.startswith(f"{process}.")
+
+
+def _order(option: Option, candidate: Gate | Interruption) -> tuple[bool, bool]:
+    return isinstance(candidate, Interruption) or len(candidate.options) > 1, option.action != "write"
+
+
+def _meet_above(writer: Gate, reader: Gate, gate: Gate) -> bool:
+    """Whether two processes of higher priority than that of ``gate`` would communicate before it gets on."""
+    if len(writer.options) != 1 or len(reader.options) != 1:
+        return False
+    (written,), (read,) = writer.options, reader.options
+    meet = (written.action, read.action, written.channel) == ("write", "read", read.channel)
+    return meet and max(writer.priority, reader.priority) < gate.priority

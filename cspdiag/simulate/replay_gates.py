@@ -1,0 +1,119 @@
+"""Where processes halt in a replay: before each communication, delay and choice, until the trace has come to it.
+
+Between two gates a process runs as always, on the same runtime. So a replay changes nothing but the order in which processes get on, and what each alternative
+chooses: it is one of the runs that the program can have when its processes take any time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+from cspdiag.runtime.exceptions import Cancelled
+from cspdiag.runtime.scheduler import Party, Priority, Task, Waits, scheduler
+from cspdiag.runtime.selector import Selector
+
+Action = Literal["read", "write", "ready", "wait", "skip"]
+
+
+@dataclass(frozen=True)
+class Option:
+    """Something that a process at a gate can go on with; ``index`` tells options of one gate apart.
+
+    ``ready`` is a guard that leaves the reading to the guarded process, ``wait`` a delay or a time-out, ``skip`` the guard that is always ready.
+    """
+
+    action: Action
+    channel: str = ""
+    index: int = 0
+
+
+class Gate:
+    """A task that halts; what it may go on with, in text order."""
+
+    def __init__(self, task: Task, options: tuple[Option, ...], prioritized: bool, halted: dict[Task, Gate]) -> None:
+        self.task = task
+        self.options = options
+        self.prioritized = prioritized
+        self.chosen: Option | None = None
+        self._halted = halted
+
+    @property
+    def path(self) -> str:
+        """The process that halts here."""
+        return "" if self.task.process is None else self.task.process.name
+
+    @property
+    def priority(self) -> Priority:
+        """The level of priority of the task."""
+        return self.task.priority
+
+    def withdraw(self, party: Party) -> bool:
+        """See ``Waiting.withdraw``."""
+        self._halted.pop(self.task, None)
+        return True
+
+    def waits_for(self, party: Party) -> Waits:
+        """See ``Waiting.waits_for``."""
+        return tuple((f"to {option.action} {option.channel}".rstrip(), None) for option in self.options)
+
+
+@dataclass
+class Interruption:
+    """An interrupt whose body runs: ``fire`` abandons the body at the gate at which it halts."""
+
+    task: Task
+    options: tuple[Option]
+    fire: Callable[[], None]
+
+    @property
+    def path(self) -> str:
+        """The process whose interrupt it is."""
+        return "" if self.task.process is None else self.task.process.name
+
+
+@dataclass
+class Conductor:
+    """Who halts where, and what comes from outside; ``free`` lets everybody through, as in any other run."""
+
+    halted: dict[Task, Gate] = field(default_factory=dict)
+    interruptions: list[Interruption] = field(default_factory=list)
+    supplied: dict[str, Any] = field(default_factory=dict)
+    """The value that the environment offers next, by port; an exception stands for a sample that was missed."""
+    done: list[tuple[str, str]] = field(default_factory=list)
+    """Communications since it was emptied: direction and channel."""
+    free: bool = False
+    ready_bits: list[tuple[Selector, int]] = field(default_factory=list)
+
+    def reset(self) -> None:
+        """Forget everything, for a new run."""
+        self.__init__()  # type: ignore[misc]
+
+    def hold(self, *options: Option, prioritized: bool = False) -> Generator[None, None, Option | None]:
+        """Halts the current task until one of the options is its turn; None in a run that is not conducted."""
+        task = scheduler.current
+        if task.cancelled:
+            raise Cancelled
+        if self.free:
+            return None
+        gate = self.halted[task] = Gate(task, options, prioritized, self.halted)
+        task.waiting = gate
+        yield
+        return gate.chosen
+
+    def release(self, gate: Gate, option: Option | None) -> None:
+        """Lets a task through."""
+        del self.halted[gate.task]
+        gate.chosen = option
+        scheduler.enqueue(gate.task)
+
+    def go_free(self) -> None:
+        """From now on nobody halts, and nothing comes from outside any more."""
+        self.free = True
+        for selector, bit in self.ready_bits:
+            selector.ready &= ~bit
+
+
+conductor = Conductor()
+"""That of the one run that there is at a time, as ``scheduler`` is."""

@@ -1,0 +1,90 @@
+"""Traces to replay, as ``cspdiag verify --trace-out`` writes them."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+FORMAT = "cspdiag trace 1"
+
+
+class TraceError(ValueError):
+    """The file is no trace to replay; the message is one line."""
+
+
+@dataclass(frozen=True)
+class TraceStep:
+    """What is to happen next; ``parties`` are the paths of the processes that take part."""
+
+    kind: str
+    channel: str
+    value: str | None
+    parties: tuple[str, ...]
+
+    def __str__(self) -> str:
+        return " ".join(filter(None, (self.channel or self.kind, self.value)))
+
+
+@dataclass(frozen=True)
+class Trace:
+    """A counterexample of ``process``, compiled with ``settings``; ``stuck`` are paths of the processes that never go on after it."""
+
+    process: str
+    settings: Mapping[str, str]
+    assertion: str
+    failure: str
+    steps: tuple[TraceStep, ...]
+    cycle: tuple[TraceStep, ...]
+    stuck: tuple[str, ...]
+
+
+def trace_text(counterexample: Mapping[str, Any], process: str, assertion: str, settings: Mapping[str, str]) -> str:
+    """The file of a counterexample (see ``analyses.counterexamples.encode``)."""
+    whole = {
+        "format": FORMAT,
+        "process": process,
+        "assertion": assertion,
+        "settings": dict(settings),
+        **counterexample,
+    }
+    return json.dumps(whole, indent=2) + "\n"
+
+
+def read_trace(text: str) -> Trace:
+    """The trace in the text of a file. Raises TraceError."""
+    try:
+        whole = json.loads(text)
+    except ValueError as problem:
+        raise TraceError(f"no JSON: {problem}") from None
+    if not isinstance(whole, dict) or whole.get("format") != FORMAT:
+        raise TraceError("no trace that `cspdiag verify --trace-out` wrote")
+    try:
+        return Trace(
+            process=_text(whole["process"]),
+            settings={_text(name): _text(value) for name, value in whole["settings"].items()},
+            assertion=_text(whole["assertion"]),
+            failure=_text(whole["failure"]),
+            steps=tuple(map(_step, whole["steps"])),
+            cycle=tuple(map(_step, whole["cycle"])),
+            stuck=tuple(_text(entry["path"]) for entry in whole["waiting"]),
+        )
+    except (KeyError, TypeError, AttributeError) as problem:
+        raise TraceError(f"a trace that is not whole ({type(problem).__name__}: {problem})") from None
+
+
+def _step(entry: Mapping[str, Any]) -> TraceStep:
+    value = entry["value"]
+    return TraceStep(
+        kind=_text(entry["kind"]),
+        channel=_text(entry["channel"]),
+        value=None if value is None else _text(value),
+        parties=tuple(_text(party["path"]) for party in entry["parties"]),
+    )
+
+
+def _text(value: object) -> str:
+    if not isinstance(value, str):
+        raise TypeError(f"a text is wanted, not {value!r}")
+    return value
