@@ -9,8 +9,8 @@ from cspdiag.codegen.python_code import Argument, Atom, Call, Code, Items, tuple
 from cspdiag.codegen.python_environments import port_key
 from cspdiag.codegen.python_external import ExternalModules
 from cspdiag.codegen.python_imports import Imports
+from cspdiag.codegen.python_instances import keywords_of
 from cspdiag.codegen.python_names import Names, PackageNames
-from cspdiag.codegen.python_processes import keywords_of
 from cspdiag.codegen.python_statements import Line, Statement, assign, lines
 from cspdiag.codegen.python_types import annotation, duration, literal, quoted
 from cspdiag.network.ir import ExternalPort, Network, ProcessClass

@@ -2,33 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 
 from cspdiag.codegen.python_actions import Composition
-from cspdiag.codegen.python_code import Argument, Atom, Call, Code, Comprehension, call
+from cspdiag.codegen.python_code import Argument, Atom, Call, Code, Comprehension
 from cspdiag.codegen.python_docs import class_doc
 from cspdiag.codegen.python_expressions import Printer
 from cspdiag.codegen.python_external import ExternalModules
 from cspdiag.codegen.python_imports import Imports
+from cspdiag.codegen.python_instances import Instances, path
 from cspdiag.codegen.python_members import Members
 from cspdiag.codegen.python_modules import ClassModule, port_annotation
-from cspdiag.codegen.python_names import MEMBERS, PROCESS_MEMBERS, Names, PackageNames
+from cspdiag.codegen.python_names import PackageNames
 from cspdiag.codegen.python_rolling import rolled_list
 from cspdiag.codegen.python_statements import Line, Statement, assign, docstring, lines, signature
-from cspdiag.codegen.python_submodels import signal_names
 from cspdiag.codegen.python_types import annotation, quoted
 from cspdiag.network.actions import ChannelEnd, PortEnd
 from cspdiag.network.expressions import ParameterValue
 from cspdiag.network.ir import (
-    Connection,
-    ConstantEnd,
-    DiscardEnd,
     InstanceOf,
     LocalChannel,
     Network,
-    Port,
     ProcessClass,
-    SubmodelClass,
 )
 from cspdiag.network.walk import parts
 
@@ -51,7 +46,6 @@ def process_module(
 
 class _ProcessWriter:
     def __init__(self, process: ProcessClass, network: Network, names: PackageNames, modules: ExternalModules) -> None:
-        self.modules = modules
         self.process = process
         self.network = network
         self.names = names
@@ -62,6 +56,7 @@ class _ProcessWriter:
         initial = Printer(self.imports, parameter=self._argument)
         running = Printer(self.imports, parameter=self._parameter, variable=self._variable)
         self.initial = initial
+        self.instances = Instances(network, self.members, initial, self.imports, modules)
         self.composition = Composition(self.members, running, initial, self.imports)
 
     def module(self) -> ClassModule:
@@ -143,7 +138,7 @@ class _ProcessWriter:
 
     def _instances(self) -> Iterable[Statement]:
         yield from self._attributes(
-            self.process.instances, {item.name: self._instance(item) for item in self.process.instances}
+            self.process.instances, {item.name: self.instances.made(item) for item in self.process.instances}
         )
 
     def _attributes(
@@ -167,62 +162,6 @@ class _ProcessWriter:
         if channel.capacity is not None:
             arguments.append(Argument(Atom(str(channel.capacity)), "capacity"))
         return Call(f"{class_}[{annotation(channel.type, self.imports)}]", tuple(arguments))
-
-    def _instance(self, instance: InstanceOf) -> Code:
-        class_ = self.network.class_named(instance.class_name)
-        given = {name: self.initial.print(value) for name, value in instance.arguments}
-        keywords = keywords_of(class_)
-        arguments = [Argument(path(instance.name))]
-        for name, value in given.items():
-            arguments.append(Argument(value, keywords[name]))
-        for port in class_.ports:
-            attached = [c for c in instance.connections if c.port == port.name]
-            value = self._attached(port, attached, isinstance(class_, SubmodelClass))
-            arguments.append(Argument(value, keywords[port.name]))
-        if isinstance(class_, ProcessClass) and class_.external is not None:
-            return Call(self.modules.imported(class_.external, self.imports), tuple(arguments))
-        return Call(self.imports.class_(class_.name), tuple(arguments))
-
-    def _attached(self, port: Port, connections: Sequence[Connection], by_submodel: bool) -> Code:
-        ordered = sorted(connections, key=lambda connection: connection.index or 0)
-        values = [self._attachment(port, connection, by_submodel) for connection in ordered]
-        if port.size is None:
-            return values[0]
-        whole = self._whole(values)
-        return Atom(whole) if whole is not None else rolled_list(values, self.members.index)
-
-    def _whole(self, values: Sequence[Code]) -> str | None:
-        """The list of which these are all elements in order."""
-        base = values[0].flat.removesuffix("[0]")
-        if [value.flat for value in values] != [f"{base}[{index}]" for index in range(len(values))]:
-            return None
-        return base if self.members.list_sizes.get(base) == len(values) else None
-
-    def _attachment(self, port: Port, connection: Connection, by_submodel: bool) -> Code:
-        attachment = connection.attachment
-        match attachment:
-            case ConstantEnd(value=value):
-                return call(self.imports.runtime("Constant"), self.initial.print(value))
-            case DiscardEnd():
-                return call(self.imports.runtime("Discard"))
-            case _:
-                if by_submodel and port.direction == "in":
-                    return Atom(self.members.source(attachment))
-                return Atom(self.members.handed_on(attachment))
-
-
-def keywords_of(class_: ProcessClass | SubmodelClass) -> Mapping[str, str]:
-    """The keywords of a class's constructor by parameter and port."""
-    if isinstance(class_, ProcessClass):
-        names = Names(MEMBERS if class_.external is not None else PROCESS_MEMBERS)
-    else:
-        names = signal_names(class_)
-    return {item.name: names[item.name] for item in (*class_.parameters, *class_.ports)}
-
-
-def path(name: str) -> Code:
-    """The hierarchical name of something inside, from the ``name`` of the process."""
-    return Atom(f'f"{{name}}.{name}"')
 
 
 def _function(name: str, body: Sequence[Statement], parameter: str | None = None) -> list[str]:

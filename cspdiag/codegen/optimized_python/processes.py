@@ -15,24 +15,21 @@ from cspdiag.codegen.optimized_python.places import Spelling, is_alternated, is_
 from cspdiag.codegen.optimized_python.statements import assigned
 from cspdiag.codegen.optimized_python.storage import never_ends, run_again
 from cspdiag.codegen.optimized_python.temporaries import Temporaries
-from cspdiag.codegen.python_code import Argument, Atom, Call, Code, Comprehension, call, tuple_of
+from cspdiag.codegen.python_code import Argument, Atom, Call, Code, Comprehension, tuple_of
 from cspdiag.codegen.python_docs import class_doc
 from cspdiag.codegen.python_external import ExternalModules
 from cspdiag.codegen.python_imports import Imports, member_order
+from cspdiag.codegen.python_instances import Instances, path
 from cspdiag.codegen.python_layout import LINE_LENGTH
 from cspdiag.codegen.python_modules import ClassModule
 from cspdiag.codegen.python_names import PackageNames
-from cspdiag.codegen.python_processes import keywords_of, path
 from cspdiag.codegen.python_rolling import rolled_list
 from cspdiag.codegen.python_statements import Block, Line, Statement, assign, docstring, lines, signature
 from cspdiag.codegen.python_types import annotation, quoted
 from cspdiag.network.actions import ChannelEnd, End, ParallelSteps, PortEnd
 from cspdiag.network.ir import (
-    Connection,
-    ConstantEnd,
     CreatedChoice,
     CreatedInstance,
-    DiscardEnd,
     InstanceOf,
     LocalChannel,
     Medium,
@@ -116,6 +113,7 @@ class _ProcessWriter:
             spelling, self.imports, self.checked, options.traced, self.tracked, has_levels(network)
         )
         self.composition = Composition(spelling, communications, running, self.initial, self.imports, modules)
+        self.instances = Instances(network, self.members, self.initial, self.imports, modules)
 
     def _name_everything(self) -> None:
         """Gives every signal its name before imports are named."""
@@ -257,7 +255,7 @@ class _ProcessWriter:
             used = python in self.spelling.bound or re.search(rf"\bself\.{python}\b", guards)
             if used and name not in read:
                 yield assign(f"self.{python}", Atom(python))
-        instances = " ".join(self._instance(instance).flat for instance in self.process.instances)
+        instances = " ".join(self.instances.made(instance).flat for instance in self.process.instances)
         done: set[str] = set()
         for end in self.members.reading_ends:
             name = self.members.end_name(end)
@@ -355,11 +353,11 @@ class _ProcessWriter:
     def _made_instance(self, instance: InstanceOf, arrays: set[str]) -> Iterator[Statement]:
         array = self.members.array_of(instance.name)
         if array is None:
-            yield assign(self.members.attribute(instance.name), self._instance(instance))
+            yield assign(self.members.attribute(instance.name), self.instances.made(instance))
         elif array.name not in arrays:
             arrays.add(array.name)
             by_name = {item.name: item for item in self.process.instances}
-            elements = [self._instance(by_name[element]) for element in array.elements]
+            elements = [self.instances.made(by_name[element]) for element in array.elements]
             yield assign(f"self.{array.name}", rolled_list(elements, self.members.index))
 
     def _made_end(self, end: End, made: set[str]) -> Iterator[Statement]:
@@ -386,47 +384,6 @@ class _ProcessWriter:
             if end in scope.ends:
                 return f"self.{self.spelling.parts[scope.instance]}"
         return "self"
-
-    def _instance(self, instance: InstanceOf) -> Code:
-        class_ = self.network.class_named(instance.class_name)
-        given = {name: self.initial.print(value) for name, value in instance.arguments}
-        keywords = keywords_of(class_)
-        arguments = [Argument(path(instance.name))]
-        arguments += [Argument(value, keywords[name]) for name, value in given.items()]
-        for port in class_.ports:
-            attached = [c for c in instance.connections if c.port == port.name]
-            value = self._attached(port, attached, isinstance(class_, SubmodelClass))
-            arguments.append(Argument(value, keywords[port.name]))
-        if isinstance(class_, ProcessClass) and class_.external is not None:
-            return Call(self.modules.imported(class_.external, self.imports), tuple(arguments))
-        return Call(self.imports.class_(class_.name), tuple(arguments))
-
-    def _attached(self, port: Port, connections: Sequence[Connection], by_submodel: bool) -> Code:
-        ordered = sorted(connections, key=lambda connection: connection.index or 0)
-        values = [self._attachment(port, connection, by_submodel) for connection in ordered]
-        if port.size is None:
-            return values[0]
-        whole = self._whole(values)
-        return Atom(whole) if whole is not None else rolled_list(values, self.members.index)
-
-    def _whole(self, values: Sequence[Code]) -> str | None:
-        """The list of which these are all elements in order."""
-        base = values[0].flat.removesuffix("[0]")
-        if [value.flat for value in values] != [f"{base}[{index}]" for index in range(len(values))]:
-            return None
-        return base if self.members.list_sizes.get(base) == len(values) else None
-
-    def _attachment(self, port: Port, connection: Connection, by_submodel: bool) -> Code:
-        attachment = connection.attachment
-        match attachment:
-            case ConstantEnd(value=value):
-                return call(self.imports.runtime("Constant"), self.initial.print(value))
-            case DiscardEnd():
-                return call(self.imports.runtime("Discard"))
-            case _:
-                if by_submodel and port.direction == "in":
-                    return Atom(self.members.source(attachment))
-                return Atom(self.members.handed_on(attachment))
 
 
 def _assigned(constructor: Sequence[str]) -> list[str]:
