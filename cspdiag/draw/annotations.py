@@ -41,7 +41,7 @@ def heading(runs: Sequence[Run], doc: str | None) -> Group:
 
 def first_sentence(doc: str) -> str:
     """The beginning of a doc comment, on one line."""
-    text = " ".join(doc.split())
+    text = " ".join(doc.replace("`", "").split())
     end = text.find(". ")
     return text if end < 0 else text[: end + 1]
 

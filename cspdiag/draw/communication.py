@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import assert_never
 
 from cspdiag.diagnostics import Diagnostic
@@ -14,13 +15,15 @@ from cspdiag.draw.elements.marks import Mark, Marks
 from cspdiag.draw.geometry import Point, Rectangle
 from cspdiag.draw.hiding import NOTHING_HIDDEN, Hidden
 from cspdiag.draw.layout.elk import lay_out
-from cspdiag.draw.layout.graph import Layout, Route, Side
+from cspdiag.draw.layout.graph import Layout, Node, Route, Side
 from cspdiag.draw.legend import legend
 from cspdiag.draw.scene import Anchor, Dash, Face, Group, Head, Ink, Item, Line, Run, Scene, Text
 from cspdiag.draw.scene_geometry import bounds, fitted, moved
 from cspdiag.draw.text_metrics import ASCENT, line_height
 from cspdiag.draw.tooltips import arrow_tooltip, box_tooltip, parent_port_tooltip, port_tooltip, store_tooltip
 
+ROW_GAP = 24.0
+"""Around elements that stand apart."""
 GAP = 26.0
 """Between heading, drawing, legend and messages."""
 
@@ -39,7 +42,7 @@ def draw_communication(
     raises.
     """
     made = communication_graph(diagram, hidden)
-    layout = lay_out(made.graph)
+    layout = _with_row(lay_out(made.graph), made.apart) if made.graph.nodes else _with_row(Layout(0, 0, {}), made.apart)
     drawing = _Drawing(made, layout, marks or {}, links or {})
     picture = drawing.picture()
     parts: list[Item] = [heading(_title(diagram), diagram.doc)]
@@ -52,6 +55,18 @@ def draw_communication(
     if diagnostics:
         parts.append(messages(diagnostics.items(), width))
     return fitted(_below_each_other(parts), title=diagram.key, description=diagram.doc or "", name=diagram.key)
+
+
+def _with_row(layout: Layout, apart: Sequence[Node]) -> Layout:
+    """The layout with further nodes in rows below it."""
+    nodes = dict(layout.nodes)
+    x, y = 0.0, layout.height + ROW_GAP if layout.nodes else 0.0
+    for node in apart:
+        if x > 0 and x + node.width > max(layout.width, SMALLEST_ROW):
+            x, y = 0.0, y + node.height + ROW_GAP / 2
+        nodes[node.id] = Rectangle(x, y, node.width, node.height)
+        x += node.width + ROW_GAP
+    return replace(layout, nodes=nodes)
 
 
 def _title(diagram: CommunicationDiagram) -> tuple[Run, ...]:

@@ -20,6 +20,7 @@ from cspdiag.draw.elements.diagram import (
 )
 from cspdiag.draw.hiding import Hidden
 from cspdiag.draw.layout.graph import Edge, Graph, Label, Layer, Node, Padding, Port, Side
+from cspdiag.draw.ordering import ordered
 from cspdiag.draw.scene import Face, Ink, Run
 from cspdiag.draw.text_metrics import line_height, runs_width
 
@@ -27,6 +28,7 @@ NAME_SIZE = 13.0
 PORT_SIZE = 11.0
 LABEL_SIZE = 11.5
 BOX_WIDTH = 110.0
+PARENT_HEIGHT = 18.0
 SINK_SIZE = 12.0
 STORE_HEIGHT = 26.0
 STORE_GAP = 12.0
@@ -56,6 +58,8 @@ class CommunicationGraph:
     """A graph, and what its parts stand for, by their identifiers."""
 
     graph: Graph = field(default_factory=lambda: Graph(()))
+    apart: tuple[Node, ...] = ()
+    """What no arrow leads to or from, such as variables that only the composition uses: it stands below the rest."""
     captions: dict[str, Caption] = field(default_factory=dict)
     vertices: dict[str, Vertex] = field(default_factory=dict)
     ports: dict[str, BoxPort] = field(default_factory=dict)
@@ -88,8 +92,15 @@ class _Level:
         if self.around is not None:
             self._find_border(self.around, diagram)
         self.types = {(box.key, port.key): port.type for box in diagram.boxes for port in box.ports}
-        drawn = [vertex for vertex in diagram.vertices if vertex.key not in self.at_border]
         used = {end.element for arrow in diagram.arrows for end in (*arrow.sources, *arrow.sinks)}
+        drawn = [vertex for vertex in ordered(diagram) if vertex.key not in self.at_border]
+        if not self.prefix:
+            self.made.apart = tuple(
+                self._node(vertex, {"in": 0, "out": 0}, False)
+                for vertex in diagram.vertices
+                if vertex.key not in used and not isinstance(vertex, Box)
+            )
+            drawn = [vertex for vertex in drawn if vertex.key in used or isinstance(vertex, Box)]
         widths = {
             direction: max(
                 (
@@ -125,9 +136,8 @@ class _Level:
                 caption = self._parent_caption(vertex)
                 width = max(widths[vertex.direction], caption.width) + 6
                 is_in = vertex.direction == "in"
-                return self._small(
-                    name, caption, width, caption.height + 4, Layer.FIRST if is_in else Layer.LAST, is_used
-                )
+                layer = Layer.FIRST if is_in else Layer.LAST
+                return replace(self._small(name, caption, width, PARENT_HEIGHT, layer, is_used), spacing=PARENT_SPACING)
             case Store():
                 caption = self._store_caption(vertex)
                 return self._small(name, caption, caption.width + 2 * STORE_GAP, STORE_HEIGHT, Layer.ANY, is_used)

@@ -20,7 +20,7 @@ INKS: dict[MarkKind, tuple[Ink, Ink]] = {
 
 MARKED_WIDTH = 2.2
 STACK = 5.0
-"""How far the boxes behind that of an array stand out."""
+"""How far the boxes behind that of an array stand out above it, and are narrower at each side."""
 SIDE_BAR = 5.0
 """Between the double lines at the sides of a submodel."""
 SYMBOL_DISTANCE = 11.0
@@ -45,7 +45,10 @@ def instance(box: InstanceBox, place: Rectangle, mark: Mark | None = None) -> tu
     shapes: list[Item] = []
     if box.size is not None:
         for step in (2, 1):
-            shapes.append(_body(box, place.moved(STACK * step, -STACK * step), mark, plain=True))
+            behind = Rectangle(
+                place.x + STACK * step, place.y - STACK * step, place.width - 2 * STACK * step, place.height
+            )
+            shapes.append(_body(box, behind, mark, plain=True))
     shapes.append(_body(box, place, mark))
     if box.kind == "submodel":
         for x in (place.x + SIDE_BAR, place.right - SIDE_BAR):
@@ -143,7 +146,7 @@ def kind_symbol(kind: FlowKind, begin: Point, towards: Point, ink: Ink = Ink.LIN
     length = abs(towards.x - begin.x) + abs(towards.y - begin.y)
     if length == 0:
         return ()
-    distance = min(SYMBOL_DISTANCE, length / 2)
+    distance = SYMBOL_DISTANCE if length > SYMBOL_DISTANCE + 4 else length / 2
     dx, dy = (towards.x - begin.x) / length, (towards.y - begin.y) / length
     centre = begin.moved(dx * distance, dy * distance)
     match kind:
