@@ -137,7 +137,7 @@ class _Level:
                 width = max(widths[vertex.direction], caption.width) + 6
                 is_in = vertex.direction == "in"
                 layer = Layer.FIRST if is_in else Layer.LAST
-                return replace(self._small(name, caption, width, PARENT_HEIGHT, layer, is_used), spacing=PARENT_SPACING)
+                return self._small(name, caption, width, PARENT_HEIGHT, layer, is_used)
             case Store():
                 caption = self._store_caption(vertex)
                 return self._small(name, caption, caption.width + 2 * STORE_GAP, STORE_HEIGHT, Layer.ANY, is_used)
