@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
+from math import ceil
 
 from cspdiag.draw.geometry import Point, Rectangle, around
 from cspdiag.draw.scene import (
@@ -109,7 +110,7 @@ def fitted(
         return Scene(2 * margin, 2 * margin, (), title, description, name)
     room = around([bounds(each) for each in kept])
     placed = tuple(moved(each, margin - room.x, margin - room.y) for each in kept)
-    return Scene(room.width + 2 * margin, room.height + 2 * margin, placed, title, description, name)
+    return Scene(ceil(room.width + 2 * margin), ceil(room.height + 2 * margin), placed, title, description, name)
 
 
 def stacked(scenes: Sequence[Scene], *, gap: float = 0) -> Scene:

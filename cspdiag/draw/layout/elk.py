@@ -23,6 +23,12 @@ PORT_RISE = 10.0
 LABEL_GAP = 3.0
 """Between a line and its label."""
 
+HEADROOM = 2.0
+"""What the tallest letters leave free of a label's height, so that labelled lines can be as close as ports."""
+
+JOINT_GAP = 8.0
+"""Between a label on a forked line and what is above or below it."""
+
 _OPTIONS = {
     "elk.algorithm": "layered",
     "elk.hierarchyHandling": "INCLUDE_CHILDREN",
@@ -31,14 +37,14 @@ _OPTIONS = {
     "elk.json.edgeCoords": "ROOT",
     "elk.randomSeed": "1",
     "elk.padding": "[top=0,left=0,bottom=0,right=0]",
-    "elk.layered.considerModelOrder.strategy": "PREFER_NODES",
+    "elk.layered.considerModelOrder.strategy": "PREFER_EDGES",
     "elk.layered.crossingMinimization.forceNodeModelOrder": "true",
     "elk.layered.cycleBreaking.strategy": "GREEDY_MODEL_ORDER",
-    "elk.layered.nodePlacement.strategy": "NETWORK_SIMPLEX",
+    "elk.layered.nodePlacement.strategy": "BRANDES_KOEPF",
     "elk.layered.edgeLabels.sideSelection": "ALWAYS_UP",
     "elk.layered.edgeLabels.centerLabelPlacementStrategy": "MEDIAN_LAYER",
     "elk.spacing.edgeNode": "16",
-    "elk.spacing.edgeEdge": "12",
+    "elk.spacing.edgeEdge": "9",
     "elk.spacing.edgeLabel": str(LABEL_GAP),
     "elk.spacing.componentComponent": "40",
     "elk.layered.spacing.edgeNodeBetweenLayers": "20",
@@ -68,6 +74,8 @@ class _Question:
     parts: dict[str, str] = field(default_factory=dict)
     """The edge of each line in ELK's graph."""
     joints: dict[str, _Joint] = field(default_factory=dict)
+    labels: dict[str, Label] = field(default_factory=dict)
+    """The labels that ELK places."""
 
     @property
     def downwards(self) -> bool:
@@ -92,9 +100,15 @@ def lay_out(graph: Graph) -> Layout:
         "elk.direction": graph.direction.value,
         "elk.spacing.nodeNode": str(graph.node_spacing),
         "elk.layered.spacing.nodeNodeBetweenLayers": str(graph.layer_spacing),
+        "elk.layered.thoroughness": str(_thoroughness(question)),
     }
     placed = engine.run({"id": "", "layoutOptions": options, "children": question.top, "edges": question.edges})
     return _answer(question, placed)
+
+
+def _thoroughness(question: _Question) -> int:
+    """How often ELK looks for fewer crossings; in a large graph each time takes long and gains little."""
+    return max(1, min(7, 300 // (len(question.nodes) + len(question.parts) + 1)))
 
 
 def _node(question: _Question, node: Node) -> _Json:
@@ -110,6 +124,8 @@ def _node(question: _Question, node: Node) -> _Json:
         "elk.spacing.portPort": str(sizes.port_spacing(node)),
         "elk.spacing.portsSurrounding": f"[top={max(top - PORT_RISE, 0)},left=0,bottom=0,right=0]",
     }
+    if node.layer is not Layer.ANY:
+        spacings["elk.spacing.nodeNode"] = str(max(sizes.PORT_SPACING - height, 2))
     made: _Json = {"id": node.id, "layoutOptions": options, "individualSpacings": spacings, "ports": _ports(node)}
     if node.children:
         padding = sizes.children_padding(node)
@@ -180,12 +196,13 @@ def _add_part(question: _Question, edge: Edge, source: str, target: str, label: 
             f"elk.layered.priority.{aim}": str(edge.priority) for aim in ("straightness", "shortness")
         }
     if label is not None:
+        question.labels[label.id] = label
         made["labels"] = [
             {
                 "id": label.id,
                 "text": " ",
-                "width": label.width,
-                "height": label.height,
+                "width": sizes.even(label.width),
+                "height": _label_height(label),
                 "layoutOptions": {"elk.edgeLabels.placement": "CENTER"},
             }
         ]
@@ -207,8 +224,8 @@ def _end(question: _Question, edge: Edge, end: str, *, leaves: bool) -> str:
 
 def _add_joint(question: _Question, edge: Edge) -> _Joint:
     joint = _Joint(f"{edge.id}&", f"{edge.id}&<", f"{edge.id}&>")
-    width = edge.label.width if edge.label else 0
-    height = edge.label.height if edge.label else 0
+    width = sizes.even(edge.label.width) if edge.label else 0
+    height = _label_height(edge.label) if edge.label else 0
     if question.downwards:
         width, ends = width + LABEL_GAP, ((0.0, 0.0, Side.NORTH), (0.0, height, Side.SOUTH))
     else:
@@ -219,6 +236,7 @@ def _add_joint(question: _Question, edge: Edge) -> _Joint:
         "width": width,
         "height": height,
         "layoutOptions": {"elk.portConstraints": "FIXED_POS"},
+        "individualSpacings": {"elk.spacing.nodeNode": str(JOINT_GAP), "elk.spacing.edgeNode": str(JOINT_GAP)},
         "ports": [
             {"id": name, "x": x, "y": y, "width": 0, "height": 0, "layoutOptions": {"elk.port.side": side.value}}
             for name, (x, y, side) in zip((joint.entry, joint.exit), ends, strict=True)
@@ -254,7 +272,7 @@ def _answer(question: _Question, placed: _Json) -> Layout:
     for part in placed.get("edges", []):
         lines[question.parts[part["id"]]] += [_points(section) for section in part.get("sections", [])]
         for label in part.get("labels", []):
-            labels[label["id"]] = _rectangle(label)
+            labels[label["id"]] = _label_place(question.labels[label["id"]], _rectangle(label))
     routes: dict[str, Route] = {}
     for edge in hierarchy.edges:
         if joint := question.joints.get(edge.id):
@@ -277,7 +295,7 @@ def _collect(parent: _Json, places: _Places) -> None:
     for node in parent.get("children", []):
         places.nodes[node["id"]] = _rectangle(node)
         for port in node.get("ports", []):
-            places.ports[port["id"]] = Point(port["x"], port["y"])
+            places.ports[port["id"]] = _point(port)
         _collect(node, places)
 
 
@@ -286,10 +304,12 @@ def _rectangle(made: _Json) -> Rectangle:
 
 
 def _points(section: _Json) -> list[Point]:
-    return [
-        Point(each["x"], each["y"])
-        for each in (section["startPoint"], *section.get("bendPoints", []), section["endPoint"])
-    ]
+    return [_point(each) for each in (section["startPoint"], *section.get("bendPoints", []), section["endPoint"])]
+
+
+def _point(made: _Json) -> Point:
+    # Sums of fractions that differ in their last bits are the same place.
+    return Point(round(made["x"], 2) + 0.0, round(made["y"], 2) + 0.0)
 
 
 def _side(at: Point, place: Rectangle) -> Side:
@@ -315,16 +335,26 @@ def _box_labels(hierarchy: Hierarchy, places: _Places, sides: dict[str, Side]) -
 
 
 def _joint_label(label: Label, joint: Rectangle, downwards: bool) -> Rectangle:
-    left = joint.x + LABEL_GAP if downwards else joint.x
-    return Rectangle(left, joint.y, label.width, label.height)
+    if downwards:
+        return Rectangle(joint.x + LABEL_GAP, joint.centre.y - label.height / 2, label.width, label.height)
+    return _label_place(label, Rectangle(joint.x, joint.y, joint.width, joint.height - LABEL_GAP))
+
+
+def _label_place(label: Label, room: Rectangle) -> Rectangle:
+    """The label in the middle of its room, standing on its lower side."""
+    return Rectangle(room.centre.x - label.width / 2, room.bottom - label.height, label.width, label.height)
+
+
+def _label_height(label: Label) -> float:
+    return max(round(label.height - HEADROOM), 0)
 
 
 def _route(question: _Question, edge: Edge, lines: list[list[Point]], places: _Places) -> Route:
     """Names the ends of the lines by where they are: the ends of an edge are different places."""
     joint = question.joints.get(edge.id)
     inner = {places.ports[joint.entry], places.ports[joint.exit]} if joint else set()
-    begins = {line[0] for line in lines} - inner
-    finishes = {line[-1] for line in lines} - inner
+    begins = {point for line in lines if (point := line[0]) not in inner}
+    finishes = {point for line in lines if (point := line[-1]) not in inner}
     sources = {point: _nearest(question, edge.sources, point, places) for point in begins}
     targets = {point: _nearest(question, edge.targets, point, places) for point in finishes}
     return joined(lines, sources, targets)

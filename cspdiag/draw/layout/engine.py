@@ -34,7 +34,12 @@ _WORKER = """
 var answer = null, worker = new module.exports.Worker();
 worker.onmessage = function (message) { answer = message.data; };
 worker.postMessage({ id: 0, cmd: "register", algorithms: ["layered"] });
+var told = function () {
+  var error = answer.error;
+  return JSON.stringify(error ? { error: String(error.message || error) } : answer);
+};
 """
+"""Errors of elkjs refer to themselves, so that only their message can be told."""
 
 _NODE = """
 const { Worker } = require(process.argv[1]);
@@ -44,7 +49,10 @@ worker.onmessage = (message) => {
   if (!asked) {
     asked = true;
     worker.postMessage({ id: 1, cmd: "layout", graph: JSON.parse(require("fs").readFileSync(0, "utf8")), layoutOptions: {}, options: {} });
-  } else process.stdout.write(JSON.stringify(message.data));
+  } else {
+    const error = message.data.error;
+    process.stdout.write(JSON.stringify(error ? { error: String(error.message || error) } : message.data));
+  }
 };
 worker.postMessage({ id: 0, cmd: "register", algorithms: ["layered"] });
 """
@@ -54,7 +62,8 @@ def run(graph: dict[str, Any]) -> dict[str, Any]:
     """The graph in ELK's JSON format with places. Raises LayoutError, and MissingToolError where nothing can run the engine."""
     answer: dict[str, Any] = json.loads(_runner()(json.dumps(graph)))
     if "error" in answer:
-        raise LayoutError(f"the layout failed: {_reason(answer['error'])}")
+        reason = str(answer["error"]).partition("\n")[0]
+        raise LayoutError(f"the layout failed: {reason}")
     placed: dict[str, Any] = answer["data"]
     return placed
 
@@ -64,11 +73,6 @@ def available() -> bool:
     return resources.third_party("elkjs", "elk-worker.min.js") is not None and (
         find_spec("quickjs") is not None or _node() is not None
     )
-
-
-def _reason(error: object) -> str:
-    message = error.get("message") if isinstance(error, dict) else None
-    return str(message or error).splitlines()[0]
 
 
 @cache
@@ -117,7 +121,7 @@ def _ask(context: Any, graph: str) -> str:
             'answer = null; worker.postMessage({ id: 1, cmd: "layout", graph: JSON.parse(question), layoutOptions: {}, options: {} })'
         )
         _finish_jobs(context)
-        text = context.eval("JSON.stringify(answer)")
+        text = context.eval("told()")
     except quickjs.JSException as problem:
         raise LayoutError(f"the layout failed: {problem}") from None
     return str(text)

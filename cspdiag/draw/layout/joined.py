@@ -41,7 +41,7 @@ def joined(polylines: Sequence[Sequence[Point]], sources: Mapping[Point, str], t
 
 
 def _rounded(point: Point) -> Point:
-    return Point(round(point.x, 3) + 0.0, round(point.y, 3) + 0.0)
+    return Point(round(point.x, 2) + 0.0, round(point.y, 2) + 0.0)
 
 
 def _steps(line: Sequence[Point], corners: Sequence[Point]) -> Iterable[_Step]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from math import ceil
 
 from cspdiag.draw.geometry import Point, Rectangle
 from cspdiag.draw.layout.graph import Node, Padding, Port, Side
@@ -11,15 +12,20 @@ BORDER_GAP = 8.0
 """Between the border of a box and what stands in it."""
 COLUMN_GAP = 18.0
 """Between the labels of ports on opposite sides."""
-PORT_SPACING = 22.0
+PORT_SPACING = 24.0
 """Between ports on one side."""
 TITLE_GAP = 7.0
 """Above and below a title."""
 
 
+def even(length: float) -> float:
+    """The next even number of pixels: halves of it are whole, so that lines between middles are straight."""
+    return 2.0 * ceil(length / 2)
+
+
 def title_height(node: Node) -> float:
     """The height of the row that the title has, 0 without one."""
-    return node.title.height + 2 * TITLE_GAP if node.title else 0
+    return even(node.title.height + 2 * TITLE_GAP) if node.title else 0
 
 
 def _widest(ports: Iterable[Port], side: Side) -> float:
@@ -36,7 +42,7 @@ def least_size(node: Node) -> tuple[float, float]:
     west, east = max(west, free), max(east, free)
     labels = west + east + 2 * BORDER_GAP + (COLUMN_GAP if west and east else 0) if west or east else 0
     title = node.title.width + 2 * BORDER_GAP if node.title else 0
-    return max(node.width, labels, title), max(node.height, title_height(node))
+    return even(max(node.width, labels, title)), even(max(node.height, title_height(node)))
 
 
 def children_padding(node: Node) -> Padding:
