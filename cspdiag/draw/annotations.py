@@ -75,10 +75,10 @@ def messages(diagnostics: Iterable[tuple[int, Diagnostic]], width: float) -> Gro
         mark = Mark("error" if diagnostic.severity == "error" else "warning", (number,))
         rows.append(badge(mark, Point(BADGE, y + BADGE)))
         ink, _ = INKS[mark.kind]
-        code = Run(f"{diagnostic.code} ", Face.BOLD, ink)
+        code = Run(diagnostic.code, Face.BOLD, ink)
         place = f"{diagnostic.span.file}:{diagnostic.span.line}"
         indent = 2 * BADGE + 14
-        first = runs_width((code,), NOTE_SIZE)
+        first = runs_width((code,), NOTE_SIZE) + 6
         lines = wrapped(diagnostic.message, NOTE_SIZE, max(width, SMALLEST_ROW) - indent - first)
         for position, line in enumerate(lines):
             x = indent + first

@@ -8,7 +8,7 @@ from typing import assert_never
 
 from cspdiag.diagnostics import Diagnostic
 from cspdiag.draw import symbols
-from cspdiag.draw.annotations import SMALLEST_ROW, badge, heading, messages
+from cspdiag.draw.annotations import BADGE, SMALLEST_ROW, badge, heading, messages
 from cspdiag.draw.communication_graph import Caption, CommunicationGraph, communication_graph
 from cspdiag.draw.elements.diagram import Arrow, Box, CommunicationDiagram, ParentPort, Sink, Store, Value, Vertex
 from cspdiag.draw.elements.marks import Mark, Marks
@@ -203,6 +203,9 @@ class _Drawing:
         place = self.layout.nodes.get(name)
         if place is not None:
             return badge(mark, Point(place.right - 4, place.y))
+        label = self.layout.labels.get(f"{name}#label")
+        if label is not None:
+            return badge(mark, Point(label.right + BADGE + 4, label.centre.y))
         route = self.layout.routes.get(f"{name}#edge")
         if route is not None:
             return badge(mark, _middle(route))

@@ -29,6 +29,8 @@ PORT_SIZE = 11.0
 LABEL_SIZE = 11.5
 BOX_WIDTH = 110.0
 PARENT_HEIGHT = 18.0
+INSIDE_GAP = 24.0
+"""Between the names of the ports of a box and what it shows inside."""
 SINK_SIZE = 12.0
 STORE_HEIGHT = 26.0
 STORE_GAP = 12.0
@@ -171,8 +173,14 @@ class _Level:
             ports.append(Port(port_name, Side.WEST if port.direction == "in" else Side.EAST, label))
         children: tuple[Node, ...] = ()
         edges: tuple[Edge, ...] = ()
+        padding = Padding()
         if box.inside is not None:
             children, edges = _Level(self.made, self.hidden, f"{name}/", box).level(box.inside)
+            left, right = (
+                max((port.label.width for port in ports if port.label and port.side is side), default=0)
+                for side in (Side.WEST, Side.EAST)
+            )
+            padding = Padding(14, right + INSIDE_GAP, 18, left + INSIDE_GAP)
         return Node(
             name,
             BOX_WIDTH,
@@ -181,7 +189,7 @@ class _Level:
             ports=tuple(ports),
             children=children,
             edges=edges,
-            padding=Padding(14, 26, 18, 26) if children else Padding(),
+            padding=padding,
         )
 
     def _edge(self, arrow: Arrow) -> Edge:

@@ -159,7 +159,7 @@ def kind_symbol(kind: FlowKind, begin: Point, towards: Point, ink: Ink = Ink.LIN
         case "any":
             return (Line(_diamond(centre, 5), ink, closed=True, fill=Ink.PAPER),)
         case "sampled":
-            return (_stroke(centre, dx, dy, 0), _stroke(centre, dx, dy, 3.5))
+            return (_stroke(centre, dx, dy, 0, ink), _stroke(centre, dx, dy, 3.5, ink))
         case "buffer":
             return _cells(centre, ink)
         case "overwrite":
@@ -177,7 +177,7 @@ def _diamond(centre: Point, reach: float) -> tuple[Point, ...]:
     return (centre.moved(-reach, 0), centre.moved(0, -reach), centre.moved(reach, 0), centre.moved(0, reach))
 
 
-def _stroke(centre: Point, dx: float, dy: float, along: float, ink: Ink = Ink.LINE) -> Item:
+def _stroke(centre: Point, dx: float, dy: float, along: float, ink: Ink) -> Item:
     at = centre.moved(dx * (along - 1.75), dy * (along - 1.75))
     return Line((at.moved(-dy * 5, -dx * 5), at.moved(dy * 5, dx * 5)), ink)
 
