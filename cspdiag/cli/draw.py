@@ -81,6 +81,10 @@ def add_arguments(parser: ArgumentParser) -> None:
 def run(arguments: Namespace) -> int:
     """Draw what was asked for; a program with errors is drawn only to show them."""
     _refuse_senseless(arguments)
+    if arguments.diagram != "composition":
+        from cspdiag.draw.layout import engine
+
+        engine.start()
     checked = check(read_source(arguments.file), read_source)
     found = checked.report.diagnostics
     show_diagnostics(found, arguments.color)

@@ -23,7 +23,7 @@ PORT_RISE = 10.0
 LABEL_GAP = 3.0
 """Between a line and its label."""
 
-HEADROOM = 2.0
+HEADROOM = 3.0
 """What the tallest letters leave free of a label's height, so that labelled lines can be as close as ports."""
 
 JOINT_GAP = 8.0

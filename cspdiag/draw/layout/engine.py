@@ -68,6 +68,12 @@ def run(graph: dict[str, Any]) -> dict[str, Any]:
     return placed
 
 
+def start() -> None:
+    """Begin to load the engine, beside whatever else is done until the first graph; nothing happens where there is none."""
+    if available():
+        _runner()
+
+
 def available() -> bool:
     """Whether there is an engine, and something to run it."""
     return resources.third_party("elkjs", "elk-worker.min.js") is not None and (
@@ -93,10 +99,10 @@ def _in_quickjs(script: str) -> Callable[[str], str]:
     before = threading.stack_size(_STACK)
     try:
         executor = ThreadPoolExecutor(1, thread_name_prefix="layout")
-        context = executor.submit(_context, script).result()
+        context = executor.submit(_context, script)
     finally:
         threading.stack_size(before)
-    return lambda graph: executor.submit(_ask, context, graph).result()
+    return lambda graph: executor.submit(lambda: _ask(context.result(), graph)).result()
 
 
 def _context(script: str) -> Any:
