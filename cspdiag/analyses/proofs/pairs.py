@@ -1,0 +1,232 @@
+"""What two components that share an event can be doing at the same time.
+
+The composition of two components, with everybody else taken to be willing, reaches every pair of states that the whole network reaches, and few others: the
+abstraction of Antonino, Gibson-Robinson and Roscoe, "Efficient deadlock-freedom checking using local analysis and SAT solving" (iFM 2016). Components that
+differ only in the names of their events have the same **shape**, and pairs of the same shapes, joined in the same way, are explored once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TypeAlias
+
+from cspdiag.analyses.transitions.system import INTERNAL, Component, Edge, System
+
+Link: TypeAlias = tuple[int, int, bool]
+"""An event that two shapes share: its number in either, and whether the two are its only parties."""
+
+LARGEST_PRODUCT = 250_000
+"""Pairs with more states than this are taken to reach all of them."""
+
+LARGEST_MEETING = 4
+"""Every two parties of an event with so many are a pair; of a larger one only its first party with each of the others."""
+
+
+@dataclass(frozen=True)
+class Shape:
+    """A component with its events numbered from 0 in the order in which they are met.
+
+    ``alone`` are the events with a single party, which nobody can refuse. States keep the numbers that they have in the component.
+    """
+
+    edges: tuple[tuple[Edge, ...], ...]
+    alone: frozenset[int]
+    terminal: frozenset[int]
+    initial: int
+    process: bool
+
+    @cached_property
+    def reachable(self) -> tuple[int, ...]:
+        """The states that the component reaches when everybody is willing, in increasing order."""
+        found, waiting = {self.initial}, [self.initial]
+        while waiting:
+            for _, after in self.edges[waiting.pop()]:
+                if after not in found:
+                    found.add(after)
+                    waiting.append(after)
+        return tuple(sorted(found))
+
+    @cached_property
+    def offers(self) -> tuple[tuple[int, ...], ...]:
+        """For each state the events that it offers, each once."""
+        return tuple(tuple(dict.fromkeys(event for event, _ in edges if event != INTERNAL)) for edges in self.edges)
+
+    @cached_property
+    def waiting(self) -> tuple[int, ...]:
+        """The reachable states that the component leaves only together with others, or never."""
+        return tuple(
+            state
+            for state in self.reachable
+            if all(event != INTERNAL and event not in self.alone for event, _ in self.edges[state])
+        )
+
+    @cached_property
+    def asking(self) -> frozenset[int]:
+        """The states of a process that has not ended in which it waits for an event: what makes a knot worth reporting."""
+        if not self.process:
+            return frozenset()
+        return frozenset(state for state in self.waiting if self.edges[state] and state not in self.terminal)
+
+
+class Pair:
+    """Two shapes joined by events: ``reached[s]`` are the states of the second beside state ``s`` of the first, and conversely in ``reached_back``.
+
+    ``blocked[s]`` are those among them in which both wait and can do nothing with each other. ``first_asks`` are the states of the first in which it waits
+    for the second and nobody else can refuse.
+    """
+
+    def __init__(self, first: Shape, second: Shape, links: tuple[Link, ...]) -> None:
+        self.complete = len(first.reachable) * len(second.reachable) <= LARGEST_PRODUCT
+        self.reached = _reached(first, second, links) if self.complete else _all(first, second)
+        self.reached_back = _turned(self.reached)
+        self.blocked = _blocked(first, second, links, self.reached)
+        self.blocked_back = _turned(self.blocked)
+        self.first_asks = _asked(first, [own for own, _, only in links if only])
+        self.second_asks = _asked(second, [other for _, other, only in links if only])
+        self.first_hopeless = tuple(state for state in first.waiting if not self.blocked.get(state))
+        self.second_hopeless = tuple(state for state in second.waiting if not self.blocked_back.get(state))
+
+    def seen_from_first(self, second: int) -> Neighbour:
+        """The pair as the first sees it, with component ``second`` for its neighbour."""
+        return Neighbour(
+            second, self.reached, self.blocked, self.blocked_back,
+            self.first_asks, self.second_asks, self.first_hopeless, self.complete,
+        )  # fmt: skip
+
+    def seen_from_second(self, first: int) -> Neighbour:
+        """The pair as the second sees it, with component ``first`` for its neighbour."""
+        return Neighbour(
+            first, self.reached_back, self.blocked_back, self.blocked,
+            self.second_asks, self.first_asks, self.second_hopeless, self.complete,
+        )  # fmt: skip
+
+
+def _all(first: Shape, second: Shape) -> dict[int, tuple[int, ...]]:
+    return dict.fromkeys(first.reachable, second.reachable)
+
+
+def _reached(first: Shape, second: Shape, links: tuple[Link, ...]) -> dict[int, tuple[int, ...]]:
+    partner = {own: other for own, other, _ in links}
+    shared = {other for _, other, _ in links}
+    found = {(first.initial, second.initial)}
+    waiting = [(first.initial, second.initial)]
+    while waiting:
+        one, two = waiting.pop()
+        follow: list[tuple[int, int]] = []
+        for event, after in first.edges[one]:
+            if event in partner:
+                follow += [(after, other) for heard, other in second.edges[two] if heard == partner[event]]
+            else:
+                follow.append((after, two))
+        follow += [(one, after) for event, after in second.edges[two] if event not in shared]
+        for state in follow:
+            if state not in found:
+                found.add(state)
+                waiting.append(state)
+    return _grouped(found)
+
+
+def _blocked(
+    first: Shape, second: Shape, links: tuple[Link, ...], reached: dict[int, tuple[int, ...]]
+) -> dict[int, tuple[int, ...]]:
+    partner = {own: other for own, other, only in links if only}
+    waiting = set(second.waiting)
+    answer = {}
+    for state in first.waiting:
+        asked = {partner[event] for event in first.offers[state] if event in partner}
+        others = (other for other in reached.get(state, ()) if other in waiting)
+        answer[state] = tuple(other for other in others if asked.isdisjoint(second.offers[other]))
+    return answer
+
+
+def _asked(shape: Shape, shared: Iterable[int]) -> frozenset[int]:
+    """The waiting states that offer an event which only the other of the pair can refuse."""
+    wanted = set(shared)
+    return frozenset(state for state in shape.waiting if not wanted.isdisjoint(shape.offers[state]))
+
+
+def _grouped(pairs: Iterable[tuple[int, int]]) -> dict[int, tuple[int, ...]]:
+    groups: dict[int, list[int]] = {}
+    for one, two in sorted(pairs):
+        groups.setdefault(one, []).append(two)
+    return {one: tuple(others) for one, others in groups.items()}
+
+
+def _turned(groups: dict[int, tuple[int, ...]]) -> dict[int, tuple[int, ...]]:
+    return _grouped((two, one) for one, others in groups.items() for two in others)
+
+
+@dataclass(frozen=True, slots=True)
+class Neighbour:
+    """A component that shares an event with another one, seen from that one: the tables of ``Pair``, the right way round.
+
+    ``asks`` are the states of that one in which it waits for the neighbour alone, ``asked`` those of the neighbour; ``hopeless`` are its waiting states
+    beside which the neighbour never waits too.
+    """
+
+    component: int
+    reached: dict[int, tuple[int, ...]]
+    blocked: dict[int, tuple[int, ...]]
+    blocked_back: dict[int, tuple[int, ...]]
+    asks: frozenset[int]
+    asked: frozenset[int]
+    hopeless: tuple[int, ...]
+    complete: bool
+
+
+class Structure:
+    """A system by its shapes: ``shapes[i]`` and ``events[i]`` (the events of the shape) of every component, and its neighbours."""
+
+    def __init__(self, system: System) -> None:
+        self.system = system
+        self.shapes: list[Shape] = []
+        self.events: list[tuple[int, ...]] = []
+        alone = bytearray(len(event.parties) == 1 for event in system.events)
+        known: dict[object, Shape] = {}
+        for component in system.components:
+            shape, events = _shape(component, alone, known)
+            self.shapes.append(shape)
+            self.events.append(events)
+
+    @cached_property
+    def neighbours(self) -> list[list[Neighbour]]:
+        """For each component those that it shares an event with."""
+        links: dict[tuple[int, int], list[Link]] = {}
+        numbers = [{event: number for number, event in enumerate(events)} for events in self.events]
+        for event, entry in enumerate(self.system.events):
+            parties = entry.parties
+            only = len(parties) == 2
+            for position, one in enumerate(parties[:-1] if len(parties) <= LARGEST_MEETING else parties[:1]):
+                for two in parties[position + 1 :]:
+                    first, second = (one, two) if one < two else (two, one)
+                    if event in numbers[first] and event in numbers[second]:
+                        links.setdefault((first, second), []).append(
+                            (numbers[first][event], numbers[second][event], only)
+                        )
+        pairs: dict[tuple[int, int, tuple[Link, ...]], Pair] = {}
+        answer: list[list[Neighbour]] = [[] for _ in self.shapes]
+        for (one, two), joined in links.items():
+            key = (id(self.shapes[one]), id(self.shapes[two]), tuple(joined))
+            pair = pairs.get(key)
+            if pair is None:
+                pair = pairs[key] = Pair(self.shapes[one], self.shapes[two], key[2])
+            answer[one].append(pair.seen_from_first(two))
+            answer[two].append(pair.seen_from_second(one))
+        return answer
+
+
+def _shape(component: Component, alone: bytearray, known: dict[object, Shape]) -> tuple[Shape, tuple[int, ...]]:
+    numbers: dict[int, int] = {INTERNAL: INTERNAL}
+    renamed = tuple(
+        tuple((numbers.setdefault(event, len(numbers) - 1), after) for event, after in edges)
+        for edges in component.edges
+    )
+    events = tuple(numbers)[1:]
+    lone = frozenset(number for number, event in enumerate(events) if alone[event])
+    key = (renamed, lone, component.terminal, component.initial, component.process)
+    shape = known.get(key)
+    if shape is None:
+        shape = known[key] = Shape(renamed, lone, component.terminal, component.initial, component.process)
+    return shape, events

@@ -1,0 +1,113 @@
+"""The SAT solvers that may be installed, behind one interface: python-sat, or z3 instead."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from importlib import import_module
+from threading import Timer
+from typing import Any, Protocol, TypeAlias
+
+Clause: TypeAlias = list[int]
+"""A disjunction of literals: the positive number of a variable, or its negation."""
+
+
+class Solver(Protocol):
+    """Clauses that are only ever added, and models of them."""
+
+    def add(self, clauses: list[Clause]) -> None:
+        """Add clauses."""
+
+    def solve(self, assumed: Clause) -> set[int] | None:
+        """Return the variables that are true in a model of all clauses and the assumed literals, or None if there is no model.
+
+        Raises ``SolverTimeoutError`` when the time is up.
+        """
+
+    def close(self) -> None:
+        """Give the memory back; the solver cannot be used any more."""
+
+
+class SolverTimeoutError(Exception):
+    """The solver did not decide in its time."""
+
+
+def find_solver() -> Callable[[float], Solver] | None:
+    """The solver to use, to be called with the seconds that it may take in all: of python-sat, else of z3; None if neither is installed."""
+    for solver in _SOLVERS:
+        try:
+            solver.load()
+        except ImportError:
+            continue
+        return solver
+    return None
+
+
+class _PySat:
+    """MiniSat 2.2 of python-sat: incremental, and can be interrupted."""
+
+    @staticmethod
+    def load() -> Any:
+        return import_module("pysat.solvers")
+
+    def __init__(self, seconds: float) -> None:
+        self._solver = self.load().Minisat22()
+        self._timer = Timer(max(seconds, 0.0), self._solver.interrupt)
+        self._timer.daemon = True
+        self._timer.start()
+
+    def add(self, clauses: list[Clause]) -> None:
+        self._solver.append_formula(clauses, no_return=True)
+
+    def solve(self, assumed: Clause) -> set[int] | None:
+        answer = self._solver.solve_limited(assumptions=assumed, expect_interrupt=True)
+        if answer is None:
+            raise SolverTimeoutError
+        if not answer:
+            return None
+        return {literal for literal in self._solver.get_model() if literal > 0}
+
+    def close(self) -> None:
+        self._timer.cancel()
+        self._solver.delete()
+
+
+class _Z3:
+    """The SAT part of z3."""
+
+    @staticmethod
+    def load() -> Any:
+        return import_module("z3")
+
+    def __init__(self, seconds: float) -> None:
+        self._z3 = self.load()
+        self._solver = self._z3.SolverFor("QF_FD")
+        self._variables: list[Any] = [None]
+        self._end = time.monotonic() + seconds
+
+    def _literal(self, literal: int) -> Any:
+        while len(self._variables) <= abs(literal):
+            self._variables.append(self._z3.Bool(f"v{len(self._variables)}"))
+        variable = self._variables[abs(literal)]
+        return variable if literal > 0 else self._z3.Not(variable)
+
+    def add(self, clauses: list[Clause]) -> None:
+        self._solver.add([self._z3.Or([self._literal(literal) for literal in clause]) for clause in clauses])
+
+    def solve(self, assumed: Clause) -> set[int] | None:
+        self._solver.set("timeout", max(1, int((self._end - time.monotonic()) * 1000)))
+        answer = self._solver.check([self._literal(literal) for literal in assumed])
+        if answer == self._z3.unknown:
+            raise SolverTimeoutError
+        if answer == self._z3.unsat:
+            return None
+        model = self._solver.model()
+        return {
+            number for number, variable in enumerate(self._variables) if number and self._z3.is_true(model[variable])
+        }
+
+    def close(self) -> None:
+        self._solver = None
+
+
+_SOLVERS: tuple[type[_PySat | _Z3], ...] = (_PySat, _Z3)
