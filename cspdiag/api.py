@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -12,6 +12,8 @@ from cspdiag.diagnostics import Diagnostic, SourceFile
 from cspdiag.sources import read_source
 
 if TYPE_CHECKING:
+    from cspdiag.draw.pictures import Which
+    from cspdiag.draw.scene import Scene
     from cspdiag.network.ir import Network
     from cspdiag.simulate.result import Run
 
@@ -90,6 +92,35 @@ class LoadedProgram:
             raise ValueError(f"unknown target {target!r} (there are: {', '.join(TARGETS)})")
         return pipeline.generate(self.network, read_source, target, level)
 
+    def draw(
+        self,
+        process: str | None = None,
+        *,
+        diagram: Which = "both",
+        hide_labels: bool | Iterable[str] = False,
+        depth: int = 1,
+        check: bool = False,
+    ) -> Drawing:
+        """The diagrams of a process or an environment, by default of the outermost process, as a notebook shows them.
+
+        ``hide_labels`` hides all labels, or those named, or sorts of them (``"types"``); ``depth`` 2 shows the inside of instances. With ``check`` a program with errors
+        is drawn as far as it can be read, with its errors and warnings marked. Raises ProgramError for a program with errors otherwise, ValueError where there is
+        nothing of that name to draw, and ``cspdiag.draw.missing.MissingToolError`` without ``cspdiag[draw]``.
+        """
+        from cspdiag.draw.hiding import ALL_LABELS, NOTHING_HIDDEN, hidden
+        from cspdiag.draw.pictures import Pictures, Wish
+
+        checked = self._checked
+        if checked.readable is None or (checked.report.has_errors and not check):
+            raise ProgramError(checked.report.diagnostics)
+        pictures = Pictures(checked.readable, checked.report.diagnostics if check else ())
+        definition = pictures.outermost() if process is None else pictures.named(process)
+        if definition is None:
+            raise ValueError(f"there is no process or environment {process!r}" if process else "there is no process")
+        labels = hide_labels if isinstance(hide_labels, bool) else hidden(hide_labels)
+        hide = (ALL_LABELS if labels else NOTHING_HIDDEN) if isinstance(labels, bool) else labels
+        return Drawing(pictures.scene(definition, Wish(which=diagram, hidden=hide, depth=depth)))
+
     def run(
         self,
         environment: str | None = None,
@@ -122,3 +153,36 @@ class LoadedProgram:
             )
         files = pipeline.generate(network, read_source, level=level, traced=True, observed=True)
         return execute.simulate(network, files, environment=environment, until=limit, real_time=real_time)
+
+
+class Drawing:
+    """A picture; a notebook shows it."""
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
+
+    def __repr__(self) -> str:
+        return f"<Drawing of {self.scene.title}>"
+
+    def _repr_svg_(self) -> str:
+        return self.svg()
+
+    def svg(self, scheme: str = "auto") -> str:
+        """The picture as SVG, in the colours of the scheme ``light``, ``dark`` or, as the viewer prefers, ``auto``."""
+        from cspdiag.draw.palette import Scheme
+        from cspdiag.draw.svg import render_svg
+
+        return render_svg(self.scene, Scheme(scheme))
+
+    def save(self, path: str | os.PathLike[str], *, scheme: str = "auto", scale: float = 2.0) -> None:
+        """Write a file whose name ends in ``.svg``, ``.png`` (``scale`` dots a pixel) or ``.pdf``.
+
+        Raises ValueError for another ending, OSError where it cannot be written.
+        """
+        from pathlib import Path
+
+        from cspdiag.draw.output import rendered
+        from cspdiag.simulate.files import write_whole
+
+        suffix = Path(path).suffix.removeprefix(".").lower()
+        write_whole(Path(path), rendered([self.scene], suffix, scheme, scale))

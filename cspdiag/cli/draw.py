@@ -211,23 +211,9 @@ def _folder(arguments: Namespace) -> Path:
 
 
 def _rendered(scenes: Sequence[Scene], format_: str, arguments: Namespace) -> bytes:
-    """One picture of the scenes, in a PDF with a page each."""
-    from cspdiag.draw.palette import Scheme
-    from cspdiag.draw.scene_geometry import stacked
+    from cspdiag.draw.output import rendered
 
-    scheme = Scheme(arguments.scheme)
-    if format_ == "pdf":
-        from cspdiag.draw.pdf import render_pdf
-
-        return render_pdf(scenes, scheme)
-    whole = scenes[0] if len(scenes) == 1 else stacked(scenes)
-    if format_ == "png":
-        from cspdiag.draw.png import render_png
-
-        return render_png(whole, scheme, scale=arguments.scale)
-    from cspdiag.draw.svg import render_svg
-
-    return render_svg(whole, scheme).encode()
+    return rendered(scenes, format_, arguments.scheme, arguments.scale)
 
 
 def _write_folder(folder: Path, files: Mapping[str, bytes], format_: str) -> None:

@@ -21,6 +21,7 @@ from cspdiag.draw.scene import Anchor, Dash, Face, Group, Head, Ink, Item, Line,
 from cspdiag.draw.scene_geometry import bounds, fitted, moved
 from cspdiag.draw.text_metrics import ASCENT, line_height
 from cspdiag.draw.tooltips import arrow_tooltip, box_tooltip, parent_port_tooltip, port_tooltip, store_tooltip
+from cspdiag.network.ir import Direction
 
 ROW_GAP = 24.0
 """Around elements that stand apart."""
@@ -177,7 +178,8 @@ class _Drawing:
         items: list[Item] = []
         for section in route.sections:
             ends_in_sink = section.target is not None and self._is_sink(section.target)
-            head = Head.NONE if section.target is None or ends_in_sink else Head.ARROW
+            goes_on = section.target is not None and self._is_border(section.target, "out")
+            head = Head.NONE if section.target is None or ends_in_sink or goes_on else Head.ARROW
             items.append(Line(section.points, ink, width, dash, end=head, corner=5))
         for junction in route.junctions:
             items.append(Line((junction, junction.moved(0.01, 0)), ink, width, start=Head.DOT))
@@ -185,7 +187,7 @@ class _Drawing:
         for section in route.sections:
             start = section.points[0]
             kind = symbols.symbol_of(arrow)
-            if kind is None or section.source is None or start in begun or self._is_border(section.source):
+            if kind is None or section.source is None or start in begun or self._is_border(section.source, "in"):
                 continue
             begun.add(start)
             items += symbols.kind_symbol(kind, start, section.points[1], ink)
@@ -194,10 +196,10 @@ class _Drawing:
     def _is_sink(self, target: str) -> bool:
         return isinstance(self.made.vertices.get(target.rpartition("|")[0]), Sink)
 
-    def _is_border(self, source: str) -> bool:
-        """Whether a line begins at the inner side of a box that shows its inside, where it goes on from outside."""
-        port = self.made.ports.get(source)
-        return port is not None and port.direction == "in"
+    def _is_border(self, end: str, direction: Direction) -> bool:
+        """Whether a line begins or ends at the inner side of a box that shows its inside, beyond which it goes on."""
+        port = self.made.ports.get(end)
+        return port is not None and port.direction == direction
 
     def _badge(self, name: str, mark: Mark) -> Item | None:
         place = self.layout.nodes.get(name)
