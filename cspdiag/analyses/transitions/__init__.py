@@ -1,1 +1,27 @@
 """Networks as transition systems: what the proofs reason about."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from cspdiag.analyses.transitions.system import System
+    from cspdiag.network.ir import Network
+
+
+def transition_system(network: Network) -> System:
+    """The transition system of a network in the most general environment: any value, any event at any time, samples at their ticks.
+
+    The network is one that was lowered and not optimized; its outermost process may be any. Raises
+    ``cspdiag.analyses.transitions.explore.TransitionError`` for a program that has too many states in one of its processes.
+    """
+    from cspdiag.analyses.transitions.assembly import Assembly
+    from cspdiag.analyses.transitions.facts import Facts
+    from cspdiag.analyses.transitions.occurrences import World
+    from cspdiag.analyses.transitions.program import Program
+    from cspdiag.analyses.transitions.threads import Strands
+    from cspdiag.syntax.nesting import room_to_recurse
+
+    with room_to_recurse():
+        program = Program(network)
+        return Assembly(Strands(World(program, Facts(program)))).system()

@@ -23,10 +23,12 @@ Edge: TypeAlias = tuple[int, int]
 """An event (an index into ``System.events``, or ``INTERNAL``) and the state after it."""
 
 EventKind: TypeAlias = Literal[
-    "communication", "external", "variable", "sample", "miss", "time", "start", "end", "cancel", "exception"
+    "communication", "take", "delivered", "external", "variable", "sample", "miss", "ready", "time", "start", "end", "cancel", "exception"
 ]  # fmt: skip
-"""``communication``: of two or more processes; ``external``: with the environment; ``variable``: an access to a tracked ``var``;
-``sample`` and ``miss``: a sampled input taken, or found overwritten; ``time``: a delay or time-out; the others belong to compositions."""
+"""``communication``: of two or more processes, or a value that enters a channel with memory, and ``take``: it leaves it; ``delivered``: all readers of a
+broadcast have taken the value (which are the communications), or its writer takes it back; ``external``: with the environment; ``variable``: an access to a
+shared ``var``; ``sample`` and ``miss``: a sampled input taken, or found overwritten; ``ready``: a guard that an input from outside is ready;
+``time``: a delay or time-out; the others belong to compositions."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,7 +84,11 @@ class Abstraction:
 
 @dataclass(frozen=True)
 class System:
-    """Components and the events that join them. Every component that has an edge with an event is one of its parties, and conversely."""
+    """Components and the events that join them. Every component that has an edge with an event is one of its parties.
+
+    A party without an edge for an event never takes part: the event never happens. Such is ``nobody``, the partner on a channel that no process uses from the other
+    side. In ``terminal`` are also the states in which a process waits for its branches, or to be started: what is stuck then is another component.
+    """
 
     components: tuple[Component, ...]
     events: tuple[Event, ...]

@@ -1,0 +1,343 @@
+"""Threads and channels put together: every label of every thread becomes events with parties."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterator, Mapping
+from itertools import product
+from typing import Any, TypeAlias
+
+from cspdiag.analyses.transitions import media
+from cspdiag.analyses.transitions.occurrences import Medium
+from cspdiag.analyses.transitions.shape import Shape
+from cspdiag.analyses.transitions.system import (
+    INTERNAL,
+    Abstraction,
+    Component,
+    Edge,
+    Event,
+    EventKind,
+    Place,
+    System,
+)
+from cspdiag.analyses.transitions.template import INTERNAL_LABEL, Label, Spot, Template
+from cspdiag.analyses.transitions.thread import resolve
+from cspdiag.analyses.transitions.threads import ParallelKey, Strand, Strands, parallel_key
+from cspdiag.analyses.transitions.values import UNKNOWN, Known
+from cspdiag.network.dump_expression import value_text
+
+Use: TypeAlias = tuple[Strand, Label]
+"""A label of a thread."""
+
+_ALONE: dict[str, tuple[EventKind, bool]] = {
+    "input": ("external", True),
+    "output": ("external", True),
+    "sample": ("sample", True),
+    "miss": ("miss", False),
+    "ready": ("ready", False),
+}
+"""Labels that involve nobody else: the kind of their events, and whether specifications see them."""
+
+_MOST_GUARDED = 4096
+
+
+class Assembly:
+    """Makes the system of all threads."""
+
+    def __init__(self, strands: Strands) -> None:
+        self.strands = strands
+        self.threads = strands.all()
+        self.events: list[Event] = []
+        self.extra: list[Component] = []
+        """Components that are no threads."""
+        self.abstractions: dict[Abstraction, None] = {}
+        self._of: list[dict[Label, list[int]]] = [{} for _ in self.threads]
+        self._nobody: int | None = None
+        self._shapes: dict[tuple[int, bool, bool], Shape] = {}
+        self._uses: dict[Medium, list[Use]] = defaultdict(list)
+        self._forks: dict[ParallelKey, list[Strand]] = {}
+
+    def system(self) -> System:
+        """All components and events."""
+        for strand in self.threads:
+            self.abstractions.update(strand.template.abstractions)
+        shapes = self._shaped()
+        for strand, shape in zip(self.threads, shapes, strict=True):
+            for label in shape.labels:
+                self._note(strand, label)
+        for medium, uses in self._uses.items():
+            self._medium(medium, uses)
+        for key in self._forks:
+            self._composition(key, shapes)
+        components = [self._component(strand, shape) for strand, shape in zip(self.threads, shapes, strict=True)]
+        return System((*components, *self.extra), tuple(self.events), tuple(self.abstractions))
+
+    def _shaped(self) -> list[Shape]:
+        """The machines of all threads, without what lies before the start of a parallel that is the first thing its parent does."""
+        started: set[Strand] = {self.strands.top}
+        shapes: list[Shape] = []
+        for strand in self.threads:
+            shape = self._shape(strand.template, strand in started)
+            shapes.append(shape)
+            for key in shape.forked_at_once:
+                started.update(self.strands.branches[parallel_key(strand.occurrence, key)])
+        return shapes
+
+    def _shape(self, template: Template, started: bool) -> Shape:
+        key = (id(template), started, False)
+        known = self._shapes.get(key)
+        if known is None:
+            known = self._shapes[key] = Shape(template, started=started)
+        return known
+
+    def _component(self, strand: Strand, shape: Shape) -> Component:
+        of = self._of[strand.number]
+        events = [(INTERNAL,) if label == INTERNAL_LABEL else of.get(label, ()) for label in shape.labels]
+        edges: list[tuple[Edge, ...]] = []
+        for compiled in shape.edges:
+            edges.append(tuple([(event, target) for number, target in compiled for event in events[number]]))
+        return Component(
+            strand.name,
+            tuple(edges),
+            shape.terminal,
+            places=_Places(shape.spots, strand),
+            path=strand.occurrence.path,
+        )
+
+    # -- events
+
+    def _event(
+        self,
+        channel: str,
+        parties: tuple[int, ...],
+        kind: EventKind,
+        value: Known = UNKNOWN,
+        type_: Any = None,
+        *,
+        visible: bool = False,
+    ) -> int:
+        text = None if value is UNKNOWN else value_text(value, type_)  # type: ignore[arg-type]
+        self.events.append(Event(channel, parties, kind, text, visible))
+        return len(self.events) - 1
+
+    def _for(self, strand: Strand, label: Label, event: int) -> None:
+        self._of[strand.number].setdefault(label, []).append(event)
+
+    def _add(self, component: Component) -> int:
+        self.extra.append(component)
+        return len(self.threads) + len(self.extra) - 1
+
+    def _nobody_number(self) -> int:
+        if self._nobody is None:
+            self._nobody = self._add(media.nobody())
+        return self._nobody
+
+    def _note(self, strand: Strand, label: Label) -> None:
+        kind = label[0]
+        alone = _ALONE.get(kind)
+        if alone is not None:
+            medium = resolve(strand.occurrence, label[1])
+            value = label[2] if len(label) > 2 else UNKNOWN
+            event = self._event(medium.name, (strand.number,), alone[0], value, medium.type, visible=alone[1])
+            self._for(strand, label, event)
+        elif kind == "time":
+            self._for(strand, label, self._event(f"{strand.name}: {label[1]}", (strand.number,), "time"))
+        elif kind in ("read", "write", "guarded", "load", "store", "delivered", "withdrawn"):
+            self._uses[resolve(strand.occurrence, label[1])].append((strand, label))
+        elif kind == "fork" or kind == "join":
+            self._forks.setdefault(parallel_key(strand.occurrence, label[1]), []).append(strand)
+
+    # -- channels
+
+    def _medium(self, medium: Medium, uses: list[Use]) -> None:
+        match medium.kind:
+            case "sync" | "any":
+                self._rendezvous(medium, uses)
+            case "buffer" | "overwrite":
+                self._queue(medium, uses)
+            case "broadcast":
+                self._broadcast(medium, uses)
+            case "var":
+                self._variable(medium, uses)
+            case _:
+                raise AssertionError(medium.kind)
+
+    def _value(self, medium: Medium, label: Label) -> Known:
+        """The value of a label, if the medium's values are told apart."""
+        return label[2] if medium.relevant and medium.values is not None else UNKNOWN  # type: ignore[no-any-return]
+
+    def _rendezvous(self, medium: Medium, uses: list[Use]) -> None:
+        writing: dict[Known, list[Use]] = defaultdict(list)
+        reading: dict[Known, list[Use]] = defaultdict(list)
+        for use in uses:
+            (reading if use[1][0] == "read" else writing)[self._value(medium, use[1])].append(use)
+        for value in dict.fromkeys([*writing, *reading]):
+            met: set[Use] = set()
+            for (writer, written), (reader, read) in product(writing.get(value, ()), reading.get(value, ())):
+                if writer is reader:
+                    continue
+                met |= {(writer, written), (reader, read)}
+                parties = (writer.number, reader.number)
+                event = self._event(medium.name, parties, "communication", value, medium.type)
+                self._for(writer, written, event)
+                self._for(reader, read, event)
+            for use in (*writing.get(value, ()), *reading.get(value, ())):
+                if use not in met:
+                    self._alone(medium, use, value)
+
+    def _alone(self, medium: Medium, use: Use, value: Known) -> None:
+        strand, label = use
+        parties = (strand.number, self._nobody_number())
+        self._for(strand, label, self._event(medium.name, parties, "communication", value, medium.type))
+
+    def _with(
+        self, medium: Medium, uses: list[Use], number: int, kinds: tuple[str, ...], kind: EventKind
+    ) -> dict[Known, list[int]]:
+        """The events of labels of some kinds with the component of a medium, by value."""
+        found: dict[Known, list[int]] = {}
+        for strand, label in uses:
+            if label[0] in kinds:
+                value = self._value(medium, label)
+                event = self._event(medium.name, (strand.number, number), kind, value, medium.type)
+                self._for(strand, label, event)
+                found.setdefault(value, []).append(event)
+        return found
+
+    def _queue(self, medium: Medium, uses: list[Use]) -> None:
+        number = len(self.threads) + len(self.extra)
+        writes = self._with(medium, uses, number, ("write", "guarded"), "communication")
+        reads = self._with(medium, uses, number, ("read",), "take")
+        if media.counts_only(medium, [*writes, *reads]):
+            self.abstractions[Abstraction(f"the values in `{medium.name}` are not told apart", medium.span)] = None
+        self._add(media.queue(medium, writes, reads))
+
+    def _variable(self, medium: Medium, uses: list[Use]) -> None:
+        number = len(self.threads) + len(self.extra)
+        loads = self._with(medium, uses, number, ("load",), "variable")
+        stores = self._with(medium, uses, number, ("store",), "variable")
+        self._add(media.variable(medium, loads, stores))
+
+    def _broadcast(self, medium: Medium, uses: list[Use]) -> None:
+        readers: dict[object, list[Use]] = {}
+        for strand, label in uses:
+            if label[0] == "read":
+                path, end = label[3]
+                readers.setdefault((strand.occurrence.at(path), end), []).append((strand, label))
+        first = len(self.threads) + len(self.extra)
+        missing = max(0, medium.ends - len(readers))
+        latches = tuple(range(first, first + len(readers)))
+        absent = (self._nobody_number(),) if missing and self._nobody is not None else ()
+        if missing and not absent:
+            latches = tuple(number + 1 for number in latches)
+            absent = (self._nobody_number(),)
+        writes, delivered, withdrawn = self._broadcast_writes(medium, uses, latches, absent)
+        taken: list[dict[Known, list[int]]] = []
+        for number, ends in zip(latches, readers.values(), strict=True):
+            taken.append(self._with(medium, ends, number, ("read",), "communication"))
+        self._guarded_broadcasts(medium, uses, list(readers.values()), absent)
+        for takes, ends in zip(taken, readers.values(), strict=True):
+            name = f"{medium.name} to {ends[0][0].name}"
+            self._add(media.latch(name, writes, takes, delivered, withdrawn))
+
+    def _broadcast_writes(
+        self, medium: Medium, uses: list[Use], latches: tuple[int, ...], absent: tuple[int, ...]
+    ) -> tuple[dict[Known, list[int]], list[int], list[int]]:
+        writes: dict[Known, list[int]] = {}
+        delivered: list[int] = []
+        withdrawn: list[int] = []
+        for strand, label in uses:
+            parties = (strand.number, *latches)
+            if label[0] == "write":
+                value = self._value(medium, label)
+                event = self._event(f"{medium.name} (written)", parties, "take", value, medium.type)
+                writes.setdefault(value, []).append(event)
+            elif label[0] == "delivered":
+                event = self._event(f"{medium.name} (taken by all)", (*parties, *absent), "delivered")
+                delivered.append(event)
+            elif label[0] == "withdrawn":
+                event = self._event(f"{medium.name} (taken back)", parties, "delivered")
+                withdrawn.append(event)
+            else:
+                continue
+            self._for(strand, label, event)
+        return writes, delivered, withdrawn
+
+    def _guarded_broadcasts(
+        self, medium: Medium, uses: list[Use], readers: list[list[Use]], absent: tuple[int, ...]
+    ) -> None:
+        """An output guard on a broadcast is ready when all readers wait, and all get the value at once."""
+        for strand, label in uses:
+            if label[0] != "guarded":
+                continue
+            value = self._value(medium, label)
+            fitting = [[use for use in ends if self._value(medium, use[1]) == value] for ends in readers]
+            for number, chosen in enumerate(product(*fitting)):
+                if number == _MOST_GUARDED:
+                    break
+                parties = (strand.number, *dict.fromkeys(reader.number for reader, _ in chosen), *absent)
+                event = self._event(medium.name, parties, "communication", value, medium.type)
+                self._for(strand, label, event)
+                for reader, read in chosen:
+                    self._for(reader, read, event)
+
+    # -- compositions
+
+    def _composition(self, key: ParallelKey, shapes: list[Shape]) -> None:
+        branches = self.strands.branches[key]
+        parents = [
+            (strand, label)
+            for strand in dict.fromkeys(self._forks[key])
+            for label in shapes[strand.number].labels
+            if label[0] in ("fork", "join", "cancel", "thrown") and parallel_key(strand.occurrence, label[1]) == key
+        ]
+        name = f"{key[0].path}: parallel"
+        together: dict[str, tuple[Label, EventKind]] = {
+            "fork": (("start",), "start"), "join": (("end",), "end"), "cancel": (("cancelled",), "cancel"),
+        }  # fmt: skip
+        for parent, label in parents:
+            if label[0] == "thrown":
+                self._thrown(parent, label, branches[label[2]], shapes)
+                continue
+            of_branch, kind = together[label[0]]
+            if not all(of_branch in shapes[branch.number].label_numbers for branch in branches):
+                continue
+            parties = (parent.number, *(branch.number for branch in branches))
+            event = self._event(f"{name} {kind}", parties, kind)
+            self._for(parent, label, event)
+            for branch in branches:
+                self._for(branch, of_branch, event)
+
+    def _thrown(self, parent: Strand, label: Label, branch: Strand, shapes: list[Shape]) -> None:
+        throw = ("throw", label[3])
+        if throw in shapes[branch.number].label_numbers:
+            event = self._event(f"{branch.name}: {label[3]}", (parent.number, branch.number), "exception")
+            self._for(parent, label, event)
+            self._for(branch, throw, event)
+
+
+class _Places(Mapping[int, Place]):
+    """The places of a thread, put into words when somebody asks."""
+
+    def __init__(self, spots: list[Spot], strand: Strand) -> None:
+        self._spots = spots
+        self._strand = strand
+
+    def __getitem__(self, state: int) -> Place:
+        if not 0 <= state < len(self._spots):
+            raise KeyError(state)
+        spot = self._spots[state]
+        if spot.reference is None or spot.reference[0] in ("constant", "discard"):
+            return Place(spot.words, spot.span)
+        medium = resolve(self._strand.occurrence, spot.reference)
+        return Place(f"{spot.words} {short(medium.name)}", spot.span)
+
+    def __iter__(self) -> Iterator[int]:
+        return iter(range(len(self._spots)))
+
+    def __len__(self) -> int:
+        return len(self._spots)
+
+
+def short(name: str) -> str:
+    """A hierarchical name without the outermost process."""
+    return name.split(".", 1)[-1]

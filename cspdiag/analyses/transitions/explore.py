@@ -1,0 +1,87 @@
+"""All configurations of a thread, made into a template."""
+
+from __future__ import annotations
+
+from cspdiag.analyses.transitions.follow import Follower
+from cspdiag.analyses.transitions.occurrences import Occurrence
+from cspdiag.analyses.transitions.offers import Offers
+from cspdiag.analyses.transitions.program import Node
+from cspdiag.analyses.transitions.spots import spot
+from cspdiag.analyses.transitions.template import Template
+from cspdiag.analyses.transitions.thread import Configuration, Restart, Role, Thread
+
+MOST_STATES = 20_000
+"""A thread with more states has a variable with many values, which is then not followed."""
+
+
+class TransitionError(Exception):
+    """A program whose transition system cannot be made; the message is one line."""
+
+
+def explore(occurrence: Occurrence, node: Node | None, role: Role) -> Template:
+    """The template of a thread. Raises TransitionError if it has too many states whatever is left open."""
+    thread = Thread(occurrence, node, role)
+    while True:
+        try:
+            return _explored(thread)
+        except Restart:
+            widened, unfused = thread.widened, thread.unfused
+            thread = Thread(occurrence, node, role)
+            thread.widened, thread.unfused = widened, unfused
+
+
+def _explored(thread: Thread) -> Template:
+    follower = Follower(thread)
+    offers = Offers(thread, follower)
+    template = thread.template
+    begin = (
+        Configuration((("idle",), None))
+        if not thread.role.outermost
+        else follower.settled(Configuration(offers.body()))
+    )
+    numbers: dict[Configuration, int] = {begin: 0}
+    order = [begin]
+    for configuration in order:
+        edges: list[tuple[object, int]] = []
+        seen: set[tuple[object, int]] = set()
+        for label, unsettled in offers.moves(configuration):
+            target = follower.settled(unsettled)
+            number = numbers.get(target)
+            if number is None:
+                number = numbers[target] = len(order)
+                order.append(target)
+            if (label, number) not in seen:
+                seen.add((label, number))
+                edges.append((label, number))
+        template.edges.append(edges)  # type: ignore[arg-type]
+        if len(template.edges) % 256 == 0 and thread.most_values(order) is not None:
+            raise Restart
+        if len(order) > MOST_STATES:
+            _give_up_a_variable(thread, order)
+    if thread.most_values(order) is not None:
+        raise Restart
+    for number, configuration in enumerate(order):
+        assert configuration.stack is not None
+        frame = configuration.stack[0]
+        template.spots.append(spot(thread, frame, configuration))
+        if frame[0] in ("idle", "ended", "over", "raised", "join") and not (
+            frame[0] == "raised" and not thread.role.outermost
+        ):
+            template.terminal.add(number)
+    _tell_what_was_widened(thread)
+    return template
+
+
+def _give_up_a_variable(thread: Thread, order: list[Configuration]) -> None:
+    if thread.widen(order, at_least=2) is None:
+        where = thread.root.occurrence.path
+        raise TransitionError(f"`{where}` has more than {MOST_STATES} states, and no variable is left to leave open")
+    raise Restart
+
+
+def _tell_what_was_widened(thread: Thread) -> None:
+    for reference in sorted(thread.widened, key=str):
+        medium = thread.medium(reference)
+        thread.abstracted(
+            f"the values of `{medium.name.rsplit('.', 1)[-1]}` are not followed: there are too many", medium.span
+        )

@@ -1,0 +1,229 @@
+"""What is known of the classes of a network before any process is followed.
+
+**Relevant** are variables, ports and channels whose values decide a condition somewhere: a condition reads them, or they flow into such.
+Only their values are followed.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable, Iterator
+from typing import Literal, TypeAlias
+
+from cspdiag.analyses.transitions.program import Class, Node, Program
+from cspdiag.analyses.transitions.values import values_of_type
+from cspdiag.network.actions import (
+    AssignValue,
+    Branch,
+    CatchException,
+    ChannelEnd,
+    Choice,
+    End,
+    IfElse,
+    InputEvent,
+    InterruptOn,
+    OutputEvent,
+    PortEnd,
+    RaiseException,
+    ReadValue,
+    ReadyEvent,
+    Repeat,
+    RunInstance,
+    WhileLoop,
+    WriteValue,
+)
+from cspdiag.network.expression_walk import walk
+from cspdiag.network.expressions import Expression, ParameterValue, VariableValue
+from cspdiag.network.ir import Attachment, ConstantEnd, ProcessClass, SubmodelClass
+from cspdiag.network.walk import parts
+
+Item: TypeAlias = tuple[Literal["port", "channel", "parameter"], str, str]
+"""A port, a channel or a parameter of a class, by the names of the class and its own."""
+
+FAULT = "Fault"
+TIMEOUT = "Timeout"
+
+
+class Facts:
+    """What follows from the classes of a program alone."""
+
+    def __init__(self, program: Program) -> None:
+        self.program = program
+        self.relevant = _relevant(program)
+        self.sampled = _sampled_ports(program)
+        self._escaping: dict[Node, frozenset[str]] = {}
+        self.catches_faults = any(
+            isinstance(part, CatchException) and part.exception == FAULT
+            for one in program.classes.values()
+            if isinstance(one.definition, ProcessClass)
+            for part in parts(one.definition.body)
+        )
+
+    def parameters(self, one: Class) -> tuple[str, ...]:
+        """The parameters of a class that decide a condition."""
+        names = (parameter.name for parameter in one.definition.parameters)
+        return tuple(name for name in names if ("parameter", one.name, name) in self.relevant)
+
+    def escaping(self, node: Node, one: Class) -> frozenset[str]:
+        """The exceptions that may end an action of a class, and leave it."""
+        known = self._escaping.get(node)
+        if known is None:
+            known = self._escaping[node] = frozenset(self._escaping_from(node, one))
+        return known
+
+    def _escaping_from(self, node: Node, one: Class) -> set[str]:
+        action = node.action
+        inside: set[str] = set()
+        for child in node.children:
+            inside |= self.escaping(child, one)
+        match action:
+            case RaiseException():
+                inside.add(action.exception)
+            case CatchException():
+                handler = self.escaping(node.children[1], one)
+                inside = set(self.escaping(node.children[0], one) - {action.exception}) | handler
+            case RunInstance():
+                inside |= self._of_instance(action.instance, one)
+            case ReadValue():
+                inside |= self._of_read(action.source, one)
+            case Choice():
+                for branch in action.branches:
+                    inside |= self._of_guard(branch, one)
+            case InterruptOn():
+                inside |= self._of_guard(action.branch, one)
+            case _:
+                pass
+        if self.catches_faults and any(isinstance(part, _COMPUTING) for part in (action,)):
+            inside.add(FAULT)
+        return inside
+
+    def _of_instance(self, name: str, one: Class) -> frozenset[str]:
+        instance = one.instances[name]
+        inner = self.program.classes[instance.class_name]
+        if isinstance(inner.definition, SubmodelClass):
+            fault = {FAULT} if self.catches_faults else set()
+            timeout = (
+                {TIMEOUT} if any((inner.name, port.name) in self.sampled for port in inner.definition.ports) else set()
+            )
+            return frozenset(fault | timeout)
+        return frozenset() if inner.body is None else self.escaping(inner.body, inner)
+
+    def _of_guard(self, branch: Branch, one: Class) -> frozenset[str]:
+        event = branch.event
+        return self._of_read(event.source, one) if isinstance(event, ReadyEvent | InputEvent) else frozenset()
+
+    def _of_read(self, end: End, one: Class) -> frozenset[str]:
+        sampled = isinstance(end, PortEnd) and (one.name, end.port) in self.sampled
+        return frozenset({TIMEOUT}) if sampled else frozenset()
+
+
+_COMPUTING = (AssignValue, WriteValue, IfElse, WhileLoop, Repeat, Choice, InterruptOn)
+
+
+def _sampled_ports(program: Program) -> frozenset[tuple[str, str]]:
+    """The ports, by class and name, of which some instance reads a sampled input of the outermost process."""
+    top = program.network.top
+    found = {
+        (top, _base(p.name)) for p in program.network.external_ports if p.direction == "in" and p.period is not None
+    }
+    for one in reversed(program.classes.values()):
+        for instance in one.instances.values():
+            for connection in instance.connections:
+                end = connection.attachment
+                if isinstance(end, PortEnd) and (one.name, end.port) in found:
+                    found.add((instance.class_name, connection.port))
+    return frozenset(found)
+
+
+def _base(port: str) -> str:
+    return port.split("[", 1)[0]
+
+
+def _relevant(program: Program) -> frozenset[Item]:
+    flows: defaultdict[Item, set[Item]] = defaultdict(set)
+    seeds: set[Item] = set()
+    for one in program.classes.values():
+        if isinstance(one.definition, ProcessClass):
+            for item, feeding in _flows(one):
+                flows[item] |= feeding
+            for condition in _conditions(one.definition):
+                seeds |= _items_in(condition, one)
+    for port in program.network.external_ports:
+        if port.direction == "out" and values_of_type(port.type) is not None:
+            seeds.add(("port", program.network.top, _base(port.name)))
+    found: set[Item] = set()
+    pending = list(seeds)
+    while pending:
+        item = pending.pop()
+        if item not in found:
+            found.add(item)
+            pending.extend(flows[item])
+    return frozenset(found)
+
+
+def _conditions(definition: ProcessClass) -> Iterator[Expression]:
+    for part in parts(definition.body):
+        match part:
+            case Branch() | Repeat() | WhileLoop() | IfElse():
+                condition = part.until if isinstance(part, Repeat) else part.condition
+                if condition is not None:
+                    yield condition
+            case _:
+                pass
+
+
+def _flows(one: Class) -> Iterator[tuple[Item, set[Item]]]:
+    """Items and what they depend on."""
+    definition = one.definition
+    assert isinstance(definition, ProcessClass)
+    for channel in definition.channels:
+        if channel.initial is not None:
+            yield ("channel", one.name, channel.name), _items_in(channel.initial, one)
+    for part in parts(definition.body):
+        match part:
+            case AssignValue():
+                yield ("channel", one.name, part.target.channel), _all_in((part.value, *part.target.indexes), one)
+            case ReadValue() | InputEvent():
+                sources = _all_in(part.target.indexes, one) | _item_of(part.source, one)
+                yield ("channel", one.name, part.target.channel), sources
+            case WriteValue() | OutputEvent():
+                for sink in _item_of(part.sink, one):
+                    yield sink, _items_in(part.value, one)
+            case _:
+                pass
+    for instance in definition.instances:
+        for connection in instance.connections:
+            inner: Item = ("port", instance.class_name, connection.port)
+            yield inner, _item_of(connection.attachment, one)
+            for outer in _item_of(connection.attachment, one):
+                yield outer, {inner}
+        for parameter, argument in instance.arguments:
+            yield ("parameter", instance.class_name, parameter), _items_in(argument, one)
+
+
+def _item_of(end: Attachment, one: Class) -> set[Item]:
+    match end:
+        case PortEnd():
+            return {("port", one.name, end.port)}
+        case ChannelEnd():
+            return {("channel", one.name, end.channel)}
+        case ConstantEnd():
+            return _items_in(end.value, one)
+    return set()
+
+
+def _all_in(expressions: Iterable[Expression], one: Class) -> set[Item]:
+    return {item for expression in expressions for item in _items_in(expression, one)}
+
+
+def _items_in(expression: Expression, one: Class) -> set[Item]:
+    found: set[Item] = set()
+    for part in walk(expression):
+        match part:
+            case VariableValue():
+                found.add(("channel", one.name, part.channel))
+            case ParameterValue():
+                found.add(("parameter", one.name, part.name))
+            case _:
+                pass
+    return found

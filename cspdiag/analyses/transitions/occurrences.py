@@ -1,0 +1,179 @@
+"""Instances at their paths, and the channels and outside ports that they share, made when something asks for them."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Literal, TypeAlias
+
+from cspdiag.analyses.transitions.facts import Facts
+from cspdiag.analyses.transitions.program import Class, Program
+from cspdiag.analyses.transitions.values import MOST_VALUES, UNKNOWN, EvaluationFault, Known, evaluated
+from cspdiag.diagnostics import Span
+from cspdiag.model.types import Type
+from cspdiag.network.actions import ChannelEnd, PortEnd
+from cspdiag.network.expressions import Expression
+from cspdiag.network.ir import Attachment, ConstantEnd, ProcessClass
+
+MediumKind: TypeAlias = Literal[
+    "var", "sync", "broadcast", "any", "buffer", "overwrite", "sampled", "event", "output", "constant", "discard"
+]
+"""Kinds of channels; what the outside gives (``sampled``, ``event``) and takes (``output``); and ends that were left open."""
+
+PATIENT: frozenset[MediumKind] = frozenset({"sync", "broadcast", "any", "buffer", "overwrite", "sampled", "event"})
+"""Kinds at which a reader may have to wait."""
+
+
+class Medium:
+    """A channel, or what else a port is attached to, with what is found out about it while processes are followed.
+
+    ``values`` are those that may be written, None for too many; only those of ``relevant`` media are collected. A variable is ``shared`` if more than one
+    component accesses it.
+    """
+
+    def __init__(
+        self, name: str, kind: MediumKind, type_: Type | None, *, relevant: bool = False, span: Span | None = None
+    ) -> None:
+        self.name = name
+        self.span = span
+        self.kind: MediumKind = kind
+        self.type = type_
+        self.relevant = relevant
+        self.period: int | None = None
+        self.capacity = 1
+        self.ends = 1
+        self.initial: Known = UNKNOWN
+        self.values: set[Known] | None = set()
+        self.shared = False
+        self._growths = 0
+        self.accessed_by: set[object] = set()
+
+    def admit(self, values: set[Known]) -> bool:
+        """Values are written here; whether any is new."""
+        if self.values is None or values <= self.values:
+            return False
+        self.values |= values
+        self._growths += 1
+        if len(self.values) > MOST_VALUES or self._growths > _MOST_GROWTHS:
+            self.values = None
+        return True
+
+    @property
+    def domain(self) -> tuple[Known, ...] | None:
+        """The values in a stable order, None if they are not told apart."""
+        if self.values is None or not self.relevant:
+            return None
+        return tuple(sorted(self.values, key=lambda value: (value is UNKNOWN, str(type(value)), value)))  # type: ignore[arg-type,return-value]
+
+
+_MOST_GROWTHS = 8
+"""A medium to which values are added more often takes them from a circle that goes on counting."""
+
+DISCARD = Medium("_", "discard", None)
+
+
+class Occurrence:
+    """An instance of a process at its path, or the outermost process."""
+
+    def __init__(
+        self,
+        world: World,
+        path: str,
+        definition: Class,
+        arguments: dict[str, Known] | None,
+        ports: dict[tuple[str, int | None], Medium],
+        parent: Occurrence | None = None,
+        name: str = "",
+    ) -> None:
+        self.world = world
+        self.path = path
+        self.definition = definition
+        self.ports = ports
+        self.parent = parent
+        self.name = name
+        self._arguments = arguments
+        self._children: dict[str, Occurrence] = {}
+        self._channels: dict[str, Medium] = {}
+
+    @cached_property
+    def arguments(self) -> dict[str, Known]:
+        """The values of the parameters."""
+        if self._arguments is not None:
+            return self._arguments
+        assert self.parent is not None
+        given = self.parent.definition.instances[self.name].arguments
+        return {name: self.parent.constant(value) for name, value in given}
+
+    def constant(self, expression: Expression) -> Known:
+        """The value of an expression of parameters."""
+        try:
+            return evaluated(expression, lambda _: UNKNOWN, lambda name: self.arguments.get(name, UNKNOWN))
+        except EvaluationFault:
+            return UNKNOWN
+
+    def child(self, name: str) -> Occurrence:
+        """The instance of that name inside."""
+        known = self._children.get(name)
+        if known is None:
+            instance = self.definition.instances[name]
+            ports = {(c.port, c.index): self.attached(c.attachment) for c in instance.connections}
+            definition = self.world.program.classes[instance.class_name]
+            known = Occurrence(self.world, f"{self.path}.{name}", definition, None, ports, self, name)
+            self._children[name] = known
+        return known
+
+    def attached(self, end: Attachment) -> Medium:
+        """What an end, in terms of this class, is an end of."""
+        match end:
+            case PortEnd():
+                return self.ports[end.port, end.index]
+            case ChannelEnd():
+                return self.channel(end.channel)
+            case ConstantEnd():
+                medium = Medium("", "constant", end.value.type)
+                medium.initial = self.constant(end.value)
+                return medium
+        return DISCARD
+
+    def channel(self, name: str) -> Medium:
+        """A channel of this instance."""
+        known = self._channels.get(name)
+        if known is None:
+            definition = self.definition.definition
+            assert isinstance(definition, ProcessClass)
+            channel = definition.channels[self.definition.channels[name]]
+            relevant = ("channel", self.definition.name, name) in self.world.facts.relevant
+            known = self._channels[name] = Medium(
+                f"{self.path}.{name}", channel.kind, channel.type, relevant=relevant, span=channel.span
+            )
+            known.capacity = channel.capacity or 1
+            known.ends = channel.ends
+            if channel.initial is not None:
+                known.initial = self.constant(channel.initial)
+        return known
+
+    def at(self, path: tuple[str, ...]) -> Occurrence:
+        """The instance at a path below this one."""
+        found = self
+        for name in path:
+            found = found.child(name)
+        return found
+
+
+class World:
+    """The outermost process and everything inside."""
+
+    def __init__(self, program: Program, facts: Facts) -> None:
+        self.program = program
+        self.facts = facts
+        network = program.network
+        media: dict[tuple[str, int | None], Medium] = {}
+        for port in network.external_ports:
+            base = port.name.split("[", 1)[0]
+            index = port.index
+            kind: MediumKind = "output" if port.direction == "out" else "event" if port.period is None else "sampled"
+            relevant = ("port", network.top, base) in facts.relevant
+            medium = Medium(f"{network.top}.{port.name}", kind, port.type, relevant=relevant, span=port.span)
+            medium.period = port.period
+            media[base, index] = medium
+        arguments: dict[str, Known] = dict(network.arguments)
+        self.top = Occurrence(self, network.top, program.top, arguments, media)

@@ -1,0 +1,410 @@
+"""What a thread offers where it waits: the edges out of a configuration."""
+
+from __future__ import annotations
+
+from typing import TypeAlias
+
+from cspdiag.analyses.transitions.facts import FAULT, TIMEOUT
+from cspdiag.analyses.transitions.follow import Follower
+from cspdiag.analyses.transitions.joining import LawParallels, fork_edges, join_edges
+from cspdiag.analyses.transitions.occurrences import PATIENT
+from cspdiag.analyses.transitions.program import Node
+from cspdiag.analyses.transitions.template import INTERNAL_LABEL, Label, Reference
+from cspdiag.analyses.transitions.thread import Configuration, Context, Frame, Stack, Thread, reading_end
+from cspdiag.analyses.transitions.values import UNKNOWN, Known, values_of_type
+from cspdiag.network.actions import (
+    AfterEvent,
+    Branch,
+    ChannelEnd,
+    Choice,
+    End,
+    Event,
+    InputEvent,
+    InterruptOn,
+    OutputEvent,
+    ParallelSteps,
+    PortEnd,
+    ReadValue,
+    ReadyEvent,
+    SkipEvent,
+    StopStep,
+    Target,
+    WaitStep,
+)
+from cspdiag.network.dump_expression import expression_text
+
+Move: TypeAlias = tuple[Label, Configuration]
+
+MISSED = "missed"
+"""Instead of a value: the sample was overwritten, and the reader gets Timeout."""
+
+_AT_ONCE = 4
+"""With more communications at once than that, each has a component of its own instead of all orders in one."""
+
+POINTS = frozenset({"run", "put", "delivering", "choice", "reading", "writing", "foreign", "foreign port"})
+"""Frames at which a cancelled or interrupted process ends; so it does at the actions that wait."""
+
+
+class Offers:
+    """The edges of one thread."""
+
+    def __init__(self, thread: Thread, follower: Follower) -> None:
+        self.thread = thread
+        self.follower = follower
+        self.laws = LawParallels(thread, follower)
+
+    def moves(self, c: Configuration) -> list[Move]:
+        """All edges out of a settled configuration; what they lead to is not settled."""
+        assert c.stack is not None
+        frame, rest = c.stack
+        found = self._own(c, frame, rest)
+        if is_point(frame) or (frame[0] == "join" and frame[3] == "wait"):
+            found += self._interruptions(c, frame)
+        if self.thread.role.cancellable and not c.doomed:
+            found += self._cancellation(c, frame)
+        return found
+
+    def _own(self, c: Configuration, frame: Frame, rest: Stack) -> list[Move]:
+        match frame[0]:
+            case "run":
+                return self._action(c, frame[1], frame[2], rest)
+            case "put":
+                return [
+                    (self._written(frame[1], frame[2]), self._delivering(frame[1], frame[3], c._replace(stack=rest)))
+                ]
+            case "delivering":
+                return [(("delivered", frame[1]), c._replace(stack=rest))]
+            case "withdrawing":
+                return [(("withdrawn", frame[1]), c._replace(stack=rest))]
+            case "choice":
+                return self._choice(c, frame, rest)
+            case "reading":
+                return self._reading(c, frame, rest)
+            case "writing":
+                return self._writing(c, frame, rest)
+            case "join":
+                return join_edges(self.thread, self.follower, c, frame, rest)
+            case "either":
+                return [(INTERNAL_LABEL, self.follower.abandoned(c)), (INTERNAL_LABEL, c._replace(stack=rest))]
+            case "open":
+                return self._open(c, frame)
+            case "load":
+                return self._load(c, frame[1], rest)
+            case "store":
+                return [(("store", frame[1], frame[2]), c._replace(stack=rest))]
+            case "foreign":
+                return self._foreign(c, frame, rest)
+            case "foreign port":
+                return self._foreign_port(c, frame, rest)
+            case "diverges":
+                return [(INTERNAL_LABEL, c)]
+            case "idle":
+                return [(("start",), c._replace(stack=self.body()))]
+            case "ended":
+                if self.thread.role.outermost:
+                    return []
+                return [(("end",), c._replace(stack=(("over" if self.thread.role.once else "idle",), None)))]
+            case "over":
+                return []
+            case "raised":
+                if self.thread.role.outermost:
+                    return []
+                return [(("throw", frame[1]), c._replace(stack=(("ended",), None)))]
+        raise AssertionError(frame[0])
+
+    def body(self) -> Stack:
+        """All that the thread does."""
+        root, node = self.thread.root, self.thread.node
+        if node is None:
+            return (("foreign", root, None), (("leave", root), None))
+        own = (("leave", root), None) if node is root.definition.body else None
+        return (("run", node, root), own)
+
+    # -- actions that wait
+
+    def _action(self, c: Configuration, node: Node, context: Context, rest: Stack) -> list[Move]:
+        action = node.action
+        after = c._replace(stack=rest)
+        match action:
+            case ReadValue():
+                found: list[Move] = []
+                for label, value, given in self.reads(c, context, action.source):
+                    if value is MISSED:
+                        found.append((label, self.follower.thrown(given, TIMEOUT)))
+                    else:
+                        found.append((label, _assigning(given._replace(stack=rest), context, action.target, value)))
+                return found
+            case WaitStep():
+                return [(("time", f"wait {expression_text(action.duration)}"), after)]
+            case StopStep():
+                return []
+            case ParallelSteps():
+                return fork_edges(self.thread, c, node, context, rest)
+        raise AssertionError(type(action).__name__)
+
+    def _written(self, reference: Reference, value: Known, kind: str = "write") -> Label:
+        medium = self.thread.medium(reference)
+        if medium.kind == "output":
+            return ("output", reference, value)
+        self.thread.wrote(reference, value)
+        return (kind, reference, value if medium.relevant else UNKNOWN)
+
+    def _delivering(self, reference: Reference, node: Node, after: Configuration) -> Configuration:
+        """The writer of a broadcast goes on when every end has taken the value."""
+        if self.thread.medium(reference).kind != "broadcast":
+            return after
+        return after._replace(stack=(("delivering", reference, node), after.stack))
+
+    def reads(self, c: Configuration, context: Context, end: End) -> list[tuple[Label, Known | str, Configuration]]:
+        """The ways to read an end at which a reader may wait: label, value, and the configuration with its session noted."""
+        reference = context.reference(end)
+        medium = self.thread.medium(reference)
+        where = reading_end(context, end)
+        if medium.kind == "sampled":
+            begun = self.thread.beginning(c, context, where)
+            found: list[tuple[Label, Known | str, Configuration]] = [
+                (("sample", reference, value), value, begun) for value in self._outside(reference)
+            ]
+            if self.thread.begun(c, context, where) and self._timeouts():
+                found.append((("miss", reference), MISSED, begun))
+            return found
+        if medium.kind == "event":
+            return [(("input", reference, value), value, c) for value in self._outside(reference)]
+        domain = self.thread.domain(reference) if medium.relevant else None
+        if domain is None:
+            return [(("read", reference, UNKNOWN, where), UNKNOWN, c)]
+        return [(("read", reference, value, where), value, c) for value in domain]
+
+    def _outside(self, reference: Reference) -> tuple[Known, ...]:
+        """The values that the environment may give, as far as they are told apart."""
+        medium = self.thread.medium(reference)
+        values = values_of_type(medium.type) if medium.relevant and medium.type is not None else None
+        return (UNKNOWN,) if values is None else values
+
+    def _timeouts(self) -> bool:
+        environments = self.thread.facts.program.network.environments
+        return not environments or any(environment.on_miss == "timeout" for environment in environments)
+
+    # -- guards
+
+    def _choice(self, c: Configuration, frame: Frame, rest: Stack) -> list[Move]:
+        _, node, context, decided = frame
+        assert isinstance(node.action, Choice)
+        found: list[Move] = []
+        held = c._replace(stack=rest)
+        for branch, body, enabled in zip(node.action.branches, node.children, decided, strict=True):
+            if enabled is not None:
+                found += self.guarded(held, context, branch, body, enabled[0])
+        return found
+
+    def _interruptions(self, c: Configuration, present: Frame) -> list[Move]:
+        """The guards of the interrupts around what waits."""
+        found: list[Move] = []
+        stack, held = c.stack, c._replace(fetched=None, loaded=())
+        while stack is not None:
+            frame, stack = stack
+            if frame[0] == "leave":
+                held = self.thread.closed(held, frame[1])
+            elif frame[0] == "interrupt":
+                _, node, context, value = frame
+                assert isinstance(node.action, InterruptOn)
+                outside = held._replace(stack=stack)
+                for label, target in self.guarded(outside, context, node.action.branch, node.children[1], value):
+                    if present[0] == "delivering":
+                        target = target._replace(stack=(("withdrawing", present[1]), target.stack))
+                    if present[0] == "join":
+                        abandon = ("join", present[1], present[2], "abandon")
+                        target = target._replace(stack=(abandon, target.stack))
+                    found.append((label, target))
+        return found
+
+    def guarded(self, held: Configuration, context: Context, branch: Branch, body: Node, value: Known) -> list[Move]:
+        """The ways to take a guard; ``held`` is where the alternative stands, without it."""
+        event: Event = branch.event
+        on = held._replace(stack=(("run", body, context), held.stack))
+        match event:
+            case SkipEvent():
+                return [(INTERNAL_LABEL, on)]
+            case AfterEvent():
+                return [(("time", f"after {expression_text(event.duration)}"), on)]
+            case OutputEvent():
+                reference = context.reference(event.sink)
+                if self.thread.medium(reference).kind in ("var", "discard"):
+                    return [(INTERNAL_LABEL, self.follower.stored(on, reference, value))]
+                return [(self._written(reference, value, "guarded"), on)]
+            case InputEvent():
+                return self._input_guard(held, on, context, event)
+            case ReadyEvent():
+                return self._ready_guard(on, context, event, id(body))
+        raise AssertionError(type(event).__name__)
+
+    def _input_guard(self, held: Configuration, on: Configuration, context: Context, event: InputEvent) -> list[Move]:
+        reference = context.reference(event.source)
+        if held.fetched is not None:
+            value = held.fetched[1]
+            return [(INTERNAL_LABEL, _assigning(on._replace(fetched=None), context, event.target, value))]
+        if self.thread.medium(reference).kind not in PATIENT:
+            value = UNKNOWN
+            if self.thread.medium(reference).kind == "constant":
+                value = reference[1]
+            elif self.thread.medium(reference).relevant and not self.thread.is_shared(reference):
+                value = self.thread.slot_value(held, reference)
+            return [(INTERNAL_LABEL, _assigning(on, context, event.target, value))]
+        found: list[Move] = []
+        for label, value, given in self.reads(on, context, event.source):
+            if value is MISSED:
+                found.append((label, self.follower.thrown(given._replace(stack=held.stack), TIMEOUT)))
+            else:
+                found.append((label, _assigning(given, context, event.target, value)))
+        return found
+
+    def _ready_guard(self, on: Configuration, context: Context, event: ReadyEvent, guard: int) -> list[Move]:
+        reference = context.reference(event.source)
+        kind = self.thread.medium(reference).kind
+        if on.fetched is not None or kind not in PATIENT:
+            return [(INTERNAL_LABEL, on)]
+        if kind in ("sampled", "event"):
+            return [(("ready", reference), self.thread.beginning(on, context, reading_end(context, event.source)))]
+        if guard in self.thread.unfused:
+            self.thread.abstracted(
+                "a ready guard is taken before its communication, which another process might make", event.span
+            )
+            return [(INTERNAL_LABEL, on)]
+        return [
+            (label, given._replace(fetched=(reference, value, guard)))
+            for label, value, given in self.reads(on, context, event.source)
+            if value is not MISSED
+        ]
+
+    # -- control laws
+
+    def _reading(self, c: Configuration, frame: Frame, rest: Stack) -> list[Move]:
+        _, context, instance, node, remaining = frame
+        inputs = self.follower.connections(context, instance, "in")
+        chain, free = self._ordered(context, inputs, remaining)
+        if len(free) > _AT_ONCE:
+            return self.laws.fork(c, frame, rest, inputs)
+        found: list[Move] = []
+        for position in (*chain[:1], *free):
+            left = (("reading", context, instance, node, tuple(i for i in remaining if i != position)), rest)
+            end = inputs[position][0].attachment
+            assert isinstance(end, PortEnd | ChannelEnd)
+            for label, value, given in self.reads(c, context, end):
+                if value is MISSED:
+                    found.append((label, self.follower.thrown(given, TIMEOUT)))
+                else:
+                    found.append((label, given._replace(stack=left)))
+        return found
+
+    def _ordered(self, context: Context, inputs: list, remaining: tuple[int, ...]) -> tuple[list[int], list[int]]:  # type: ignore[type-arg]
+        """Those of the inputs that are always taken in the order of the ports, and the others.
+
+        Sampled inputs of one period that nobody else in the process reads are there at the same instants.
+        """
+        uses = context.definition.uses_of_ports
+        chain = [
+            i
+            for i in remaining
+            if self.thread.medium(inputs[i][1]).kind == "sampled" and uses.get(inputs[i][0].attachment, 0) == 1
+        ]
+        periods = {self.thread.medium(inputs[i][1]).period for i in chain}
+        if len(periods) > 1:
+            chain = []
+        return chain, [i for i in remaining if i not in chain]
+
+    def _writing(self, c: Configuration, frame: Frame, rest: Stack) -> list[Move]:
+        _, context, instance, node, remaining = frame
+        outputs = self.follower.connections(context, instance, "out")
+        chain = [i for i in remaining if self.thread.medium(outputs[i][1]).kind in ("output", "overwrite")]
+        free = [i for i in remaining if i not in chain]
+        delivers = any(self.thread.medium(outputs[i][1]).kind == "broadcast" for i in remaining)
+        if len(free) > _AT_ONCE or (delivers and len(remaining) > 1):
+            return self.laws.fork(c, frame, rest, outputs)
+        found: list[Move] = []
+        for position in (*chain[:1], *free):
+            left = (("writing", context, instance, node, tuple(i for i in remaining if i != position)), rest)
+            reference = outputs[position][1]
+            after = self._delivering(reference, node, c._replace(stack=left))
+            found.append((self._written(reference, UNKNOWN), after))
+        return found
+
+    # -- what is left open
+
+    def _open(self, c: Configuration, frame: Frame) -> list[Move]:
+        _, context, condition, then, otherwise = frame
+        name = context.definition.name
+        self.thread.abstracted(f"`{expression_text(condition)}` in `{name}` may hold or not", condition.span)
+        found = self.follower.outcomes(c, context, condition)
+        return [
+            (INTERNAL_LABEL, given._replace(stack=then if holds else otherwise, loaded=())) for holds, given in found
+        ]
+
+    def _load(self, c: Configuration, reference: Reference, rest: Stack) -> list[Move]:
+        if reference == ("risk",):
+            self.thread.abstracted("a computation may end in a fault or not", None)
+            safe = c._replace(stack=rest, loaded=(*c.loaded, (reference, True)))
+            return [(INTERNAL_LABEL, self.follower.thrown(safe, FAULT)), (INTERNAL_LABEL, safe)]
+        domain = self.thread.domain(reference)
+        return [
+            (("load", reference, value), c._replace(stack=rest, loaded=(*c.loaded, (reference, value))))
+            for value in ((UNKNOWN,) if domain is None else domain)
+        ]
+
+    def _foreign(self, c: Configuration, frame: Frame, rest: Stack) -> list[Move]:
+        """A process written in another language: it may communicate on any of its ports, one after the other, and end whenever it likes."""
+        _, context, node = frame
+        self.thread.abstracted(
+            f"`{context.definition.name}` is written by hand: it may communicate in any order, and end at any time",
+            context.definition.definition.span,
+        )
+        found: list[Move] = [(INTERNAL_LABEL, c._replace(stack=rest))]
+        for element in context.definition.elements:
+            reference = context.ports[element]
+            kind = self.thread.medium(reference).kind
+            if kind == "var" and self.thread.medium(reference).relevant:
+                found.append((INTERNAL_LABEL, self.follower.stored(c, reference, UNKNOWN)))
+            elif kind not in ("var", "constant", "discard"):
+                found.append((INTERNAL_LABEL, c._replace(stack=(("foreign port", context, element, node), rest))))
+        return found
+
+    def _foreign_port(self, c: Configuration, frame: Frame, rest: Stack) -> list[Move]:
+        _, context, (name, index), node = frame
+        back = c._replace(stack=(("foreign", context, node), rest))
+        ports = {port.name: port for port in context.definition.definition.ports}
+        reference = context.ports[name, index]
+        if ports[name].direction == "out":
+            return [(self._written(reference, UNKNOWN), self._delivering(reference, node, back))]
+        found: list[Move] = []
+        for label, value, given in self.reads(back, context, PortEnd(name, index)):
+            found.append((label, self.follower.thrown(given, TIMEOUT) if value is MISSED else given))
+        return found
+
+    # -- cancellation
+
+    def _cancellation(self, c: Configuration, frame: Frame) -> list[Move]:
+        """What a cancelled thread does: it ends where it waits, and goes on to such a place elsewhere."""
+        label: Label = ("cancelled",)
+        if frame[0] in ("idle", "over"):
+            return []
+        if frame[0] in ("ended", "raised"):
+            return [(label, c._replace(stack=(("ended",), None)))]
+        if frame[0] == "join" and frame[3] == "wait":
+            assert c.stack is not None
+            abandon = ("join", frame[1], frame[2], "abandon")
+            return [(label, c._replace(stack=(abandon, (("either",), c.stack[1])), doomed=True))]
+        if frame[0] == "delivering":
+            ended = self.follower.abandoned(c)
+            return [(label, ended._replace(stack=(("withdrawing", frame[1]), ended.stack)))]
+        if is_point(frame):
+            return [(label, self.follower.abandoned(c))]
+        return [(label, c._replace(doomed=True))]
+
+
+def is_point(frame: Frame) -> bool:
+    """Whether a cancelled or interrupted process ends there."""
+    return frame[0] in POINTS
+
+
+def _assigning(c: Configuration, context: Context, target: Target, value: Known | str) -> Configuration:
+    """What was read goes into its variable at the next step."""
+    return c._replace(stack=(("assign", context, target, value), c.stack))
