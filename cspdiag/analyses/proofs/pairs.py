@@ -185,8 +185,12 @@ class Structure:
         self.events: list[tuple[int, ...]] = []
         alone = bytearray(len(event.parties) == 1 for event in system.events)
         known: dict[object, Shape] = {}
-        for component in system.components:
-            shape, events = _shape(component, alone, known)
+        roles: list[list[int]] = [[] for _ in system.components]
+        for number, event in enumerate(system.events):
+            for party in event.parties:
+                roles[party].append(number)
+        for component, expected in zip(system.components, roles, strict=True):
+            shape, events = _shape(component, expected, alone, known)
             self.shapes.append(shape)
             self.events.append(events)
 
@@ -217,15 +221,21 @@ class Structure:
         return answer
 
 
-def _shape(component: Component, alone: bytearray, known: dict[object, Shape]) -> tuple[Shape, tuple[int, ...]]:
+def _shape(
+    component: Component, expected: list[int], alone: bytearray, known: dict[object, Shape]
+) -> tuple[Shape, tuple[int, ...]]:
+    """The shape of a component and its events, of which the ``expected`` ones that it never offers come last."""
     numbers: dict[int, int] = {INTERNAL: INTERNAL}
     renamed = tuple(
         tuple((numbers.setdefault(event, len(numbers) - 1), after) for event, after in edges)
         for edges in component.edges
     )
+    if len(numbers) <= len(expected):
+        for event in expected:
+            numbers.setdefault(event, len(numbers) - 1)
     events = tuple(numbers)[1:]
     lone = frozenset(number for number, event in enumerate(events) if alone[event])
-    key = (renamed, lone, component.terminal, component.initial, component.process)
+    key = (renamed, len(events), lone, component.terminal, component.initial, component.process)
     shape = known.get(key)
     if shape is None:
         shape = known[key] = Shape(renamed, lone, component.terminal, component.initial, component.process)

@@ -9,7 +9,7 @@ from cspdiag.analyses.proofs.sat import Question, by_sat
 from cspdiag.analyses.proofs.verdict import Limits, Proved, Unknown
 from cspdiag.analyses.transitions.system import System
 from tests.analyses.proofs import known
-from tests.analyses.proofs.random_systems import FORMS, Form, random_system, truth
+from tests.analyses.proofs.random_networks import FORMS, Form, random_network, truth
 
 pytest.importorskip("pysat")
 
@@ -62,11 +62,11 @@ def test_a_thousand_processes_are_proved(together: bool) -> None:
 
 
 @pytest.mark.parametrize("form", FORMS)
-def test_random_systems_are_proved_only_if_free_and_nearly_always_then(form: Form) -> None:
+def test_random_networks_are_proved_only_if_free_and_nearly_always_then(form: Form) -> None:
     proved = {True: 0, False: 0}
     free = {True: 0, False: 0}
     for seed in range(120):
-        system = random_system(seed, form=form)
+        system = random_network(seed, form=form)
         facts = truth(system)
         assert facts is not None
         for together, fails in ((True, facts.deadlock), (False, facts.knot)):
