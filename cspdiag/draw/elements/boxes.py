@@ -83,7 +83,8 @@ class Boxes:
         )
         if isinstance(found, ast.ProcessDefinition):
             self._definitions[key] = found
-            box = replaced(box, kind="process", definition_doc=found.doc)
+            language = None if found.external is None else found.external.language.text
+            box = replaced(box, kind="process", definition_doc=found.doc, language=language)
         self._put(box)
         return key
 

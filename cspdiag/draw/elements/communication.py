@@ -41,6 +41,7 @@ class _Extraction:
         definition = self.definition
         if isinstance(definition, ast.EnvironmentDefinition):
             self.outside = self.boxes.add_process(definition)
+            self.vertices[self.outside] = Sink(key=self.outside)
             declarations: Iterable[ast.Declaration] = definition.declarations
         else:
             self._parent_ports(definition)

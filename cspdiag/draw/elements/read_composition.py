@@ -158,23 +158,32 @@ class _Reader:
         node: ast.Run | ast.Read | ast.Write | ast.Assign | ast.Skip | ast.Stop | ast.Wait | ast.Reset | ast.Raise,
         key: str,
     ) -> Activity:
+        text = _bare(node)
         if not isinstance(node, ast.Run):
-            return Activity(key=key, spans=(node.span,), form=_FORMS[type(node)], text=written(node))
+            return Activity(key=key, spans=(node.span,), form=_FORMS[type(node)], text=text)
         instance = self._instances.get(node.instance.name.text)
         if instance is None:
-            return Activity(key=key, spans=(node.span,), form="run", text=written(node), kind="unknown")
+            return Activity(key=key, spans=(node.span,), form="run", text=text, kind="unknown")
         definition = self._definitions.get(instance.definition.text)
         return Activity(
             key=key,
             doc=instance.doc,
             spans=(node.span,),
             form="run",
-            text=written(node),
+            text=text,
             kind=_kind(definition),
             definition=instance.definition.text,
             language=_language(definition),
             definition_doc=None if definition is None else definition.doc,
         )
+
+
+def _bare(node: ast.Composition) -> str:
+    """A process without parts as it is written, its parentheses left out; by itself it begins with a word."""
+    text = written(node)
+    while text.startswith("("):
+        text = text[1:-1].strip()
+    return text
 
 
 _FORMS: dict[type[ast.Node], ActivityForm] = {
