@@ -1,7 +1,8 @@
 """Literate cases: Markdown files whose sections hold a program and what the compiler says about it.
 
 Each ``##`` section is a case: prose, a fenced ``csp`` block with the program, further ``csp NAME`` blocks with the files it imports,
-then a ``diagnostics`` block, a ``network`` block or both. ``network -O1`` is the network after all passes of the optimizer,
+then a ``diagnostics`` block, a ``network`` block or both, or a ``composition`` block: the elements of the composition
+diagrams. ``network -O1`` is the network after all passes of the optimizer,
 ``network specialize,variables`` after those, ``network flatten.Main`` the class ``Main`` of it alone.
 """
 
@@ -49,7 +50,7 @@ class Case:
 
     @property
     def expectations(self) -> tuple[Block, ...]:
-        return tuple(block for block in self.blocks if block.language in {"diagnostics", "network"})
+        return tuple(block for block in self.blocks if block.language in {"diagnostics", "network", "composition"})
 
 
 def cases_of(path: Path) -> Iterator[Case]:
@@ -104,6 +105,8 @@ def actual(case: Case, block: Block) -> str:
     checked = check_files(case.files)
     if block.language == "diagnostics":
         return describe(checked.report.diagnostics)
+    if block.language == "composition":
+        return _compositions(checked)
     network = pipeline.compile_network(checked)
     if network is None:
         return describe(checked.report.diagnostics)
@@ -115,6 +118,18 @@ def actual(case: Case, block: Block) -> str:
         network = optimize(network, PASSES if passes == "-O1" else [pass_named(name) for name in passes.split(",")])
     text = dump(network)
     return text if not cls else _class_alone(text, cls)
+
+
+def _compositions(checked: pipeline.Checked) -> str:
+    """The elements of the composition diagrams, errors or not."""
+    from cspdiag.draw.elements.composition import outline
+    from cspdiag.draw.elements.read_composition import composition_diagram
+    from cspdiag.syntax import ast
+
+    assert checked.readable is not None
+    definitions = checked.readable.definitions
+    processes = [each for each in definitions.values() if isinstance(each, ast.ProcessDefinition)]
+    return "".join(outline(composition_diagram(definitions, each)) for each in processes if each.composition)
 
 
 def _class_alone(listing: str, name: str) -> str:

@@ -145,7 +145,9 @@ class _Drawer:
         widest = max((guard.width for guard in guards), default=0)
         by_key = {branch.key: guard.at_least(widest) for branch, guard in zip(branches, guards, strict=True)}
         blocks = [
-            self._guarded(part, limit, by_key[part.key]) if isinstance(part, Guarded) else self.operand(part, limit)
+            self._guarded(part, limit, by_key[part.key])
+            if isinstance(part, Guarded) and part.key not in self._marks
+            else self.operand(part, limit)
             for part in chain.parts
         ]
         if chain.operator == "parallel":

@@ -273,8 +273,8 @@ def choice(conditions: Sequence[Block], processes: Sequence[Block], otherwise: B
         part = _Placed(otherwise, x + otherwise.gap, y)
         points = (Point(width / 2, tests[-1].bottom), Point(width / 2, part.entry.y), part.entry)
         words = above(["else"], Point(width / 2 + 8, part.entry.y))
-        relations.append(_join("relation else", points, conditions[-1], otherwise, Head.OPEN_ARROW))
-        relations += words
+        line = _join("relation else", points, conditions[-1], otherwise, Head.OPEN_ARROW)
+        relations.append(replace(line, items=(*line.items, *words)))
         parts.append(part)
     return _whole(parts, relations, parts[0].entry.y)
 
