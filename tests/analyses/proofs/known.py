@@ -221,15 +221,12 @@ MODES = 4
 def controller(joints: int, commits: bool = False) -> System:
     """Joints with four modes in sequence, a sensor, a timer, an actuator and an overwriting log each; a supervisor, a stop button, a display.
 
-    A joint reports the end of a mode and can be halted between steps; one that ``commits`` to its report cannot, while the supervisor halts.
+    A joint reports the end of its modes, and can be halted between steps; if the last joint ``commits`` to its report, it cannot be halted then.
     """
     machines = [
         Machine("button", {"up": [("press", "down")], "down": [("stop", "up")]}),
         _supervisor(joints),
-        Machine(
-            "display",
-            {"reads": [(f"show{joint}", "draws") for joint in range(joints)], "draws": [("draw", "reads")]},
-        ),
+        cycle("display", "show", "draw"),
     ]
     for joint in range(joints):
         machines += _joint(joint, commits and joint == joints - 1)
@@ -237,31 +234,27 @@ def controller(joints: int, commits: bool = False) -> System:
 
 
 def _supervisor(joints: int) -> Machine:
-    table = {"watches": [(f"done{joint}", "watches") for joint in range(joints)] + [("stop", "halts 0")]}
+    table = {"watches": [(f"done{joint}", "shows") for joint in range(joints)] + [("stop", "halts 0")]}
     for joint in range(joints):
-        after = f"halts {joint + 1}" if joint + 1 < joints else "watches"
+        after = f"halts {joint + 1}" if joint + 1 < joints else "shows"
         table[f"halts {joint}"] = [(f"halt{joint}", after)]
+    table["shows"] = [("show", "watches")]
     return Machine("supervisor", table)
 
 
 def _joint(joint: int, commits: bool) -> list[Machine]:
     modes: dict[str, list[tuple[str, str]]] = {}
     for mode in range(MODES):
-        after = f"idle {(mode + 1) % MODES}"
+        after = f"idle {mode + 1}" if mode + 1 < MODES else "reports"
         modes[f"idle {mode}"] = [(f"tick{joint}", f"senses {mode}"), (f"halt{joint}", "idle 0")]
         modes[f"senses {mode}"] = [(f"sample{joint}", f"drives {mode}")]
         modes[f"drives {mode}"] = [(f"drive{joint}", f"logs {mode}")]
-        modes[f"logs {mode}"] = [(f"log{joint}", f"decides {mode}")]
-        modes[f"decides {mode}"] = [("tau", f"idle {mode}"), ("tau", f"reports {mode}")]
-        modes[f"reports {mode}"] = [(f"done{joint}", after)] + ([] if commits else [(f"halt{joint}", "idle 0")])
-    log = {
-        "empty": [(f"log{joint}", "full")],
-        "full": [(f"log{joint}", "full"), (f"show{joint}", "empty")],
-    }
+        modes[f"logs {mode}"] = [(f"log{joint}", f"idle {mode}"), (f"log{joint}", after)]
+    modes["reports"] = [(f"done{joint}", "idle 0")] + ([] if commits else [(f"halt{joint}", "idle 0")])
     return [
         Machine(f"joint{joint}", modes),
         cycle(f"sensor{joint}", f"measure{joint}", f"sample{joint}"),
         cycle(f"timer{joint}", f"period{joint}", f"tick{joint}"),
         cycle(f"actuator{joint}", f"drive{joint}", f"move{joint}"),
-        Machine(f"log{joint}", log, process=False),
+        Machine(f"log{joint}", {"holds": [(f"log{joint}", "holds")]}, process=False),
     ]

@@ -28,7 +28,7 @@ FREE = {
     "alternating bit, lossy": (known.alternating_bit(), 116),
     "client-server chain 4": (known.client_server_chain(4), 7),
     "client-server chain 8": (known.client_server_chain(8), 15),
-    "controller of 1 joint": (known.controller(1), 3072),
+    "controller of 1 joint": (known.controller(1), 1632),
 }
 DEADLOCKED = {
     "philosophers 4": (known.philosophers(4), 543, 1, 8),
@@ -40,7 +40,7 @@ DEADLOCKED = {
     "alternating bit, time-out on reliable media": (known.alternating_bit(lossy=False), 92, 6, 11),
     "client-server ring 3": (known.client_server_ring(3), 17, 7, 3),
     "client-server ring 5": (known.client_server_ring(5), 122, 31, 5),
-    "controller of 1 joint that commits": (known.controller(1, commits=True), 3072, 4, 15),
+    "controller of 1 joint that commits": (known.controller(1, commits=True), 1632, 1, 33),
 }
 
 

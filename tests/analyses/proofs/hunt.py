@@ -1,0 +1,103 @@
+"""``python -m tests.analyses.proofs.hunt --random 20000``: every proof method against the plain interpretation, on random systems.
+
+Prints each wrong answer with the seed that makes its system, and how often each method answered; ends with 1 if an answer was wrong.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from cspdiag.analyses.proofs import breadth_first, stubborn
+from cspdiag.analyses.proofs.verdict import Limits, Proved, Refuted, Unknown, Verdict
+from cspdiag.analyses.transitions.system import System
+from tests.analyses.proofs import naive
+from tests.analyses.proofs.random_systems import random_system
+
+Engine: TypeAlias = Callable[[System, Limits], Verdict]
+Condition: TypeAlias = Callable[[System, naive.State], bool]
+
+
+@dataclass(frozen=True)
+class Question:
+    """A property, the states that refute it, and who answers. ``exact`` engines may not answer that they do not know."""
+
+    name: str
+    refuted_by: Condition
+    exact: dict[str, Engine]
+    partial: dict[str, Engine]
+
+
+QUESTIONS = (
+    Question(
+        "deadlock",
+        naive.deadlocked,
+        {"breadth-first": breadth_first.deadlock_free, "stubborn": stubborn.deadlock_free},
+        {},
+    ),
+    Question(
+        "knots",
+        naive.knotted,
+        {"breadth-first": breadth_first.knot_free, "stubborn": stubborn.knot_free},
+        {},
+    ),
+)
+
+
+def wrong(question: Question, system: System, holds: bool, verdict: Verdict, *, exact: bool) -> str | None:
+    """What is wrong with an answer, if anything is."""
+    match verdict:
+        case Proved():
+            return None if holds else f"{verdict.method} proved what is refuted"
+        case Refuted():
+            if holds:
+                return f"{verdict.method} refuted what is true"
+            try:
+                last = naive.replay(system, verdict.trace)
+            except AssertionError as impossible:
+                return str(impossible)
+            return None if question.refuted_by(system, last) else f"the trace of {verdict.method} leads elsewhere"
+        case Unknown():
+            return f"{verdict.method} does not know: {verdict.reason}" if exact else None
+
+
+def hunt(first: int, count: int) -> tuple[list[str], Counter[tuple[str, str, str]]]:
+    """Ask every method about systems with seeds from ``first``. Returns the wrong answers, and how often who said what."""
+    found: list[str] = []
+    said: Counter[tuple[str, str, str]] = Counter()
+    for seed in range(first, first + count):
+        system = random_system(seed)
+        states = [state for layer in naive.layers(system) for state in layer]
+        for question in QUESTIONS:
+            holds = not any(question.refuted_by(system, state) for state in states)
+            said[question.name, "truth", "Proved" if holds else "Refuted"] += 1
+            for name, engine in (question.exact | question.partial).items():
+                verdict = engine(system, Limits())
+                said[question.name, name, type(verdict).__name__] += 1
+                mistake = wrong(question, system, holds, verdict, exact=name in question.exact)
+                if mistake is not None:
+                    found.append(f"seed {seed}, {question.name}, {name}: {mistake}")
+    return found, said
+
+
+def main() -> int:
+    """Hunt as the command line says."""
+    parser = argparse.ArgumentParser(prog="python -m tests.analyses.proofs.hunt")
+    parser.add_argument("--random", type=int, default=2000, metavar="N", help="how many systems (default: 2000)")
+    parser.add_argument("--first", type=int, default=0, metavar="SEED", help="the first seed (default: 0)")
+    given = parser.parse_args()
+    found, said = hunt(given.first, given.random)
+    for mistake in found:
+        print(mistake)
+    for (question, name, answer), times in sorted(said.items()):
+        print(f"{question:10} {name:14} {answer:8} {times:7}")
+    print(f"{len(found)} wrong answers in {given.random} random systems")
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

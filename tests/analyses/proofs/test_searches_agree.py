@@ -1,0 +1,62 @@
+"""The searches answer as the plain interpretation does, on random systems: deadlock, knots, numbers of states and lengths of shortest traces."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+
+from cspdiag.analyses.proofs import breadth_first, stubborn
+from cspdiag.analyses.proofs.verdict import Limits, Proved, Refuted, Verdict
+from cspdiag.analyses.transitions.system import System
+from tests.analyses.proofs import naive
+from tests.analyses.proofs.random_systems import random_system
+
+SEEDS = range(400)
+
+
+def first_layer(system: System, holds: Callable[[System, naive.State], bool]) -> int | None:
+    return next(
+        (depth for depth, layer in enumerate(naive.layers(system)) if any(holds(system, state) for state in layer)),
+        None,
+    )
+
+
+def check(system: System, verdict: Verdict, holds: Callable[[System, naive.State], bool], *, shortest: bool) -> bool:
+    """Compare with what is true. Returns whether the property holds."""
+    depth = first_layer(system, holds)
+    if depth is None:
+        assert isinstance(verdict, Proved)
+        return True
+    assert isinstance(verdict, Refuted)
+    assert holds(system, naive.replay(system, verdict.trace))
+    assert len(verdict.trace) == depth if shortest else len(verdict.trace) >= depth
+    return False
+
+
+@pytest.mark.parametrize(
+    ("search", "holds", "shortest"),
+    [
+        (breadth_first.deadlock_free, naive.deadlocked, True),
+        (breadth_first.knot_free, naive.knotted, True),
+        (stubborn.deadlock_free, naive.deadlocked, False),
+        (stubborn.knot_free, naive.knotted, False),
+    ],
+)
+def test_a_search_answers_as_the_plain_interpretation_does(
+    search: Callable[[System, Limits], Verdict],
+    holds: Callable[[System, naive.State], bool],
+    shortest: bool,
+) -> None:
+    answers = [
+        check(random_system(seed), search(random_system(seed), Limits()), holds, shortest=shortest) for seed in SEEDS
+    ]
+    assert 40 < sum(answers) < 360, "both answers appear often"
+
+
+def test_all_reachable_states_and_deadlocks_are_counted() -> None:
+    for seed in SEEDS:
+        system = random_system(seed)
+        states = [state for layer in naive.layers(system) for state in layer]
+        deadlocks = sum(naive.deadlocked(system, state) for state in states)
+        assert breadth_first.count(system, Limits()) == (len(states), deadlocks), f"seed {seed}"
