@@ -1,0 +1,236 @@
+"""A flattened submodel as a linear system about an operating point."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from cspdiag.analyses.margins.linear import Linearization, NotLinearError, Number, Simplification
+from cspdiag.model.types import ArrayType, RealType, StructType, Type
+from cspdiag.network.ir import ExternalCall, SubmodelClass
+
+if TYPE_CHECKING:
+    import numpy
+
+    Matrix = numpy.ndarray[tuple[int, ...], numpy.dtype[numpy.float64]]
+
+Leaf = tuple[str, tuple[int, ...]]
+"""A number within a state or a port: the name, and the way through arrays and structs."""
+
+ROUNDS = 2
+"""Samples after which whole numbers and truth values are taken as settled."""
+
+
+@dataclass(frozen=True)
+class LinearLaw:
+    """Over the numbers within states and inputs, in that order: ``next`` (a row for each state that steps), ``rates`` (a row for each
+    state that has a derivative, per second) and ``outputs`` (a row for each number within an output).
+
+    ``states`` lists the discrete ones first. Constants about the operating point are left out.
+    """
+
+    discrete: tuple[Leaf, ...]
+    continuous: tuple[Leaf, ...]
+    inputs: tuple[Leaf, ...]
+    output_names: tuple[Leaf, ...]
+    next: Matrix
+    rates: Matrix
+    outputs: Matrix
+    simplifications: tuple[Simplification, ...]
+
+
+def linearize(
+    law: SubmodelClass, parameters: Mapping[str, Any], *, point: Mapping[str, float] | None = None, time: float = 0.0
+) -> LinearLaw:
+    """The law about the point where its states have their initial values, but for those in ``point``, and its inputs are zero.
+
+    Raises NotLinearError where it is computed elsewhere or has no slope there.
+    """
+    import numpy
+
+    if law.external is not None:
+        raise NotLinearError(
+            f"`{law.definition}` is written in {law.external.language}, which cannot be looked into", law.external.span
+        )
+    settled: dict[str, Any] = {}
+    for _ in range(ROUNDS):
+        layout = _Layout(law, parameters, {**settled, **(point or {})}, time)
+        evaluation = layout.evaluation
+        following = _following(law, evaluation, layout)
+        settled = {
+            state.name: following[state.name]
+            for state in law.states
+            if state.name in following and not _has_numbers(state.type)
+        }
+    layout = _Layout(law, parameters, {**settled, **(point or {})}, time)
+    evaluation = layout.evaluation
+    _equations(law, evaluation)
+    outputs = [port for port in law.ports if port.direction == "out"]
+    output_leaves: list[Leaf] = []
+    rows: list[Any] = []
+    for port in outputs:
+        names = [port.name] if port.size is None else [f"{port.name}[{k}]" for k in range(port.size)]
+        for name in names:
+            for way, number in _numbers(evaluation.signals[name], port.type):
+                output_leaves.append((name, way))
+                rows.append(evaluation.slope(number))
+    following = {name: evaluation.value(value) for name, value in law.next_values}
+    kinds = {state.name: state.type for state in law.states}
+    next_rows = [
+        evaluation.slope(number)
+        for name in _named(layout.discrete)
+        for _, number in _numbers(following[name], kinds[name])
+    ]
+    for equation in law.derivative_equations:
+        evaluation.signals[equation.name] = evaluation.value(equation.value)
+    derived = {name: evaluation.value(value) for name, value in law.derivatives}
+    rate_rows = [
+        evaluation.slope(number)
+        for name in _named(layout.continuous)
+        for _, number in _numbers(derived[name], kinds[name])
+    ]
+
+    def matrix(found: list[Any]) -> Matrix:
+        return numpy.array(found, dtype=float).reshape(len(found), evaluation.size)
+
+    every = (*next_rows, *rate_rows, *rows)
+    if not all(numpy.isfinite(row).all() for row in every):
+        raise NotLinearError(f"`{law.definition}` has no slope at the operating point", law.span)
+    return LinearLaw(
+        tuple(layout.discrete),
+        tuple(layout.continuous),
+        tuple(layout.inputs),
+        tuple(output_leaves),
+        matrix(next_rows),
+        matrix(rate_rows),
+        matrix(rows),
+        tuple(_once(evaluation.simplifications)),
+    )
+
+
+def _once(found: list[Simplification]) -> list[Simplification]:
+    """Equations are evaluated for outputs and again for derivatives; what was simplified is told once."""
+    kept: dict[tuple[str, Any, bytes], Simplification] = {}
+    for part in found:
+        kept.setdefault((part.what, part.span, part.depends.tobytes()), part)
+    return list(kept.values())
+
+
+def _equations(law: SubmodelClass, evaluation: Linearization) -> None:
+    for equation in law.equations:
+        if not isinstance(equation, ExternalCall):
+            evaluation.signals[equation.name] = evaluation.value(equation.value)
+            continue
+        for name, given in equation.inputs:
+            if evaluation.slope(evaluation.value(given)).any():
+                language = equation.external.language
+                raise NotLinearError(
+                    f"`{equation.name}` answers to `{name}`, but is written in {language}, which cannot be looked into",
+                    equation.span,
+                )
+        # What does not answer to states and inputs is constant for them, whatever it is.
+        evaluation.signals |= {local: _zero(kind) for _, local, kind in equation.outputs}
+
+
+def _following(law: SubmodelClass, evaluation: Linearization, layout: _Layout) -> dict[str, Any]:
+    _equations(law, evaluation)
+    return {name: evaluation.value(value) for name, value in law.next_values}
+
+
+class _Layout:
+    """Places the numbers within states and inputs in one vector, and gives them their values at the operating point."""
+
+    def __init__(
+        self, law: SubmodelClass, parameters: Mapping[str, Any], point: Mapping[str, Any], time: float
+    ) -> None:
+        import numpy
+
+        plain = Linearization(parameters, 0, time)
+        for constant in law.constants:
+            plain.signals[constant.name] = plain.value(constant.value)
+        values = {state.name: point.get(state.name, plain.value(state.initial)) for state in law.states}
+        self.discrete: list[Leaf] = []
+        self.continuous: list[Leaf] = []
+        self.inputs: list[Leaf] = []
+        for state in law.states:
+            target = self.continuous if state.continuous else self.discrete
+            target += [(state.name, way) for way, _ in _numbers(values[state.name], state.type)]
+        starts: dict[str, Any] = {}
+        for port in law.ports:
+            if port.direction == "in":
+                names = [port.name] if port.size is None else [f"{port.name}[{k}]" for k in range(port.size)]
+                for name in names:
+                    starts[name] = _zero(port.type)
+                    self.inputs += [(name, way) for way, _ in _numbers(starts[name], port.type)]
+        order = {leaf: k for k, leaf in enumerate((*self.discrete, *self.continuous, *self.inputs))}
+        self.evaluation = Linearization(parameters, len(order), time)
+        self.evaluation.signals |= plain.signals
+        identity = numpy.eye(len(order))
+
+        def lifted(name: str, way: tuple[int, ...], value: Any, kind: Type) -> Any:
+            match kind:
+                case RealType():
+                    return Number(float(value), identity[order[name, way]])
+                case ArrayType():
+                    return tuple(lifted(name, (*way, k), part, kind.element) for k, part in enumerate(value))
+                case StructType():
+                    return tuple(
+                        lifted(name, (*way, k), part, inner)
+                        for k, (part, (_, inner)) in enumerate(zip(value, kind.fields, strict=True))
+                    )
+                case _:
+                    return value
+
+        for state in law.states:
+            self.evaluation.signals[state.name] = lifted(state.name, (), values[state.name], state.type)
+        for port in law.ports:
+            if port.direction == "in":
+                for name in [port.name] if port.size is None else [f"{port.name}[{k}]" for k in range(port.size)]:
+                    self.evaluation.signals[name] = lifted(name, (), starts[name], port.type)
+
+
+def _numbers(value: Any, kind: Type) -> Iterator[tuple[tuple[int, ...], Any]]:
+    """The real numbers within a value, with the way to each."""
+    match kind:
+        case RealType():
+            yield (), value
+        case ArrayType():
+            for k, part in enumerate(value):
+                for way, number in _numbers(part, kind.element):
+                    yield (k, *way), number
+        case StructType():
+            for k, (part, (_, inner)) in enumerate(zip(value, kind.fields, strict=True)):
+                for way, number in _numbers(part, inner):
+                    yield (k, *way), number
+        case _:
+            return
+
+
+def _has_numbers(kind: Type) -> bool:
+    match kind:
+        case RealType():
+            return True
+        case ArrayType():
+            return _has_numbers(kind.element)
+        case StructType():
+            return any(_has_numbers(inner) for _, inner in kind.fields)
+        case _:
+            return False
+
+
+def _zero(kind: Type) -> Any:
+    match kind:
+        case RealType():
+            return 0.0
+        case ArrayType():
+            return tuple(_zero(kind.element) for _ in range(kind.size))
+        case StructType():
+            return tuple(_zero(inner) for _, inner in kind.fields)
+        case _:
+            return False if type(kind).__name__ == "BoolType" else 0
+
+
+def _named(leaves: list[Leaf]) -> list[str]:
+    """The names of what the leaves are within, each once."""
+    return list(dict.fromkeys(name for name, _ in leaves))

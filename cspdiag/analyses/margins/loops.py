@@ -1,0 +1,138 @@
+"""The loops of a program with their margins; what has none is named with the reason."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from cspdiag.analyses.margins.law import Leaf
+from cspdiag.analyses.margins.linear import NotLinearError, Simplification
+from cspdiag.analyses.margins.margin import Margins, margins, minimal
+from cspdiag.analyses.margins.system import Cut, Loops, OpenLoop
+from cspdiag.diagnostics import Span
+from cspdiag.network.ir import Environment, Network
+
+MOTIONS = (0.1, 1.0, 10.0)
+"""Speeds, in their units, at which a plant is looked at that does not answer at rest."""
+
+
+@dataclass(frozen=True)
+class AnalysedLoop:
+    """One loop: where it is cut, as a system, its margins, and the states that were not at their initial values when it was linearized."""
+
+    opened: OpenLoop
+    margins: Margins
+    point: Mapping[str, float]
+    simplifications: tuple[Simplification, ...]
+
+
+@dataclass(frozen=True)
+class Refusal:
+    """A law that has no margins, why, and the place of what stands in the way."""
+
+    law: str
+    reason: str
+    span: Span | None
+
+
+@dataclass(frozen=True)
+class LoopReport:
+    """All loops through one environment."""
+
+    environment: str
+    loops: tuple[AnalysedLoop, ...]
+    refusals: tuple[Refusal, ...]
+
+
+def analyse_loops(
+    network: Network, environment: Environment, *, point: Mapping[str, float] | None = None, only: str | None = None
+) -> LoopReport:
+    """Margins of every loop that goes from a law through the plant back to it.
+
+    States of the plant have their initial values, but for those in ``point``; inputs are zero. Where the plant does not answer there, because dry
+    friction holds it, it is looked at in motion, unless ``point`` says where. ``only`` is a part of the names of the loops that are wanted. Raises NotLinearError where the plant as a whole cannot be linearized.
+    """
+    places = list(_points(network, environment, point))
+    found: list[AnalysedLoop] = []
+    refusals: list[Refusal] = []
+    first = places[0][1]
+    for path in first.classes:
+        if path not in first.periods or path not in first.structure.ways:
+            continue
+        if only is not None and only not in path:
+            continue
+        try:
+            found += _of_law(places, path)
+        except NotLinearError as problem:
+            refusals.append(Refusal(path, problem.reason, problem.span))
+    return LoopReport(environment.name, tuple(found), tuple(refusals))
+
+
+def _points(
+    network: Network, environment: Environment, point: Mapping[str, float] | None
+) -> Iterator[tuple[dict[str, float], Loops]]:
+    """Where to linearize: at rest, and in motion for what does not answer there."""
+    rest = Loops(network, environment, dict(point or {}))
+    yield dict(point or {}), rest
+    if point:
+        return
+    plant = rest.plant
+    first = len(plant.discrete)
+    speeds = [
+        name
+        for k, (name, way) in enumerate(plant.continuous)
+        if not way and any(row[first + k] == 1.0 and abs(row).sum() == 1.0 for row in plant.rates)
+    ]
+    for magnitude in MOTIONS if speeds else ():
+        moving = dict.fromkeys(speeds, magnitude)
+        yield moving, Loops(network, environment, moving)
+
+
+def _of_law(places: list[tuple[dict[str, float], Loops]], path: str) -> Iterator[AnalysedLoop]:
+    if not any(path in loops.reachable(path, [*loops.within(path), path]) for _, loops in places):
+        return
+    for name, way in places[0][1].law(path).output_names:
+        for point, loops in places:
+            if _is_passed_on(loops, path, name):
+                continue
+            opened = loops.open(Cut(path, (name, way)))
+            if not len(minimal(opened)[0]):
+                continue
+            yield AnalysedLoop(opened, margins(opened), _relevant(point, loops, opened), _within(loops, opened))
+            break
+
+
+def _is_passed_on(loops: Loops, path: str, port: str) -> bool:
+    """Whether another law at the same rate goes on with the output, so that the loop is cut there."""
+    net = loops.net_of.get((path, port))
+    return net is not None and any(
+        loops.periods[other] == loops.periods[path] and loops.is_read_by(net, other) and net not in loops.outside
+        for other in loops.within(path)
+    )
+
+
+def _relevant(point: Mapping[str, float], loops: Loops, opened: OpenLoop) -> dict[str, float]:
+    moved = {leaf[0] for kind, leaf in opened.kept if kind == "plant"}
+    return {name: value for name, value in point.items() if name in moved}
+
+
+def _within(loops: Loops, opened: OpenLoop) -> tuple[Simplification, ...]:
+    """Of what was simplified, that which depends on something within the loop, each told once."""
+    kept = set(opened.kept)
+    told: dict[tuple[str, Span | None], Simplification] = {}
+    answering = {name for kind, (port, _) in kept if kind in ("latch", "held") for name in loops.answering(port)}
+    for kind, law in (("plant", loops.plant), *((path, loops.law(path)) for path in opened.laws)):
+        leaves = (*law.discrete, *law.continuous)
+        inside = [(kind, leaf) in kept for leaf in leaves]
+        inside += [kind != "plant" and _is_read_inside(loops, kept, answering, kind, leaf) for leaf in law.inputs]
+        for part in law.simplifications:
+            if any(part.depends[k] for k, is_inside in enumerate(inside) if is_inside):
+                told.setdefault((part.what, part.span), part)
+    return tuple(told.values())
+
+
+def _is_read_inside(loops: Loops, kept: set[tuple[str, Leaf]], answering: set[str], law: str, leaf: Leaf) -> bool:
+    net = loops.net_of.get((law, leaf[0]))
+    if net is None:
+        return False
+    return ("net", (net, leaf[1])) in kept or loops.outside.get(net) in answering

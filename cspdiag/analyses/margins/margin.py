@@ -1,0 +1,150 @@
+"""Stability and margins of a loop that was cut open.
+
+The figures are those of python-control; a loop is stable when every eigenvalue of the closed one lies within the unit circle (Franklin, Powell and
+Workman, Digital Control of Dynamic Systems, 1998).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from cspdiag.analyses.margins.system import OpenLoop
+
+if TYPE_CHECKING:
+    import numpy
+
+    Matrix = numpy.ndarray[tuple[int, ...], numpy.dtype[numpy.float64]]
+
+
+GRID = 800
+"""Frequencies at which a loop is looked at, up to half the sample frequency."""
+
+
+@dataclass(frozen=True)
+class Margins:
+    """Of one loop; infinite where nothing limits them. The loop is stable as long as
+
+    - its gain is multiplied by less than ``gain`` and more than ``lowest_gain``;
+    - it lags by less than ``phase`` degrees more, which is ``delay`` seconds at the frequency that minds them most;
+
+    of an unstable loop, ``gain`` below 1 is the factor that would make it stable and ``phase`` what is missing. ``modulus`` is the
+    distance of the Nyquist curve from -1, ``crossover`` and ``phase_crossover`` are in rad/s, ``radius`` is the largest absolute
+    eigenvalue of the closed loop, ``drifts`` tells that something beside the loop has no place of rest (an angle whose
+    speed is controlled).
+    """
+
+    is_stable: bool
+    radius: float
+    gain: float
+    lowest_gain: float
+    phase: float
+    delay: float
+    modulus: float
+    crossover: float | None
+    phase_crossover: float | None
+    drifts: bool
+
+
+def margins(loop: OpenLoop) -> Margins:
+    """Stability and margins of a loop."""
+    import numpy
+
+    a, b, c, d = minimal(loop)
+    radius, drifts = _closed_radius(a, b, c, d)
+    is_stable = radius < 1 - 1e-9
+    response = frequency_response(loop)
+    import control  # type: ignore[import-untyped]
+
+    measured = (abs(response.values), numpy.degrees(numpy.unwrap(numpy.angle(response.values))), response.frequencies)
+    gains, phases, moduli, gain_at, phase_at, _ = (
+        numpy.atleast_1d(part) for part in control.stability_margins(measured, returnall=True, method="frd")
+    )
+    crossings = [(float(g), float(w)) for g, w in zip(gains, gain_at, strict=True) if g > 0]
+    last = float((-(c @ numpy.linalg.solve(-numpy.eye(len(a)) - a, b)) - d).real[0, 0]) if len(a) else -d
+    if last < 0:
+        # At half the sample frequency the response is real: a crossing that no grid can show.
+        crossings.append((-1 / last, math.pi / loop.period))
+    wanted = [part for part in crossings if (part[0] > 1) == is_stable]
+    gain, phase_crossover = (
+        (min(wanted) if is_stable else max(wanted)) if wanted else (math.inf if is_stable else 0.0, None)
+    )
+    lowest = max((g for g, _ in crossings if g < 1), default=0.0) if is_stable else 0.0
+    lags = [(float((p + 180) % 360 - 180), float(w)) for p, w in zip(phases, phase_at, strict=True)]
+    phase, crossover = min(lags, key=lambda part: abs(part[0]), default=(math.inf, None))
+    delay = min((math.radians(p % 360) / w for p, w in lags), default=math.inf) if is_stable else 0.0
+    modulus = float(min(moduli, default=math.inf)) if len(moduli) else float(min(abs(1 + response.values)))
+    return Margins(is_stable, radius, gain, lowest, phase, delay, modulus, crossover, phase_crossover, drifts)
+
+
+@dataclass(frozen=True)
+class Response:
+    """The open loop over frequency in rad/s, feedback counted as negative."""
+
+    frequencies: Any
+    values: Any
+
+
+def frequency_response(loop: OpenLoop) -> Response:
+    """L(e^jwT) on a logarithmic grid up to half the sample frequency."""
+    import numpy
+
+    a, b, c, d = minimal(loop)
+    nyquist = math.pi / loop.period
+    frequencies = numpy.geomspace(nyquist * 1e-5, nyquist * (1 - 1e-6), GRID)
+    points = numpy.exp(1j * frequencies * loop.period)
+    if not len(a):
+        return Response(frequencies, numpy.full(GRID, -complex(d)))
+    shifted = points[:, None, None] * numpy.eye(len(a)) - a
+    return Response(
+        frequencies, -(c @ numpy.linalg.solve(shifted, numpy.broadcast_to(b, (GRID, *b.shape))))[:, 0, 0] - d
+    )
+
+
+def _closed_radius(a: Matrix, b: Matrix, c: Matrix, d: float) -> tuple[float, bool]:
+    """The largest absolute eigenvalue of the closed loop, and whether one at 1 was left out that the loop neither sees nor moves."""
+    import numpy
+
+    if not len(a):
+        return 0.0, False
+    closed = a + b @ c / (1 - d)
+    largest, drifts = 0.0, False
+    identity = numpy.eye(len(a))
+    scale = numpy.linalg.norm(a, 2)
+    for value in numpy.linalg.eigvals(closed):
+        if abs(value - 1) < 1e-6:
+            unseen = numpy.linalg.svd(numpy.vstack([value * identity - a, c]), compute_uv=False)[-1]
+            unmoved = numpy.linalg.svd(numpy.hstack([value * identity - a, b]), compute_uv=False)[-1]
+            if min(unseen, unmoved) < 1e-6 * scale:
+                drifts = True
+                continue
+        largest = max(largest, float(abs(value)))
+    return largest, drifts
+
+
+def kept_states(loop: OpenLoop) -> list[int]:
+    """Indexes of the states that the cut moves and that move the cut: other joints, references and counters fall away."""
+    import numpy
+
+    reached = _closure(abs(loop.a) > 0, abs(loop.b[:, 0]) > 0)
+    seen = _closure(abs(loop.a.T) > 0, abs(loop.c[0]) > 0)
+    return [int(k) for k in numpy.flatnonzero(reached & seen)]
+
+
+def minimal(loop: OpenLoop) -> tuple[Matrix, Matrix, Matrix, float]:
+    """The matrices over those states only."""
+    import numpy
+
+    kept = kept_states(loop)
+    return loop.a[numpy.ix_(kept, kept)], loop.b[kept], loop.c[:, kept], loop.d
+
+
+def _closure(moves: Any, start: Any) -> Any:
+    """The states that can be reached from some, where ``moves[i, j]`` tells that j moves i."""
+    reached = start.copy()
+    while True:
+        more = reached | (moves & reached[None, :]).any(axis=1)
+        if (more == reached).all():
+            return reached
+        reached = more

@@ -1,0 +1,123 @@
+"""Where in the composition the control laws of a program run: which are active together, and which is served first."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from cspdiag.network.actions import (
+    Action,
+    CatchException,
+    ChannelEnd,
+    Choice,
+    End,
+    Group,
+    IfElse,
+    InputEvent,
+    InterruptOn,
+    ParallelSteps,
+    PortEnd,
+    ReadValue,
+    Repeat,
+    RunInstance,
+    SequentialSteps,
+    WhileLoop,
+)
+from cspdiag.network.ir import Network, ProcessClass
+
+Branching = tuple[str, int]
+"""A step down the composition: ``parallel``, ``loop`` or ``other``, and which part."""
+
+
+@dataclass(frozen=True, slots=True)
+class Copy:
+    """A process reads a channel into one of its variables: paths of both nets, as far as they are the process's own ends."""
+
+    process: str
+    source: End
+    variable: str
+
+
+class Structure:
+    """The ways from the outermost process down to each leaf, and the variables that are filled by reading."""
+
+    def __init__(self, network: Network) -> None:
+        self._classes = {entry.name: entry for entry in network.classes}
+        self._class_of = {instance.path: instance.class_name for instance in network.instances}
+        self.ways: dict[str, list[tuple[Branching, ...]]] = {}
+        self.priorities: dict[str, tuple[int, ...]] = {}
+        self.copies: list[Copy] = []
+        self._run(network.top, (), ())
+
+    def are_active_together(self, one: str, other: str) -> bool:
+        """Whether two leaves are parts of one mode: in parallel, or within one loop."""
+        return any(_together(a, b) for a in self.ways[one] for b in self.ways[other])
+
+    def _run(self, path: str, way: tuple[Branching, ...], priority: tuple[int, ...]) -> None:
+        entry = self._classes[self._class_of[path]]
+        if isinstance(entry, ProcessClass) and entry.body is not None:
+            self._action(path, entry.body, way, priority)
+        else:
+            self.ways.setdefault(path, []).append(way)
+            self.priorities.setdefault(path, priority)
+
+    def _action(self, path: str, action: Action, way: tuple[Branching, ...], priority: tuple[int, ...]) -> None:
+        match action:
+            case RunInstance():
+                self._run(f"{path}.{action.instance}", way, priority)
+            case ReadValue():
+                self.copies.append(Copy(path, action.source, action.target.channel))
+            case _:
+                if isinstance(action, Choice | InterruptOn):
+                    branches = action.branches if isinstance(action, Choice) else (action.branch,)
+                    self.copies += [
+                        Copy(path, branch.event.source, branch.event.target.channel)
+                        for branch in branches
+                        if isinstance(branch.event, InputEvent)
+                    ]
+                ranked = isinstance(action, ParallelSteps) and action.prioritized
+                for kind, number, part in _parts(action):
+                    self._action(path, part, (*way, (kind, number)), (*priority, number) if ranked else priority)
+
+
+def _parts(action: Action) -> Iterator[tuple[str, int, Action]]:
+    match action:
+        case SequentialSteps():
+            yield from (("other", k, step) for k, step in enumerate(action.steps))
+        case ParallelSteps():
+            yield from (("parallel", k, step) for k, step in enumerate(action.steps))
+        case Repeat() | WhileLoop():
+            yield "loop", 0, action.body
+        case Group():
+            yield "other", 0, action.body
+        case Choice():
+            yield from (("other", k, branch.body) for k, branch in enumerate(action.branches))
+        case IfElse():
+            yield "other", 0, action.then
+            yield "other", 1, action.otherwise
+        case CatchException():
+            yield "other", 0, action.body
+            yield "other", 1, action.handler
+        case InterruptOn():
+            yield "other", 0, action.body
+            yield "other", 1, action.branch.body
+        case _:
+            return
+
+
+def _together(one: tuple[Branching, ...], other: tuple[Branching, ...]) -> bool:
+    for (kind, number), (_, other_number) in zip(one, other, strict=False):
+        if number != other_number:
+            return kind == "parallel"
+        if kind == "loop":
+            return True
+    return True
+
+
+def end_name(end: End) -> str:
+    """The port or channel of the process that an end belongs to, as nets name it."""
+    match end:
+        case ChannelEnd():
+            return end.channel
+        case PortEnd():
+            return end.port if end.index is None else f"{end.port}[{end.index}]"
