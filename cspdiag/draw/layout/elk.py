@@ -11,7 +11,19 @@ from typing import Any
 
 from cspdiag.draw.geometry import Point, Rectangle
 from cspdiag.draw.layout import engine, sizes
-from cspdiag.draw.layout.graph import Direction, Edge, Graph, Label, Layer, Layout, Node, PortOrder, Route, Side
+from cspdiag.draw.layout.graph import (
+    Direction,
+    Edge,
+    Graph,
+    Label,
+    Layer,
+    Layout,
+    LayoutError,
+    Node,
+    PortOrder,
+    Route,
+    Side,
+)
 from cspdiag.draw.layout.hierarchy import Hierarchy, hierarchy
 from cspdiag.draw.layout.joined import joined
 
@@ -31,14 +43,13 @@ JOINT_GAP = 8.0
 
 _OPTIONS = {
     "elk.algorithm": "layered",
-    "elk.hierarchyHandling": "INCLUDE_CHILDREN",
+    "elk.hierarchyHandling": "SEPARATE_CHILDREN",
     "elk.edgeRouting": "ORTHOGONAL",
     "elk.json.shapeCoords": "ROOT",
     "elk.json.edgeCoords": "ROOT",
     "elk.randomSeed": "1",
     "elk.padding": "[top=0,left=0,bottom=0,right=0]",
     "elk.layered.considerModelOrder.strategy": "PREFER_EDGES",
-    "elk.layered.crossingMinimization.forceNodeModelOrder": "true",
     "elk.layered.cycleBreaking.strategy": "GREEDY_MODEL_ORDER",
     "elk.layered.nodePlacement.strategy": "BRANDES_KOEPF",
     "elk.layered.edgeLabels.sideSelection": "ALWAYS_UP",
@@ -51,6 +62,9 @@ _OPTIONS = {
     "elk.layered.spacing.edgeEdgeBetweenLayers": "12",
     "elk.layered.unnecessaryBendpoints": "false",
 }
+
+_TEXT_ORDER = {"elk.layered.crossingMinimization.forceNodeModelOrder": "true"}
+"""Keeps the order of the text within a layer. ELK fails on it on some graphs, which are laid out without."""
 
 
 @dataclass
@@ -96,14 +110,24 @@ def lay_out(graph: Graph) -> Layout:
     question.top = [_node(question, node) for node in graph.nodes]
     for edge in question.hierarchy.edges:
         _add_edge(question, edge)
-    options = _OPTIONS | {
+    options = _inner_options(graph) | {"elk.layered.thoroughness": str(_thoroughness(question))}
+    asked = {"id": "", "layoutOptions": options, "children": question.top, "edges": question.edges}
+    try:
+        placed = engine.run(asked | {"layoutOptions": options | _TEXT_ORDER})
+    except LayoutError:
+        for node in question.nodes.values():
+            for option in (*_TEXT_ORDER, "elk.layered.considerModelOrder.strategy"):
+                node["layoutOptions"].pop(option, None)
+        placed = engine.run(asked)
+    return _answer(question, placed)
+
+
+def _inner_options(graph: Graph) -> dict[str, str]:
+    return _OPTIONS | {
         "elk.direction": graph.direction.value,
         "elk.spacing.nodeNode": str(graph.node_spacing),
         "elk.layered.spacing.nodeNodeBetweenLayers": str(graph.layer_spacing),
-        "elk.layered.thoroughness": str(_thoroughness(question)),
     }
-    placed = engine.run({"id": "", "layoutOptions": options, "children": question.top, "edges": question.edges})
-    return _answer(question, placed)
 
 
 def _thoroughness(question: _Question) -> int:
@@ -129,6 +153,10 @@ def _node(question: _Question, node: Node) -> _Json:
     made: _Json = {"id": node.id, "layoutOptions": options, "individualSpacings": spacings, "ports": _ports(node)}
     if node.children:
         padding = sizes.children_padding(node)
+        # What a graph is told does not hold for the graphs inside its nodes.
+        options |= (
+            _inner_options(question.graph) | _TEXT_ORDER | {"elk.spacing.portPort": str(sizes.port_spacing(node))}
+        )
         options["elk.padding"] = (
             f"[top={padding.top},left={padding.left},bottom={padding.bottom},right={padding.right}]"
         )
@@ -206,7 +234,9 @@ def _add_part(question: _Question, edge: Edge, source: str, target: str, label: 
                 "layoutOptions": {"elk.edgeLabels.placement": "CENTER"},
             }
         ]
-    question.edges.append(made)
+    room = question.hierarchy.room_of(edge)
+    siblings: list[_Json] = question.edges if room is None else question.nodes[room].setdefault("edges", [])
+    siblings.append(made)
 
 
 def _end(question: _Question, edge: Edge, end: str, *, leaves: bool) -> str:
@@ -255,7 +285,7 @@ class _Places:
 
     nodes: dict[str, Rectangle] = field(default_factory=dict)
     ports: dict[str, Point] = field(default_factory=dict)
-    owners: dict[str, str] = field(default_factory=dict)
+    edges: list[_Json] = field(default_factory=list)
 
 
 def _answer(question: _Question, placed: _Json) -> Layout:
@@ -269,7 +299,7 @@ def _answer(question: _Question, placed: _Json) -> Layout:
     }
     labels = _box_labels(hierarchy, places, sides)
     lines: dict[str, list[list[Point]]] = {edge.id: [] for edge in hierarchy.edges}
-    for part in placed.get("edges", []):
+    for part in places.edges:
         lines[question.parts[part["id"]]] += [_points(section) for section in part.get("sections", [])]
         for label in part.get("labels", []):
             labels[label["id"]] = _label_place(question.labels[label["id"]], _rectangle(label))
@@ -292,6 +322,7 @@ def _answer(question: _Question, placed: _Json) -> Layout:
 
 
 def _collect(parent: _Json, places: _Places) -> None:
+    places.edges += parent.get("edges", [])
     for node in parent.get("children", []):
         places.nodes[node["id"]] = _rectangle(node)
         for port in node.get("ports", []):

@@ -83,8 +83,8 @@ class Padding:
 class Node:
     """A box of at least ``width`` and ``height``; it grows for its ports, their labels, its title and its children.
 
-    ``title`` gets a row of its own at the top, above children and ports. A node with children is laid out as a whole with them, so that edges may lead from a port
-    of a child to a port of any other node.
+    ``title`` gets a row of its own at the top, above children and ports. Children are laid out among themselves: an edge leads from one of them to another, or to a port of
+    the node around them.
     """
 
     id: str

@@ -43,6 +43,9 @@ def hierarchy(graph: Graph) -> Hierarchy:
         for end in (*edge.sources, *edge.targets):
             if end not in found.owners:
                 raise ValueError(f"edge {edge.id!r} ends at {end!r}, which is neither a node nor a port")
+        depth = 0 if (room := found.room_of(edge)) is None else len(found.chains[room])
+        if any(len(found.chains[found.owners[end]]) > depth + 1 for end in (*edge.sources, *edge.targets)):
+            raise ValueError(f"edge {edge.id!r} leads through the border of a node without a port")
     return found
 
 

@@ -46,9 +46,15 @@ def least_size(node: Node) -> tuple[float, float]:
 
 
 def children_padding(node: Node) -> Padding:
-    """The room around the children of a node, its title included."""
+    """The room around the children of a node, its title and the labels of its ports included."""
     padding = node.padding
-    return Padding(padding.top + title_height(node), padding.right, padding.bottom, padding.left)
+    west, east = (_widest(node.ports, side) for side in (Side.WEST, Side.EAST))
+    return Padding(
+        padding.top + title_height(node),
+        max(padding.right, even(east + BORDER_GAP) if east else 0),
+        padding.bottom,
+        max(padding.left, even(west + BORDER_GAP) if west else 0),
+    )
 
 
 def port_spacing(node: Node) -> float:
