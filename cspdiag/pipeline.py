@@ -9,14 +9,16 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
-from cspdiag.diagnostics.record import node
+from cspdiag.diagnostics.record import node, replaced
 from cspdiag.diagnostics.report import Report
 from cspdiag.diagnostics.span import SourceFile
 from cspdiag.syntax.nesting import room_to_recurse
 
 if TYPE_CHECKING:
+    from cspdiag.analyses.verification.question import Question
     from cspdiag.model.program import Program, Value
     from cspdiag.network.ir import Network
+    from cspdiag.settings import Overrides
 
 Reader = Callable[[str], SourceFile]
 """Reads an imported file; raises OSError where it cannot."""
@@ -40,6 +42,25 @@ class Built:
 
     checked: Checked
     network: Network | None
+
+
+@node
+class Asked:
+    """A program and what is to be proved of it; ``networks`` are those of its processes, by name, as far as they were lowered."""
+
+    checked: Checked
+    questions: tuple[Question, ...]
+    networks: dict[str, Network]
+    parameters: Mapping[str, Value]
+
+    def network(self, process: str) -> Network | None:
+        """The network of a process as the outermost one; None where that reports an error."""
+        if process not in self.networks:
+            network = compile_network(self.checked, top=process, overrides=self.parameters)
+            if network is None:
+                return None
+            self.networks[process] = network
+        return self.networks[process]
 
 
 @room_to_recurse()
@@ -110,16 +131,44 @@ def build(
     Raises ``cspdiag.settings.SettingError`` for a setting that fits nothing in a program without errors, and
     ``cspdiag.network.lower.SelectionError`` where there is no such process or environment to compile.
     """
+    checked, overrides = _check_with(main, read, settings)
+    network = compile_network(checked, top=top, environment=environment, overrides=overrides.parameters)
+    return Built(checked=checked, network=network)
+
+
+def _check_with(main: SourceFile, read: Reader, settings: Mapping[str, str] | None) -> tuple[Checked, Overrides]:
+    """The program with constants set, and the settings as values."""
     from cspdiag.settings import NO_OVERRIDES, parse_settings
 
     checked = check(main, read)
+    if checked.program is None or checked.report.has_errors or not settings:
+        return checked, NO_OVERRIDES
+    overrides = parse_settings(checked.program, settings)
+    return check(main, read, overrides.constants) if overrides.constants else checked, overrides
+
+
+def ask(
+    main: SourceFile, read: Reader, *, process: str | None = None, settings: Mapping[str, str] | None = None
+) -> Asked:
+    """Check a program and collect what is to be proved: its assertions, or those about ``process``.
+
+    Where there are none, what is expected of ``process``, or else of the outermost process. Raises as ``build`` does.
+    """
+    from cspdiag.analyses.verification.question import expected_of, questions_of
+
+    checked, overrides = _check_with(main, read, settings)
+    asked = Asked(checked=checked, questions=(), networks={}, parameters=overrides.parameters)
     if checked.program is None or checked.report.has_errors:
-        return Built(checked=checked, network=None)
-    overrides = parse_settings(checked.program, settings) if settings else NO_OVERRIDES
-    if overrides.constants:
-        checked = check(main, read, overrides.constants)
-    network = compile_network(checked, top=top, environment=environment, overrides=overrides.parameters)
-    return Built(checked=checked, network=network)
+        return asked
+    questions = questions_of(checked.program, process)
+    if not questions:
+        network = compile_network(checked, top=process, overrides=overrides.parameters)
+        if network is None:
+            return asked
+        outermost = network.class_named(network.top).definition
+        asked.networks[outermost] = network
+        questions = expected_of(checked.program, outermost)
+    return replaced(asked, questions=questions)
 
 
 @room_to_recurse()

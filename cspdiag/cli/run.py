@@ -53,11 +53,18 @@ def add_arguments(parser: ArgumentParser) -> None:
         "--trace", type=Path, metavar="FILE", help="Chrome trace events as .json, or the plain trace as .jsonl"
     )
     parser.add_argument("--plot", type=Path, metavar="FILE", help="a figure, as .svg, .png or .pdf")
+    parser.add_argument(
+        "--replay", type=Path, metavar="FILE", help="step through the counterexample that verify --trace-out wrote"
+    )
     parser.add_argument("--quiet", action="store_true", help="no summary and no progress")
 
 
 def run(arguments: Namespace) -> int:
     """Compile, run, record; the exit code says how the run ended."""
+    if arguments.replay is not None:
+        from cspdiag.cli.replay import run as run_replay
+
+        return run_replay(arguments)
     for option in _SUFFIXES:
         _check_output(option, getattr(arguments, option))
     if arguments.plot is not None:

@@ -46,8 +46,20 @@ def _c(network: Network, modules: Mapping[str, str], options: Options) -> dict[s
     return package.generate(network, modules, level=options.level, observed=options.observed)
 
 
-TARGETS: dict[str, Generator] = {"python": _python, "c": _c}
-"""By name."""
+def _promela(network: Network, modules: Mapping[str, str], options: Options) -> dict[str, str]:
+    from cspdiag.codegen.promela import package
+
+    return package.generate(network)
+
+
+def _cspm(network: Network, modules: Mapping[str, str], options: Options) -> dict[str, str]:
+    from cspdiag.codegen.cspm import package
+
+    return package.generate(network)
+
+
+TARGETS: dict[str, Generator] = {"python": _python, "c": _c, "promela": _promela, "cspm": _cspm}
+"""By name. The last two are models for other proof tools, and do not run."""
 
 
 def target_errors() -> type[ValueError]:
@@ -59,6 +71,8 @@ def target_errors() -> type[ValueError]:
 
 def external_modules(network: Network, target: str = "python") -> tuple[str, ...]:
     """The files of external bodies to read and hand to a target, as paths joined to the folder of the file that names them."""
+    if target in {"promela", "cspm"}:
+        return ()
     if target == "c":
         from cspdiag.codegen.c import external
 

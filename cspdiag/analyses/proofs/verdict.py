@@ -65,6 +65,11 @@ class Limits:
     memory: int = 2_000_000_000
     started: float = field(default_factory=time.monotonic)
 
+    @property
+    def remaining(self) -> float:
+        """Seconds that are left; negative when the time is up."""
+        return self.seconds - (time.monotonic() - self.started)
+
     def check(self, used: int = 0) -> None:
         """Raise LimitError when the time, or the memory of which ``used`` bytes are taken, is up."""
         if time.monotonic() - self.started > self.seconds:

@@ -1,0 +1,1 @@
+"""Refutations for people and for machines: steps, waiting, and ways to mend."""

@@ -1,0 +1,149 @@
+"""A refutation in the words of the diagram: what happens step by step, and who waits for whom in the end."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+from cspdiag.analyses.proofs.verdict import Move, Refuted
+from cspdiag.analyses.transitions.system import INTERNAL, EventKind, Place, System
+from cspdiag.diagnostics import Span
+
+Failure: TypeAlias = Literal["deadlock", "knot", "livelock", "no termination", "refinement"]
+
+SILENT: frozenset[str] = frozenset({"internal", "variable", "start", "end", "cancel"})
+"""Kinds of steps that no diagram shows; they are kept for machines."""
+
+
+@dataclass(frozen=True)
+class Party:
+    """A process that takes part in a step: what it did before, and where the text says so. ``name`` is that below the outermost process."""
+
+    name: str
+    path: str
+    words: str = ""
+    span: Span | None = None
+
+
+@dataclass(frozen=True)
+class Step:
+    """Something that happens; ``channel`` is the hierarchical name as in traces."""
+
+    kind: EventKind | Literal["internal"]
+    channel: str
+    value: str | None
+    parties: tuple[Party, ...]
+
+    @property
+    def shown(self) -> bool:
+        """Whether people are told."""
+        return self.kind not in SILENT
+
+
+@dataclass(frozen=True)
+class Waiting:
+    """A process that never goes on, what it waits for, and the processes (by name) that would have to come."""
+
+    name: str
+    path: str
+    words: str
+    span: Span | None
+    partners: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Counterexample:
+    """How a property fails.
+
+    ``steps`` lead to where it does; ``cycle`` is what can repeat for ever then; ``waiting`` are the processes that never go on, of which those named in
+    ``ring`` wait for each other, each for the next and the last for the first.
+    """
+
+    failure: Failure
+    steps: tuple[Step, ...]
+    cycle: tuple[Step, ...] = ()
+    waiting: tuple[Waiting, ...] = ()
+    ring: tuple[str, ...] = ()
+    process: str = ""
+    """The outermost process, with which the names of channels begin."""
+    reason: str = ""
+    """For ``refinement``: what was refused, or done too much."""
+
+
+def counterexample(
+    system: System, refuted: Refuted, failure: Failure, process: str = "", reason: str = ""
+) -> Counterexample:
+    """The refutation of a system, of which ``process`` is the outermost, for people."""
+    teller = _Teller(system, process)
+    state = list(system.initial)
+    steps = tuple(teller.steps(state, refuted.trace))
+    stopped = tuple(state)
+    cycle = tuple(teller.steps(state, refuted.cycle))
+    waiting = tuple(teller.waiting(stopped, refuted.stuck))
+    return Counterexample(failure, steps, cycle, waiting, ring(waiting), process, reason)
+
+
+class _Teller:
+    """Components, events and states in the words of the diagram."""
+
+    def __init__(self, system: System, process: str) -> None:
+        self._system = system
+        self._prefix = f"{process}."
+
+    def steps(self, state: list[int], moves: Iterable[Move]) -> Iterator[Step]:
+        """The moves as steps; ``state`` follows them."""
+        for move in moves:
+            parties = tuple(self._party(component, state[component]) for component, _ in move.moves)
+            if move.event == INTERNAL:
+                yield Step("internal", "", None, parties)
+            else:
+                event = self._system.events[move.event]
+                yield Step(event.kind, event.channel, event.value, parties)
+            for component, after in move.moves:
+                state[component] = after
+
+    def _name(self, index: int) -> str:
+        return self._system.components[index].name.removeprefix(self._prefix)
+
+    def _party(self, index: int, state: int) -> Party:
+        component = self._system.components[index]
+        place = component.places.get(state, Place(""))
+        return Party(self._name(index), component.path, place.words, place.span)
+
+    def waiting(self, state: tuple[int, ...], stuck: Iterable[int]) -> Iterator[Waiting]:
+        """The processes among ``stuck`` that have not ended."""
+        components = self._system.components
+        offered = [{event for event, _ in component.edges[at]} for component, at in zip(components, state, strict=True)]
+        for index in sorted(stuck):
+            if not components[index].process or state[index] in components[index].terminal:
+                continue
+            absent = dict.fromkeys(
+                self._name(other)
+                for event in sorted(offered[index] - {INTERNAL})
+                for other in self._system.events[event].parties
+                if event not in offered[other]
+            )
+            party = self._party(index, state[index])
+            yield Waiting(party.name, party.path, party.words or "waits", party.span, tuple(absent))
+
+
+def ring(waiting: tuple[Waiting, ...]) -> tuple[str, ...]:
+    """Names of processes that wait for each other in a ring; empty where somebody waits for who has ended, or for nobody."""
+    by_name = {entry.name: entry for entry in waiting}
+    settled: set[str] = set()
+    for start in by_name:
+        path: list[str] = []
+        pending = [iter((start,))]
+        while pending:
+            name = next(pending[-1], None)
+            if name is None:
+                pending.pop()
+                if path:
+                    settled.add(path.pop())
+            elif name in path:
+                return tuple(path[path.index(name) :])
+            elif name in by_name and name not in settled:
+                path.append(name)
+                pending.append(iter(by_name[name].partners))
+    return ()

@@ -1,0 +1,50 @@
+"""Counterexamples as JSON, and traces to replay."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from cspdiag.analyses.counterexamples.counterexample import Counterexample, Party, Step
+from cspdiag.diagnostics import Span
+
+
+def encoded(found: Counterexample) -> dict[str, Any]:
+    """Everything about a counterexample, in types of JSON; lines and columns count from 1."""
+    return {
+        "failure": found.failure,
+        "reason": found.reason,
+        "steps": [_step(step) for step in found.steps],
+        "cycle": [_step(step) for step in found.cycle],
+        "waiting": [
+            {
+                "process": entry.name,
+                "path": entry.path,
+                "waits": entry.words,
+                "for": list(entry.partners),
+                **place(entry.span),
+            }
+            for entry in found.waiting
+        ],
+        "ring": list(found.ring),
+    }
+
+
+def place(span: Span | None) -> dict[str, Any]:
+    """``file``, ``line`` and ``column``; nothing where there is no place."""
+    if span is None:
+        return {}
+    line, column = span.source.position(span.start)
+    return {"file": span.file, "line": line, "column": column}
+
+
+def _step(step: Step) -> dict[str, Any]:
+    return {
+        "kind": step.kind,
+        "channel": step.channel,
+        "value": step.value,
+        "parties": [_party(party) for party in step.parties],
+    }
+
+
+def _party(party: Party) -> dict[str, Any]:
+    return {"process": party.name, "path": party.path, "before": party.words, **place(party.span)}

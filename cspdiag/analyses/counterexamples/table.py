@@ -1,0 +1,89 @@
+"""A counterexample as a table over time: a row for each step, a column for each process."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from cspdiag.analyses.counterexamples.counterexample import Counterexample, Party, Step
+
+_KINDS = {"sample": "sample", "miss": "missed", "exception": "raise"}
+
+
+def table(found: Counterexample, width: int = 120) -> str:
+    """The steps that a diagram shows, with the line of the text in the column of everybody who takes part; empty without any.
+
+    ``!`` marks who writes, ``?`` who reads, ``*`` who does something else. Where the names of the processes would make it wider than ``width``
+    characters, the columns have numbers, and the names follow.
+    """
+    steps = [step for step in found.steps if step.shown]
+    cycle = [step for step in found.cycle if step.shown]
+    names = list(dict.fromkeys(party.name for step in (*steps, *cycle) for party in step.parties))
+    if not names:
+        return ""
+    files = {party.span.file for step in (*steps, *cycle) for party in step.parties if party.span is not None}
+    rows = [_row(number, step, names, found.process, len(files) > 1) for number, step in enumerate((*steps, *cycle), 1)]
+    lines = _aligned([["", "", *names], *rows])
+    legend = [f"lines of {file}" for file in files] if len(files) == 1 else []
+    if max(map(len, lines)) > width:
+        lines = _aligned([["", "", *(f"({number})" for number in range(1, len(names) + 1))], *rows])
+        legend = [f"({number}) {name}" for number, name in enumerate(names, start=1)] + legend
+    if cycle:
+        lines.insert(len(lines) - len(cycle), "then again and again:")
+    return "".join(f"{line}\n" for line in (*lines, *_wrapped(legend, width)))
+
+
+def _row(number: int, step: Step, names: Sequence[str], process: str, told_files: bool) -> list[str]:
+    taking_part = {party.name: party for party in step.parties}
+    cells = (_cell(step, taking_part[name], told_files) if name in taking_part else "" for name in names)
+    return [str(number), event_text(step, process), *cells]
+
+
+def event_text(step: Step, process: str) -> str:
+    """What happens, without who takes part: ``fork[1] 3``, ``sample feedback``, ``wait 10 ms``."""
+    channel = step.channel.removeprefix(f"{process}.")
+    if step.kind == "time":
+        channel = channel.rpartition(": ")[2]
+    value = "" if step.value is None else f" {step.value}"
+    return " ".join(filter(None, (_KINDS.get(step.kind, ""), channel))) + value
+
+
+def _cell(step: Step, party: Party, told_file: bool) -> str:
+    line = "" if party.span is None else str(party.span.line)
+    if party.span is not None and told_file:
+        line = f" {party.span.file.rpartition('/')[2]}:{line}"
+    return f"{_direction(step, party)}{line}"
+
+
+def _direction(step: Step, party: Party) -> str:
+    told = _told_direction(party)
+    others = [other for other in step.parties if other is not party]
+    if told is None and len(others) == 1 and step.kind == "communication":
+        return {"!": "?", "?": "!"}.get(_told_direction(others[0]) or "", "*")
+    return told or "*"
+
+
+def _told_direction(party: Party) -> str | None:
+    if "to write" in party.words:
+        return None if "to read" in party.words else "!"
+    return "?" if "to read" in party.words else None
+
+
+def _aligned(rows: Sequence[Sequence[str]]) -> list[str]:
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return ["  ".join(_padded(row, widths)).rstrip() for row in rows]
+
+
+def _padded(row: Sequence[str], widths: Sequence[int]) -> Iterator[str]:
+    for column, (cell, width) in enumerate(zip(row, widths, strict=True)):
+        yield cell.rjust(width) if column == 0 else cell.ljust(width)
+
+
+def _wrapped(parts: Sequence[str], width: int) -> Iterator[str]:
+    line = ""
+    for part in parts:
+        if line and len(line) + 2 + len(part) > width:
+            yield line
+            line = ""
+        line = f"{line}  {part}" if line else part
+    if line:
+        yield line

@@ -1,0 +1,47 @@
+"""Who waits for whom, in sentences."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from cspdiag.analyses.counterexamples.counterexample import Counterexample, Waiting
+
+MOST_OTHERS = 8
+
+
+def waiting_lines(found: Counterexample) -> Iterator[str]:
+    """A line for each process that never goes on, those that wait for each other first."""
+    by_name = {entry.name: entry for entry in found.waiting}
+    following = (*found.ring[1:], *found.ring[:1])
+    for name, partner in zip(found.ring, following, strict=True):
+        yield f"{_told(by_name[name])}, for `{partner}`"
+    others = [entry for entry in found.waiting if entry.name not in found.ring]
+    for entry in others[:MOST_OTHERS]:
+        partners = ", ".join(f"`{name}`" for name in entry.partners[:MOST_OTHERS])
+        yield f"{_told(entry)}, for {partners}" if partners else _told(entry)
+    if len(others) > MOST_OTHERS:
+        yield f"and {len(others) - MOST_OTHERS} more"
+
+
+def _told(entry: Waiting) -> str:
+    place = "" if entry.span is None else f" ({entry.span})"
+    return f"`{entry.name}` {entry.words}{place}"
+
+
+def headline(found: Counterexample) -> str:
+    """What is wrong, in a sentence that goes on from the name of the process."""
+    steps = sum(step.shown for step in found.steps)
+    when = "at once" if steps == 0 else f"after {steps} step{'s' if steps > 1 else ''}"
+    stuck = len(found.ring) or len(found.waiting)
+    match found.failure:
+        case "deadlock" | "knot":
+            alone = "a process waits for what never comes" if not found.ring else "a process waits for itself"
+            many = f"{stuck} processes wait {'for each other' if found.ring else 'for what never comes'}"
+            others = "" if found.failure == "deadlock" else " for ever, while others go on"
+            return f"can {'deadlock' if not others else 'get stuck'}: {when}, {many if stuck != 1 else alone}{others}"
+        case "livelock":
+            return f"can livelock: {when}, it can go on for ever without a communication that anybody sees"
+        case "no termination":
+            return f"does not always end: {when}, its end cannot be reached any more"
+        case "refinement":
+            return f"does more than it may: {found.reason or when}"

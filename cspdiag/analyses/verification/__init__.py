@@ -1,0 +1,1 @@
+"""Assertions: what is asked of a process, and what the proofs answer."""

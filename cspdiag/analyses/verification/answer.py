@@ -1,0 +1,35 @@
+"""What is answered."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+from cspdiag.analyses.counterexamples.counterexample import Counterexample
+from cspdiag.analyses.counterexamples.suggestion import Suggestion
+from cspdiag.analyses.proofs.verdict import Method
+from cspdiag.analyses.transitions.system import Abstraction
+from cspdiag.analyses.verification.question import Question
+
+Outcome: TypeAlias = Literal["proved", "refuted", "unknown"]
+
+
+@dataclass(frozen=True)
+class Answer:
+    """A verdict on a question, with what people need to believe it.
+
+    ``reason`` is a sentence: why it holds, or why nothing is known. ``candidate`` are the lines of a state that could not be excluded. ``abstractions`` are what the
+    transition system leaves open; ``replayed`` tells whether the program itself was stepped through the counterexample.
+    """
+
+    question: Question
+    outcome: Outcome
+    method: Method | None
+    reason: str
+    seconds: float
+    states: int | None = None
+    counterexample: Counterexample | None = None
+    candidate: tuple[str, ...] = ()
+    abstractions: tuple[Abstraction, ...] = ()
+    suggestions: tuple[Suggestion, ...] = ()
+    replayed: bool = False

@@ -1,0 +1,65 @@
+"""Answers as diagnostics, for everything that shows diagnostics."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from cspdiag.analyses.counterexamples.counterexample import Counterexample, Failure
+from cspdiag.analyses.counterexamples.words import headline
+from cspdiag.analyses.diagnostics_proofs import (
+    CanDeadlock,
+    CanLivelock,
+    DoesNotRefine,
+    MayNotTerminate,
+    NotProved,
+    Refutation,
+)
+from cspdiag.analyses.verification.answer import Answer
+from cspdiag.diagnostics import Diagnostic, Label, Span
+
+_KINDS: dict[Failure, type[Refutation]] = {
+    "deadlock": CanDeadlock,
+    "knot": CanDeadlock,
+    "livelock": CanLivelock,
+    "no termination": MayNotTerminate,
+    "refinement": DoesNotRefine,
+}
+
+_MOST_PLACES = 8
+
+
+def diagnostic_of(answer: Answer) -> Diagnostic | None:
+    """What is wrong; None for a property that was proved."""
+    question = answer.question
+    if answer.outcome == "proved":
+        return None
+    if answer.counterexample is None:
+        return NotProved(question.span, question.text, answer.reason, answer.candidate)
+    found = answer.counterexample
+    advice = "\n".join(suggestion.words for suggestion in answer.suggestions) or None
+    return _KINDS[found.failure](question.span, question.process, headline(found), _places(found), advice)
+
+
+def _places(found: Counterexample) -> tuple[Label, ...]:
+    """Where those wait that wait for each other; processes of one definition wait at one place."""
+    in_ring = [entry for entry in found.waiting if entry.name in found.ring] or found.waiting
+    names: dict[tuple[str, int, int], list[str]] = {}
+    labels: dict[tuple[str, int, int], tuple[Span, str]] = {}
+    for entry in in_ring:
+        if entry.span is not None:
+            key = (entry.span.file, entry.span.start, entry.span.end)
+            names.setdefault(key, []).append(entry.name)
+            labels.setdefault(key, (entry.span, entry.words))
+    return tuple(Label(span, _said(names[key], words)) for key, (span, words) in list(labels.items())[:_MOST_PLACES])
+
+
+def _said(names: list[str], words: str) -> str:
+    if len(names) == 1:
+        return f"`{names[0]}` {words}"
+    others = f"{len(names) - 1} more like it" if len(names) > 2 else f"`{names[1]}`"
+    return f"`{names[0]}` {words}, and so {'do' if len(names) > 2 else 'does'} {others}"
+
+
+def diagnostics_of(answers: Iterable[Answer]) -> list[Diagnostic]:
+    """What is wrong with all that was asked."""
+    return [found for answer in answers if (found := diagnostic_of(answer)) is not None]

@@ -1,0 +1,126 @@
+"""From a question to an answer: which proof is asked, and what its verdict means."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import replace
+
+from cspdiag.analyses.counterexamples.counterexample import Counterexample, Failure, counterexample
+from cspdiag.analyses.proofs.verdict import Limits, Method, Proved, Refuted, Unknown, Verdict
+from cspdiag.analyses.transitions.system import System
+from cspdiag.analyses.verification.answer import Answer
+from cspdiag.analyses.verification.question import Question
+
+Systems = Callable[[str], System]
+"""The transition system of a process, by its name, as the outermost one."""
+
+
+def prove(question: Question, systems: Systems, limits: Limits, method: Method | None = None) -> Answer:
+    """The answer to a question; ``method`` is the only one to be used.
+
+    Raises what ``systems`` raises. A limit that is reached makes the answer unknown.
+    """
+    began = time.monotonic()
+    system = systems(question.process)
+    match question.claim:
+        case "deadlock free":
+            answer = _deadlock_free(question, system, limits, method)
+        case "livelock free":
+            answer = _livelock_free(question, system, limits)
+        case "terminates":
+            answer = _terminates(question, system, limits)
+        case "refines":
+            assert question.specification is not None
+            answer = _refines(question, system, systems(question.specification), limits)
+        case "schedulable":
+            answer = Answer(question, "unknown", None, "timing is the subject of `cspdiag verify --timing`", 0.0)
+    return replace(answer, seconds=time.monotonic() - began, abstractions=system.abstractions)
+
+
+def _deadlock_free(question: Question, system: System, limits: Limits, method: Method | None) -> Answer:
+    """No deadlock, in which nothing goes on, and no knot, in which some wait for each other for ever while others go on."""
+    from cspdiag.analyses.proofs.breadth_first import deadlock_free, knot_free
+
+    deadlock = deadlock_free(system, limits)
+    if not isinstance(deadlock, Proved):
+        return _verdict(question, system, deadlock, "deadlock")
+    knot = knot_free(system, limits)
+    if not isinstance(knot, Proved):
+        return _verdict(question, system, knot, "knot")
+    reason = f"no deadlock ({deadlock.reason}) and no knot ({knot.reason})"
+    if deadlock.reason == knot.reason:
+        reason = f"no deadlock and no knot ({knot.reason})"
+    states = max(deadlock.states or 0, knot.states or 0) or None
+    return Answer(question, "proved", knot.method, reason, 0.0, states)
+
+
+def _livelock_free(question: Question, system: System, limits: Limits) -> Answer:
+    from cspdiag.analyses.proofs.livelock import livelock_free
+
+    return _verdict(question, system, livelock_free(system, limits), "livelock")
+
+
+def _terminates(question: Question, system: System, limits: Limits) -> Answer:
+    from cspdiag.analyses.proofs.termination import terminates
+
+    return _verdict(question, system, terminates(system, limits), "no termination")
+
+
+def _refines(question: Question, system: System, specification: System, limits: Limits) -> Answer:
+    from cspdiag.analyses.proofs.refinement import refines_in_failures, refines_in_traces
+
+    refines = refines_in_failures if question.model == "failures" else refines_in_traces
+    verdict = refines(system, specification, limits, hidden=question.hidden)
+    return _verdict(question, system, verdict, "refinement")
+
+
+def answered(question: Question, system: System, verdict: Verdict, failure: Failure, seconds: float) -> Answer:
+    """The verdict on a question that somebody else has given."""
+    answer = _verdict(question, system, verdict, failure)
+    return replace(answer, seconds=seconds, abstractions=system.abstractions)
+
+
+def _verdict(question: Question, system: System, verdict: Verdict, failure: Failure) -> Answer:
+    match verdict:
+        case Proved():
+            return Answer(question, "proved", verdict.method, verdict.reason, 0.0, verdict.states)
+        case Refuted():
+            found = counterexample(system, verdict, failure, question.process, getattr(verdict, "reason", ""))
+            return Answer(question, "refuted", verdict.method, "", 0.0, verdict.states, found)
+        case Unknown():
+            candidate = _candidate(question, system, verdict)
+            return Answer(question, "unknown", verdict.method, verdict.reason, 0.0, candidate=candidate)
+
+
+def _candidate(question: Question, system: System, unknown: Unknown) -> tuple[str, ...]:
+    """The state that could not be excluded, a line for each process that is suspected to be stuck."""
+    if unknown.candidate is None:
+        return ()
+    lines = []
+    for index in unknown.stuck or range(len(system.components)):
+        component, state = system.components[index], unknown.candidate[index]
+        place = component.places.get(state)
+        if component.process and state not in component.terminal and place is not None:
+            lines.append(
+                f"`{component.name.removeprefix(f'{question.process}.')}` {place.words}"
+                + ("" if place.span is None else f" ({place.span})")
+            )
+    return tuple(lines)
+
+
+def not_replayed(answer: Answer, divergence: str) -> Answer:
+    """The answer when its counterexample could not be replayed by the program itself."""
+    found = answer.counterexample
+    assert found is not None
+    left_open = "; ".join(dict.fromkeys(abstraction.what for abstraction in answer.abstractions))
+    reason = f"a counterexample was found, but the program does not follow it: {divergence}"
+    if left_open:
+        reason += f" (left open in the proof: {left_open})"
+    return replace(answer, outcome="unknown", reason=reason, counterexample=None, candidate=_waiting(found))
+
+
+def _waiting(found: Counterexample) -> tuple[str, ...]:
+    from cspdiag.analyses.counterexamples.words import waiting_lines
+
+    return tuple(waiting_lines(found))

@@ -1,0 +1,73 @@
+"""What is asked: an assertion of the text, or what is asked of a program that asserts nothing."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+from cspdiag.diagnostics import Span
+from cspdiag.model.program import Program
+from cspdiag.syntax import ast
+
+Property: TypeAlias = Literal["deadlock free", "livelock free", "terminates", "schedulable", "refines"]
+
+EXPECTED: tuple[Property, ...] = ("deadlock free", "livelock free")
+"""What a process is expected to be without being asked."""
+
+
+@dataclass(frozen=True)
+class Question:
+    """A property that a process may have.
+
+    ``specification``, ``model`` and ``hidden`` (ports of the process whose events the specification does not see) belong to ``refines``. ``span`` is
+    the assertion, or the name of the process where nothing was asserted.
+    """
+
+    process: str
+    claim: Property
+    span: Span
+    specification: str | None = None
+    model: Literal["traces", "failures"] = "traces"
+    hidden: tuple[str, ...] = ()
+    asserted: bool = True
+
+    @property
+    def processes(self) -> tuple[str, ...]:
+        """The processes that it speaks of."""
+        return (self.process,) if self.specification is None else (self.process, self.specification)
+
+    @property
+    def text(self) -> str:
+        """As the language writes it, without ``assert``."""
+        if self.claim != "refines":
+            return f"{self.process} {self.claim}"
+        model = " in failures" if self.model == "failures" else ""
+        hidden = f" hide {', '.join(self.hidden)}" if self.hidden else ""
+        return f"{self.process} refines {self.specification}{model}{hidden}"
+
+
+def questions_of(program: Program, process: str | None = None) -> tuple[Question, ...]:
+    """The assertions of the main file, or those of them about ``process``."""
+    return tuple(
+        _asserted(assertion)
+        for assertion in program.assertions
+        if assertion.span.source is program.main.source and process in (None, assertion.process.text)
+    )
+
+
+def expected_of(program: Program, process: str) -> tuple[Question, ...]:
+    """What is asked of a process about which nothing is asserted: freedom from deadlock and from livelock."""
+    definition = program.definitions[process]
+    assert isinstance(definition, ast.ProcessDefinition)
+    return tuple(Question(process, expected, definition.name.span, asserted=False) for expected in EXPECTED)
+
+
+def _asserted(assertion: ast.Assertion) -> Question:
+    return Question(
+        process=assertion.process.text,
+        claim=assertion.property,
+        span=assertion.span,
+        specification=None if assertion.specification is None else assertion.specification.text,
+        model=assertion.model,
+        hidden=tuple(port.text for port in assertion.hidden),
+    )

@@ -1,0 +1,48 @@
+"""Answers as JSON."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from typing import Any
+
+from cspdiag.analyses.counterexamples.encode import encoded, place
+from cspdiag.analyses.verification.answer import Answer
+from cspdiag.analyses.verification.diagnostics import diagnostic_of
+
+
+def render(answers: Sequence[Answer]) -> str:
+    """A list with an object for each question; ``verdict`` is ``proved``, ``refuted`` or ``unknown``; times are in seconds."""
+    return json.dumps([_object(answer) for answer in answers], indent=2) + "\n"
+
+
+def _object(answer: Answer) -> dict[str, Any]:
+    question = answer.question
+    found = diagnostic_of(answer)
+    span = question.span
+    return {
+        "assertion": question.text,
+        "process": question.process,
+        "property": question.claim,
+        "asserted": question.asserted,
+        "verdict": answer.outcome,
+        "code": None if found is None else found.code,
+        "message": answer.reason if found is None else found.message,
+        "method": answer.method,
+        "states": answer.states,
+        "seconds": round(answer.seconds, 6),
+        "file": span.file,
+        "line": span.line,
+        "column": span.column,
+        "candidate": list(answer.candidate),
+        "abstractions": [
+            {"what": abstraction.what, **({} if abstraction.span is None else place(abstraction.span))}
+            for abstraction in answer.abstractions
+        ],
+        "suggestions": [
+            {"words": suggestion.words, "replacement": suggestion.replacement, **place(suggestion.span)}
+            for suggestion in answer.suggestions
+        ],
+        "counterexample": None if answer.counterexample is None else encoded(answer.counterexample),
+        "replayed": answer.replayed,
+    }

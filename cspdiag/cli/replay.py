@@ -1,0 +1,79 @@
+"""``cspdiag run --replay``: step a program through a counterexample."""
+
+from __future__ import annotations
+
+import sys
+from argparse import Namespace
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from cspdiag.cli.failure import FINE, UNSUCCESSFUL, NoResultError, UsageError
+from cspdiag.cli.terminal import show_diagnostics
+from cspdiag.sources import read_source
+
+if TYPE_CHECKING:
+    from cspdiag.network.ir import Network
+    from cspdiag.simulate.replay import Replay
+    from cspdiag.simulate.replay_trace import Trace
+
+_UNFIT = ("environment", "until", "record", "trace", "plot")
+
+
+def run(arguments: Namespace) -> int:
+    """Say what happens, and whether that was what the trace says; exit code 0 if it was."""
+    _refuse_others(arguments)
+    from cspdiag.codegen import target_errors
+    from cspdiag.simulate.execute import BodyError
+    from cspdiag.simulate.replay_trace import TraceError, read_trace
+    from cspdiag.simulate.verify import replayed
+
+    try:
+        trace = read_trace(read_source(str(arguments.replay)).text)
+    except TraceError as problem:
+        raise UsageError(f"{arguments.replay}: {problem}") from None
+    network = _network(arguments, trace)
+    if network is None:
+        return UNSUCCESSFUL
+    try:
+        result = replayed(network, trace, read_source)
+    except (BodyError, target_errors()) as problem:
+        raise NoResultError(str(problem)) from None
+    if not arguments.quiet:
+        sys.stderr.write("".join(f"{line}\n" for line in _told(trace, result)))
+    return FINE if result.succeeded else UNSUCCESSFUL
+
+
+def _refuse_others(arguments: Namespace) -> None:
+    given = [name for name in _UNFIT if getattr(arguments, name) is not None]
+    if arguments.real_time:
+        given.append("real_time")
+    if given:
+        names = ", ".join("--for" if name == "until" else f"--{name.replace('_', '-')}" for name in given)
+        raise UsageError(f"--replay goes without {names}: the trace says what happens and when")
+
+
+def _network(arguments: Namespace, trace: Trace) -> Network | None:
+    from cspdiag.network.lower import SelectionError
+    from cspdiag.pipeline import build
+    from cspdiag.settings import SettingError, split_setting
+
+    try:
+        settings = {**trace.settings, **dict(split_setting(setting) for setting in arguments.settings)}
+        built = build(read_source(arguments.file), read_source, top=trace.process, settings=settings)
+    except (SettingError, SelectionError) as problem:
+        raise UsageError(str(problem)) from None
+    show_diagnostics(built.checked.report.diagnostics, arguments.color)
+    return built.network
+
+
+def _told(trace: Trace, result: Replay) -> Iterator[str]:
+    yield f"replay of the counterexample to `{trace.assertion}`"
+    for number, (channel, value) in enumerate(result.communications, start=1):
+        yield f"{number:>5}  {channel.removeprefix(f'{trace.process}.')}  {value}"
+    if result.deadlock is not None:
+        yield result.deadlock.text
+    total = len(trace.steps) + len(trace.cycle)
+    if result.divergence is None:
+        yield f"replayed: the program did all {total} steps"
+    else:
+        yield f"not replayed: after {result.steps} of {total} steps, {result.divergence}"

@@ -1,0 +1,189 @@
+"""``cspdiag verify``: prove the assertions of a program, or show how they fail."""
+
+from __future__ import annotations
+
+import os
+import sys
+from argparse import ArgumentParser, ArgumentTypeError, Namespace
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from cspdiag.cli.failure import FINE, UNSUCCESSFUL, NoResultError, UsageError
+from cspdiag.cli.output import replace_text
+from cspdiag.cli.terminal import wants_colour
+
+if TYPE_CHECKING:
+    from cspdiag.analyses.verification.answer import Answer
+    from cspdiag.diagnostics.diagnostic import Diagnostic
+    from cspdiag.pipeline import Asked, Reader
+
+EXAMPLE = (
+    "cspdiag verify models/jiwy/jiwy.csp\n"
+    "cspdiag verify models/dining/deadlock.csp --trace-out trace.json\n"
+    "cspdiag run models/dining/deadlock.csp --replay trace.json"
+)
+FORMATS = ("text", "concise", "json", "sarif", "github", "junit")
+METHODS = ("rules", "sat", "invariants", "stubborn", "minimization", "breadth-first")
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Declare the options."""
+    parser.add_argument("file", metavar="FILE", help="a program; - reads standard input")
+    parser.add_argument("--process", metavar="NAME", help="only what is asserted of this process, or is expected of it")
+    parser.add_argument(
+        "--set", metavar="NAME=VALUE", action="append", default=[], help="set a constant or a parameter"
+    )
+    parser.add_argument(
+        "--method", choices=METHODS, help="use this proof method only (default: the first that answers)"
+    )
+    parser.add_argument(
+        "--engine", choices=("cspdiag", "spin"), default="cspdiag", help="who proves (default: cspdiag)"
+    )
+    parser.add_argument(
+        "--time-limit", metavar="S", type=_positive, default=60.0, help="seconds for each assertion (default: 60)"
+    )
+    parser.add_argument(
+        "--memory-limit", metavar="MB", type=_positive, default=2000.0, help="megabytes for states (default: 2000)"
+    )
+    parser.add_argument("--format", choices=FORMATS, default="text", help="how to tell the answers (default: text)")
+    parser.add_argument("--trace-out", type=Path, metavar="FILE", help="the first counterexample, for run --replay")
+    parser.add_argument("--no-cache", action="store_true", help="prove again what was proved before")
+    parser.add_argument("--quiet", action="store_true", help="show only what is not proved")
+
+
+def _positive(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = 0.0
+    if not 0 < value < float("inf"):
+        raise ArgumentTypeError(f"a positive number is wanted, not {text!r}")
+    return value
+
+
+def run(arguments: Namespace) -> int:
+    """Prove, and tell; the exit code says whether everything was proved."""
+    from cspdiag.cli.verify_cache import Cache, Printed
+
+    _check_output(arguments.trace_out)
+    cache = Cache(repr(_what_matters(arguments)))
+    is_cached = not arguments.no_cache and arguments.trace_out is None and arguments.file != "-"
+    printed = cache.look() if is_cached else None
+    if printed is None:
+        asked = _ask(arguments, cache.read)
+        warnings = _rendered(asked.checked.report.diagnostics, arguments)
+        if asked.checked.report.has_errors:
+            sys.stderr.write(warnings)
+            return UNSUCCESSFUL
+        answers = _answers(asked, arguments, cache.read)
+        stdout, stderr = _told(answers, arguments)
+        code = FINE if all(answer.outcome == "proved" for answer in answers) else UNSUCCESSFUL
+        printed = Printed(code, stdout, f"{warnings}{stderr}")
+        _write_trace(arguments, answers)
+        if is_cached and all(answer.outcome != "unknown" for answer in answers):
+            cache.keep(printed)
+    sys.stdout.write(printed.stdout)
+    sys.stderr.write(printed.stderr)
+    return printed.code
+
+
+def _what_matters(arguments: Namespace) -> dict[str, object]:
+    """The options that what is printed depends on."""
+    settled = {name: value for name, value in vars(arguments).items() if name not in {"no_cache", "trace_out"}}
+    return {**settled, "color": wants_colour(arguments.color, sys.stderr), "folder": os.getcwd()}
+
+
+def _check_output(path: Path | None) -> None:
+    """Refuse an output that could not be written before the proof, not after it."""
+    if path is not None and (path.is_dir() or not path.parent.is_dir()):
+        reason = "is a directory" if path.is_dir() else f"there is no folder {path.parent}"
+        raise UsageError(f"--trace-out {path}: {reason}")
+
+
+def _ask(arguments: Namespace, read: Reader) -> Asked:
+    """What is to be proved, with the networks that it takes."""
+    from cspdiag.network.lower import SelectionError
+    from cspdiag.pipeline import ask
+    from cspdiag.settings import SettingError
+
+    try:
+        asked = ask(read(arguments.file), read, process=arguments.process, settings=_settings(arguments))
+        for question in asked.questions:
+            for name in question.processes:
+                asked.network(name)
+    except (SettingError, SelectionError) as problem:
+        raise UsageError(str(problem)) from None
+    return asked
+
+
+def _settings(arguments: Namespace) -> dict[str, str]:
+    from cspdiag.settings import split_setting
+
+    return dict(split_setting(setting) for setting in arguments.set)
+
+
+def _answers(asked: Asked, arguments: Namespace, read: Reader) -> list[Answer]:
+    from cspdiag.analyses.proofs.verdict import Limits
+    from cspdiag.analyses.transitions.explore import TransitionError
+    from cspdiag.simulate.spin import SpinError
+    from cspdiag.simulate.verify import Verifier
+
+    memory = int(arguments.memory_limit * 1e6)
+    verifier = Verifier(asked, read, arguments.method, spin=arguments.engine == "spin")
+    try:
+        return [verifier.answer(question, Limits(arguments.time_limit, memory)) for question in asked.questions]
+    except (TransitionError, SpinError) as problem:
+        raise NoResultError(str(problem)) from None
+
+
+def _write_trace(arguments: Namespace, answers: Sequence[Answer]) -> None:
+    from cspdiag.simulate.verify import trace_of
+
+    if arguments.trace_out is None:
+        return
+    refuted = next((answer for answer in answers if answer.counterexample is not None), None)
+    if refuted is None:
+        sys.stderr.write(f"cspdiag: nothing was refuted, so {arguments.trace_out} was not written\n")
+    else:
+        replace_text(str(arguments.trace_out), trace_of(refuted, _settings(arguments)))
+
+
+def _rendered(diagnostics: Sequence[Diagnostic], arguments: Namespace) -> str:
+    if not diagnostics:
+        return ""
+    from cspdiag.diagnostics.render_text import render
+
+    return render(diagnostics, colour=wants_colour(arguments.color, sys.stderr))
+
+
+def _told(answers: Sequence[Answer], arguments: Namespace) -> tuple[str, str]:
+    """What goes to standard output, and what to standard error."""
+    from cspdiag.analyses.verification.diagnostics import diagnostics_of
+
+    match arguments.format:
+        case "json":
+            from cspdiag.analyses.verification.render_json import render as render_json
+
+            return render_json(answers), ""
+        case "junit":
+            from cspdiag.analyses.verification.render_junit import render as render_junit
+
+            return render_junit(answers, arguments.file), ""
+        case "concise":
+            from cspdiag.diagnostics.render_concise import render as render_concise
+
+            return "", render_concise(diagnostics_of(answers))
+        case "sarif":
+            from cspdiag.diagnostics.render_sarif import render as render_sarif
+
+            return render_sarif(diagnostics_of(answers)), ""
+        case "github":
+            from cspdiag.diagnostics.render_github import render as render_github
+
+            return render_github(diagnostics_of(answers)), ""
+        case _:
+            from cspdiag.analyses.verification.render_text import render as render_text
+
+            colour = wants_colour(arguments.color, sys.stderr)
+            return "", render_text(answers, colour=colour, quiet=arguments.quiet)

@@ -1,0 +1,1 @@
+"""CSPm, the language of the refinement checker FDR."""

@@ -1,0 +1,72 @@
+"""Networks as CSPm scripts, for FDR (the syntax of Roscoe, "Understanding Concurrent Systems", and of the manual of FDR 4).
+
+Each component is a set of processes, one a state; the system is their alphabetized parallel composition. Internal steps are hidden events. A process that has
+ended offers ``ended`` for ever, in which all processes take part, so that an end of all is no deadlock while a part that waits for what has ended is one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from cspdiag.analyses.transitions.system import INTERNAL, System
+from cspdiag.codegen.identifiers import distinct
+from cspdiag.network.ir import Network
+
+
+def generate(network: Network) -> dict[str, str]:
+    """The script of a network, by path."""
+    from cspdiag.analyses.transitions import transition_system
+
+    text = cspm(transition_system(network), network.source)
+    return {f"{network.name}/{network.name}.csp": text}
+
+
+def cspm(system: System, source: str = "") -> str:
+    """The CSPm script of a transition system, with assertions of freedom from deadlock and from livelock."""
+    return "".join(f"{line}\n" for line in _lines(system, source))
+
+
+def _lines(system: System, source: str) -> Iterator[str]:
+    events = distinct((str(event) for event in system.events), "e_")
+    names = distinct((component.name for component in system.components), "P_")
+    internal = [f"i_{index}" for index in range(len(system.components))]
+    yield f"-- {source}: {len(system.components)} components, {len(system.events)} events"
+    yield ""
+    for event, name in zip(system.events, events, strict=True):
+        yield f"channel {name} -- {event}"
+    for name, component in zip(internal, system.components, strict=True):
+        yield f"channel {name} -- an internal step of {component.name}"
+    yield "channel ended -- all processes have ended"
+    for index, component in enumerate(system.components):
+        yield ""
+        yield f"-- {component.name}"
+        for state, edges in enumerate(component.edges):
+            offered = [
+                f"{internal[index] if event == INTERNAL else events[event]} -> {names[index]}_{after}"
+                for event, after in edges
+            ]
+            if component.process and state in component.terminal:
+                offered.append(f"ended -> {names[index]}_{state}")
+            yield f"{names[index]}_{state} = {' [] '.join(offered) or 'STOP'}"
+    yield ""
+    alphabets = [
+        [internal[index], *(["ended"] if component.process else [])]
+        for index, component in enumerate(system.components)
+    ]
+    for event, name in zip(system.events, events, strict=True):
+        for party in event.parties:
+            alphabets[party].append(name)
+    for index, (component, alphabet) in enumerate(zip(system.components, alphabets, strict=True)):
+        yield f"component({index}) = {names[index]}_{component.initial}"
+        yield f"alphabet({index}) = {{{', '.join(alphabet)}}}"
+    yield ""
+    yield f"SYSTEM = || n : {{0..{len(system.components) - 1}}} @ [alphabet(n)] component(n)"
+    hidden = [*internal, *(name for event, name in zip(system.events, events, strict=True) if _is_inner(event.kind))]
+    yield f"INNER = {{{', '.join(hidden)}}}"
+    yield ""
+    yield f"assert SYSTEM \\ {{{', '.join(internal)}}} :[deadlock free [F]]"
+    yield "assert SYSTEM \\ INNER :[divergence free]"
+
+
+def _is_inner(kind: str) -> bool:
+    return kind not in {"external", "sample", "miss", "time"}

@@ -1,0 +1,1 @@
+"""Promela, the language of the model checker SPIN."""

@@ -1,0 +1,98 @@
+"""Networks as Promela models, for SPIN.
+
+The state of every component is a variable, and every event one indivisible step that asks for and changes the states of all its parties. So an event with any
+number of parties needs no protocol, and SPIN stores exactly the states of the transition system: one more for each in which everything has ended.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import product
+
+from cspdiag.analyses.transitions.system import INTERNAL, Component, System
+from cspdiag.codegen.identifiers import distinct
+from cspdiag.network.ir import Network
+
+Command = tuple[int, tuple[tuple[int, int, int], ...]]
+"""An event, or INTERNAL, and for each of its parties the component with its state before and after."""
+
+
+def generate(network: Network) -> dict[str, str]:
+    """The model of a network, by path."""
+    from cspdiag.analyses.transitions import transition_system
+
+    text = promela(transition_system(network), network.source)
+    return {f"{network.name}/{network.name}.pml": text}
+
+
+def promela(system: System, source: str = "") -> str:
+    """The Promela model of a transition system; where SPIN simulates, each command prints its number in ``commands(system)``."""
+    return "".join(f"{line}\n" for line in _lines(system, source))
+
+
+def commands(system: System) -> list[Command]:
+    """All that can happen, by the first component that takes part and its states."""
+    offering = [_by_event(component) for component in system.components]
+    return [
+        (event, moves)
+        for index, component in enumerate(system.components)
+        for before, edges in enumerate(component.edges)
+        for event, after in edges
+        for moves in _together(system, offering, event, (index, before, after))
+    ]
+
+
+Moves = tuple[tuple[int, int, int], ...]
+
+
+def _by_event(component: Component) -> dict[int, list[tuple[int, int]]]:
+    found: dict[int, list[tuple[int, int]]] = {}
+    for before, edges in enumerate(component.edges):
+        for event, after in edges:
+            found.setdefault(event, []).append((before, after))
+    return found
+
+
+def _together(
+    system: System, offering: list[dict[int, list[tuple[int, int]]]], event: int, own: tuple[int, int, int]
+) -> Iterator[Moves]:
+    """The moves of all parties, when ``own`` is that of the first of them."""
+    parties = (own[0],) if event == INTERNAL else system.events[event].parties
+    if min(parties) == own[0]:
+        others = sorted(set(parties) - {own[0]})
+        for moves in product(*(offering[other].get(event, ()) for other in others)):
+            yield own, *((other, *move) for other, move in zip(others, moves, strict=True))
+
+
+def _lines(system: System, source: str) -> Iterator[str]:
+    names = distinct((component.name for component in system.components), "s_")
+    yield f"/* {_comment(source)}: {len(system.components)} components, {len(system.events)} events."
+    yield " * A variable is the state of a component, a command an event: one step of all its parties."
+    yield " * spin -a FILE && gcc -O2 -DNOREDUCE -o pan pan.c && ./pan -m1000000 looks for deadlocks. */"
+    yield ""
+    for name, component in zip(names, system.components, strict=True):
+        yield f"{_type(len(component.edges))} {name} = {component.initial}; /* {_comment(component.name)} */"
+    yield ""
+    yield "active proctype events() {"
+    yield "  do"
+    for number, (event, moves) in enumerate(commands(system)):
+        guard = " && ".join(f"{names[component]} == {before}" for component, before, _ in moves)
+        changes = "".join(f"{names[component]} = {after}; " for component, before, after in moves if before != after)
+        what = "internal" if event == INTERNAL else _comment(str(system.events[event]))
+        yield f'  :: d_step {{ {guard} -> {changes}printf("#{number}\\n") }} /* {what} */'
+    ended = [
+        f"({' || '.join(f'{name} == {state}' for state in sorted(component.terminal)) or 'false'})"
+        for name, component in zip(names, system.components, strict=True)
+        if component.process
+    ]
+    yield f"  :: {' && '.join(ended) or 'true'} -> break /* all have ended */"
+    yield "  od"
+    yield "}"
+
+
+def _type(states: int) -> str:
+    return "byte" if states <= 256 else "short" if states <= 32768 else "int"
+
+
+def _comment(text: str) -> str:
+    return text.replace("*/", "* /").replace("\n", " ")
