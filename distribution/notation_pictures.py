@@ -1,0 +1,69 @@
+"""Makes the pictures of docs/notation.md from the compositions that stand above them; ``--check`` only says which are not current.
+
+python distribution/notation_pictures.py [--check]
+"""
+
+from __future__ import annotations
+
+import re
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+from cspdiag.diagnostics import Report, SourceFile
+from cspdiag.draw.composition import draw_composition
+from cspdiag.draw.elements.composition import CompositionDiagram
+from cspdiag.draw.elements.read_composition import composition_diagram
+from cspdiag.draw.svg import render_svg
+from cspdiag.syntax import ast
+from cspdiag.syntax.parser import parse
+
+DOCS = Path(__file__).parent.parent / "docs"
+PAGE = DOCS / "notation.md"
+_PROGRAM = re.compile(r"^```csp\n(?P<text>.*?)^```$", re.MULTILINE | re.DOTALL)
+_EXAMPLE = re.compile(
+    r"^```composition\n(?P<text>.*?)^```\n\n!\[[^\]]+\]\((?P<picture>[\w/]+\.svg)\)$", re.MULTILINE | re.DOTALL
+)
+_LAW = "submodel Law { in x : double out y : double y = x }\nprocess Mode { composition { skip } }\n"
+
+
+def examples(page: str) -> dict[str, str]:
+    """The compositions of the page by the path of their picture, relative to the page."""
+    return {match["picture"]: match["text"] for match in _EXAMPLE.finditer(page)}
+
+
+def example_diagram(page: str, composition: str) -> CompositionDiagram:
+    """The diagram of a composition of the page's process. Raises ValueError if it cannot be read."""
+    match = _PROGRAM.search(page)
+    assert match is not None
+    text = _LAW + match["text"].replace("composition { skip }", f"composition {{ {composition} }}")
+    report = Report()
+    tree = parse(SourceFile("notation.md", text), report)
+    if tree is None or report.diagnostics:
+        raise ValueError(f"cannot read `{composition.strip()}`: {[each.message for each in report.diagnostics]}")
+    definitions = {item.name.text: item for item in tree.items if not isinstance(item, ast.Import | ast.Assertion)}
+    process = definitions["Joint"]
+    assert isinstance(process, ast.ProcessDefinition)
+    return composition_diagram(definitions, process)
+
+
+def pictures() -> Iterator[tuple[Path, str]]:
+    """The path and the text of each picture."""
+    page = PAGE.read_text(encoding="utf-8")
+    for path, composition in examples(page).items():
+        yield DOCS / path, render_svg(draw_composition(example_diagram(page, composition), is_headed=False))
+
+
+def main(arguments: list[str]) -> int:
+    """Write the pictures, or check them; 1 where one is not current."""
+    stale = [(path, text) for path, text in pictures() if not path.exists() or path.read_text(encoding="utf-8") != text]
+    for path, text in stale:
+        print(path.relative_to(DOCS.parent))
+        if "--check" not in arguments:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text, encoding="utf-8")
+    return int(bool(stale) and "--check" in arguments)
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
