@@ -1,0 +1,268 @@
+"""Graphs in ELK's JSON format.
+
+ELK knows lines with two ends. A line with more ends that carries a label is given to it as a node of the label's size, its joint, with a line to
+every end; without a label, and with one end on one side, as lines that share a port, which ELK draws over each other as far as it can.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from cspdiag.draw.layout import sizes
+from cspdiag.draw.layout.graph import Direction, Edge, Graph, Label, Layer, Node, PortOrder, Side
+from cspdiag.draw.layout.hierarchy import Hierarchy, hierarchy
+
+Json = dict[str, Any]
+
+PORT_RISE = 10.0
+"""How far the first port may come up to the title: ELK leaves the distance of two ports above it."""
+
+LABEL_GAP = 3.0
+"""Between a line and its label."""
+
+HEADROOM = 3.0
+"""What the tallest letters leave free of a label's height, so that labelled lines can be as close as ports."""
+
+JOINT_GAP = 8.0
+"""Between a label on a forked line and what is above or below it."""
+
+_OPTIONS = {
+    "elk.algorithm": "layered",
+    "elk.hierarchyHandling": "SEPARATE_CHILDREN",
+    "elk.edgeRouting": "ORTHOGONAL",
+    "elk.json.shapeCoords": "ROOT",
+    "elk.json.edgeCoords": "ROOT",
+    "elk.randomSeed": "1",
+    "elk.padding": "[top=0,left=0,bottom=0,right=0]",
+    "elk.layered.considerModelOrder.strategy": "PREFER_EDGES",
+    "elk.layered.cycleBreaking.strategy": "GREEDY_MODEL_ORDER",
+    "elk.layered.nodePlacement.strategy": "BRANDES_KOEPF",
+    "elk.layered.edgeLabels.sideSelection": "ALWAYS_UP",
+    "elk.layered.edgeLabels.centerLabelPlacementStrategy": "MEDIAN_LAYER",
+    "elk.spacing.edgeNode": "16",
+    "elk.spacing.edgeEdge": "9",
+    "elk.spacing.edgeLabel": str(LABEL_GAP),
+    "elk.spacing.componentComponent": "40",
+    "elk.layered.spacing.edgeNodeBetweenLayers": "20",
+    "elk.layered.spacing.edgeEdgeBetweenLayers": "12",
+    "elk.layered.unnecessaryBendpoints": "false",
+}
+
+TEXT_ORDER = {"elk.layered.crossingMinimization.forceNodeModelOrder": "true"}
+"""Keeps the order of the text within a layer. ELK fails on it on some graphs, which are laid out without."""
+
+
+@dataclass
+class Joint:
+    """The stand-in for a line of several ends: its node, and the ports where lines enter and leave it."""
+
+    node: str
+    entry: str
+    exit: str
+
+
+@dataclass
+class Question:
+    """A graph in ELK's format, and what is what in it."""
+
+    graph: Graph
+    hierarchy: Hierarchy
+    nodes: dict[str, Json] = field(default_factory=dict)
+    top: list[Json] = field(default_factory=list)
+    edges: list[Json] = field(default_factory=list)
+    parts: dict[str, str] = field(default_factory=dict)
+    """The edge of each line in ELK's graph."""
+    joints: dict[str, Joint] = field(default_factory=dict)
+    labels: dict[str, Label] = field(default_factory=dict)
+    """The labels that ELK places."""
+
+    options: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def downwards(self) -> bool:
+        """Whether most lines lead down."""
+        return self.graph.direction is Direction.DOWN
+
+
+def question(graph: Graph) -> Question:
+    """What ELK is asked about a graph. Raises ValueError for a graph that is not one."""
+    made = Question(graph, hierarchy(graph))
+    made.top = [_node(made, node) for node in graph.nodes]
+    for edge in made.hierarchy.edges:
+        _add_edge(made, edge)
+    made.options = _inner_options(graph) | TEXT_ORDER | {"elk.layered.thoroughness": str(_thoroughness(made))}
+    return made
+
+
+def _inner_options(graph: Graph) -> dict[str, str]:
+    return _OPTIONS | {
+        "elk.direction": graph.direction.value,
+        "elk.spacing.nodeNode": str(graph.node_spacing),
+        "elk.layered.spacing.nodeNodeBetweenLayers": str(graph.layer_spacing),
+    }
+
+
+def without_text_order(asked: Question) -> Json:
+    """The whole in ELK's format, without what ELK may fail on."""
+    for options in (asked.options, *(node["layoutOptions"] for node in asked.nodes.values())):
+        for option in (*TEXT_ORDER, "elk.layered.considerModelOrder.strategy"):
+            options.pop(option, None)
+    return whole(asked)
+
+
+def whole(asked: Question) -> Json:
+    """The whole in ELK's format."""
+    return {"id": "", "layoutOptions": asked.options, "children": asked.top, "edges": asked.edges}
+
+
+def _thoroughness(question: Question) -> int:
+    """How often ELK looks for fewer crossings; in a large graph each time takes long and gains little."""
+    return max(1, min(7, 300 // (len(question.nodes) + len(question.parts) + 1)))
+
+
+def _node(question: Question, node: Node) -> Json:
+    width, height = sizes.least_size(node)
+    top = sizes.title_height(node)
+    options = {
+        "elk.nodeSize.constraints": "[PORTS, MINIMUM_SIZE]" if node.title else "[MINIMUM_SIZE]",
+        "elk.nodeSize.minimum": f"({width},{height})",
+        "elk.portConstraints": node.port_order.value,
+        "elk.layered.layering.layerConstraint": _layer(question, node).value,
+    }
+    spacings = {
+        "elk.spacing.portPort": str(sizes.port_spacing(node)),
+        "elk.spacing.portsSurrounding": f"[top={max(top - PORT_RISE, 0)},left=0,bottom=0,right=0]",
+    }
+    if node.layer is not Layer.ANY:
+        spacings["elk.spacing.nodeNode"] = str(max(sizes.PORT_SPACING - height, 2))
+    made: Json = {"id": node.id, "layoutOptions": options, "individualSpacings": spacings, "ports": _ports(node)}
+    if node.children:
+        padding = sizes.children_padding(node)
+        # What a graph is told does not hold for the graphs inside its nodes.
+        options |= _inner_options(question.graph) | TEXT_ORDER | {"elk.spacing.portPort": str(sizes.port_spacing(node))}
+        options["elk.padding"] = (
+            f"[top={padding.top},left={padding.left},bottom={padding.bottom},right={padding.right}]"
+        )
+        made["children"] = [_node(question, child) for child in node.children]
+    else:
+        made["width"], made["height"] = width, height
+    question.nodes[node.id] = made
+    return made
+
+
+def _layer(question: Question, node: Node) -> Layer:
+    """The layer a node asked for; a node with lines to its wrong side cannot have it."""
+    own = {node.id, *(port.id for port in node.ports)}
+    edges = question.hierarchy.edges
+    if node.layer is Layer.FIRST and any(own & {*edge.targets} for edge in edges):
+        return Layer.ANY
+    if node.layer is Layer.LAST and any(own & {*edge.sources} for edge in edges):
+        return Layer.ANY
+    return node.layer
+
+
+def _ports(node: Node) -> list[Json]:
+    # ELK counts ports clockwise from the upper left corner.
+    by_side = {side: [port for port in node.ports if port.side is side] for side in (*Side, None)}
+    clockwise = [
+        *by_side[Side.NORTH],
+        *by_side[Side.EAST],
+        *reversed(by_side[Side.SOUTH]),
+        *reversed(by_side[Side.WEST]),
+        *by_side[None],
+    ]
+    index = {port.id: place for place, port in enumerate(clockwise)}
+    ports: list[Json] = []
+    for port in node.ports:
+        options = {"elk.port.index": str(index[port.id])} if node.port_order is PortOrder.FIXED_ORDER else {}
+        if port.side is not None:
+            options["elk.port.side"] = port.side.value
+        ports.append({"id": port.id, "width": 0, "height": 0, "layoutOptions": options})
+    return ports
+
+
+def _add_edge(question: Question, edge: Edge) -> None:
+    if len(edge.sources) == len(edge.targets) == 1:
+        _add_part(question, edge, edge.sources[0], edge.targets[0], edge.label)
+    elif edge.label is None and 1 in (len(edge.sources), len(edge.targets)):
+        sources = [_end(question, edge, end, leaves=True) for end in edge.sources]
+        targets = [_end(question, edge, end, leaves=False) for end in edge.targets]
+        for source in sources:
+            for target in targets:
+                _add_part(question, edge, source, target)
+    else:
+        joint = _add_joint(question, edge)
+        for source in edge.sources:
+            _add_part(question, edge, _end(question, edge, source, leaves=True), joint.entry)
+        for target in edge.targets:
+            _add_part(question, edge, joint.exit, _end(question, edge, target, leaves=False))
+
+
+def _add_part(question: Question, edge: Edge, source: str, target: str, label: Label | None = None) -> None:
+    name = f"{edge.id}#{len(question.parts)}"
+    question.parts[name] = edge.id
+    made: Json = {"id": name, "sources": [source], "targets": [target]}
+    if edge.priority:
+        made["layoutOptions"] = {
+            f"elk.layered.priority.{aim}": str(edge.priority) for aim in ("straightness", "shortness")
+        }
+    if label is not None:
+        question.labels[label.id] = label
+        made["labels"] = [
+            {
+                "id": label.id,
+                "text": " ",
+                "width": sizes.even(label.width),
+                "height": label_height(label),
+                "layoutOptions": {"elk.edgeLabels.placement": "CENTER"},
+            }
+        ]
+    room = question.hierarchy.room_of(edge)
+    siblings: list[Json] = question.edges if room is None else question.nodes[room].setdefault("edges", [])
+    siblings.append(made)
+
+
+def _end(question: Question, edge: Edge, end: str, *, leaves: bool) -> str:
+    """The port where a line of several ends meets a node; made where the edge names the node itself."""
+    if end in question.hierarchy.ports:
+        return end
+    name = f"{edge.id}@{end}"
+    sides = (Side.SOUTH, Side.NORTH) if question.downwards else (Side.EAST, Side.WEST)
+    side = sides[0 if leaves else 1]
+    ports: list[Json] = question.nodes[end]["ports"]
+    if all(port["id"] != name for port in ports):
+        ports.append({"id": name, "width": 0, "height": 0, "layoutOptions": {"elk.port.side": side.value}})
+    return name
+
+
+def _add_joint(question: Question, edge: Edge) -> Joint:
+    joint = Joint(f"{edge.id}&", f"{edge.id}&<", f"{edge.id}&>")
+    width = sizes.even(edge.label.width) if edge.label else 0
+    height = label_height(edge.label) if edge.label else 0
+    if question.downwards:
+        width, ends = width + LABEL_GAP, ((0.0, 0.0, Side.NORTH), (0.0, height, Side.SOUTH))
+    else:
+        height += LABEL_GAP
+        ends = ((0.0, height, Side.WEST), (width, height, Side.EAST))
+    made: Json = {
+        "id": joint.node,
+        "width": width,
+        "height": height,
+        "layoutOptions": {"elk.portConstraints": "FIXED_POS"},
+        "individualSpacings": {"elk.spacing.nodeNode": str(JOINT_GAP), "elk.spacing.edgeNode": str(JOINT_GAP)},
+        "ports": [
+            {"id": name, "x": x, "y": y, "width": 0, "height": 0, "layoutOptions": {"elk.port.side": side.value}}
+            for name, (x, y, side) in zip((joint.entry, joint.exit), ends, strict=True)
+        ],
+    }
+    room = question.hierarchy.room_of(edge)
+    siblings: list[Json] = question.top if room is None else question.nodes[room].setdefault("children", [])
+    siblings.append(made)
+    question.joints[edge.id] = joint
+    return joint
+
+
+def label_height(label: Label) -> float:
+    """The height that a label takes beside a line."""
+    return max(round(label.height - HEADROOM), 0)
