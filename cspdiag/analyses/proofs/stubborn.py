@@ -124,8 +124,9 @@ def _widen(graph: _Graph, sets: ClosedSets, final: list[int]) -> bool:
     ignored = [event for event in sets.possible(graph.states[first]) if event not in taken]
     if not ignored:
         return False
-    closures = (sets.closure(graph.states[first], event) for event in ignored)
-    _take(graph, sets, first, min(closures, key=len))
+    closures = [sets.closure(graph.states[first], event) for event in ignored]
+    fewest: list[int] = min(closures, key=len)
+    _take(graph, sets, first, fewest)
     return True
 
 

@@ -12,7 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from cspdiag.analyses.proofs import breadth_first, stubborn
+from cspdiag.analyses.proofs import breadth_first, livelock, stubborn, termination
 from cspdiag.analyses.proofs.verdict import Limits, Proved, Refuted, Unknown, Verdict
 from cspdiag.analyses.transitions.system import System
 from tests.analyses.proofs import naive
@@ -45,6 +45,8 @@ QUESTIONS = (
         {"breadth-first": breadth_first.knot_free, "stubborn": stubborn.knot_free},
         {},
     ),
+    Question("livelock", naive.livelocked, {"livelock": livelock.livelock_free}, {}),
+    Question("termination", naive.never_ends, {"termination": termination.terminates}, {}),
 )
 
 
@@ -58,9 +60,12 @@ def wrong(question: Question, system: System, holds: bool, verdict: Verdict, *, 
                 return f"{verdict.method} refuted what is true"
             try:
                 last = naive.replay(system, verdict.trace)
+                again = naive.replay(system, verdict.trace + verdict.cycle)
             except AssertionError as impossible:
                 return str(impossible)
-            return None if question.refuted_by(system, last) else f"the trace of {verdict.method} leads elsewhere"
+            if not question.refuted_by(system, last) or again != last:
+                return f"the trace of {verdict.method} leads elsewhere"
+            return None
         case Unknown():
             return f"{verdict.method} does not know: {verdict.reason}" if exact else None
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from itertools import combinations, product
 from typing import TypeAlias
 
@@ -91,3 +91,34 @@ def replay(system: System, trace: Sequence[Move]) -> State:
         assert after, f"{move} is not possible in {state}"
         state = after[0]
     return state
+
+
+def repeats(system: System, state: State, events: Collection[int]) -> bool:
+    """Whether the state can come again by these events and internal steps only."""
+    pending = [state]
+    seen: set[State] = set()
+    while pending:
+        for move, after in steps(system, pending.pop()):
+            if move.event != INTERNAL and move.event not in events:
+                continue
+            if after == state:
+                return True
+            if after not in seen:
+                seen.add(after)
+                pending.append(after)
+    return False
+
+
+def livelocked(system: System, state: State) -> bool:
+    """The state can come again unseen, without environment or time."""
+    hidden = {
+        number
+        for number, event in enumerate(system.events)
+        if not event.visible and event.kind not in ("external", "sample", "miss", "time")
+    }
+    return repeats(system, state, hidden)
+
+
+def never_ends(system: System, state: State) -> bool:
+    """The state is a deadlock, or can come again."""
+    return deadlocked(system, state) or repeats(system, state, range(len(system.events)))

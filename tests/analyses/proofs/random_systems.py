@@ -12,8 +12,10 @@ def random_system(seed: int) -> System:
     random = Random(seed)
     size = random.randint(2, 5)
     parties = [_parties(random, size) for _ in range(random.randint(size, 2 * size + 2))]
+    ending = random.random() < 0.2
+    make = _ending if ending else _component
     components = [
-        _component(random, at, [event for event, members in enumerate(parties) if at in members]) for at in range(size)
+        make(random, at, [event for event, members in enumerate(parties) if at in members]) for at in range(size)
     ]
     used = [{event for edges in component.edges for event, _ in edges} - {INTERNAL} for component in components]
     events = [
@@ -48,6 +50,18 @@ def _component(random: Random, at: int, events: list[int]) -> Component:
         edges.append(tuple(found))
     terminal = frozenset(state for state, offered in enumerate(edges) if random.random() < (0.05 if offered else 0.6))
     return Component(f"p{at}", tuple(edges), terminal, process=random.random() < 0.9)
+
+
+def _ending(random: Random, at: int, events: list[int]) -> Component:
+    """A component that goes forward only, mostly to its end."""
+    states = random.randint(2, 5)
+    edges: list[tuple[tuple[int, int], ...]] = []
+    for state in range(states - 1):
+        found = [random.choice([INTERNAL, *events]) for _ in range(random.choice((1, 1, 2)))]
+        edges.append(tuple((event, random.randint(state + 1, states - 1)) for event in found))
+    terminal = {states - 1} if random.random() < 0.9 else set()
+    terminal |= {state for state in range(states - 1) if random.random() < 0.2}
+    return Component(f"p{at}", (*edges, ()), frozenset(terminal))
 
 
 def _without_unused(system: System) -> System:

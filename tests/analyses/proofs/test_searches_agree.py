@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import pytest
 
-from cspdiag.analyses.proofs import breadth_first, stubborn
+from cspdiag.analyses.proofs import breadth_first, cycles, livelock, stubborn, termination
 from cspdiag.analyses.proofs.verdict import Limits, Proved, Refuted, Verdict
 from cspdiag.analyses.transitions.system import System
 from tests.analyses.proofs import naive
@@ -52,6 +52,30 @@ def test_a_search_answers_as_the_plain_interpretation_does(
         check(random_system(seed), search(random_system(seed), Limits()), holds, shortest=shortest) for seed in SEEDS
     ]
     assert 40 < sum(answers) < 360, "both answers appear often"
+
+
+@pytest.mark.parametrize("short_look", [0, 3000])
+@pytest.mark.parametrize(
+    ("search", "holds", "fewest"),
+    [(livelock.livelock_free, naive.livelocked, 40), (termination.terminates, naive.never_ends, 10)],
+)
+def test_endless_runs_are_found_as_the_plain_interpretation_finds_them(
+    search: Callable[[System, Limits], Verdict],
+    holds: Callable[[System, naive.State], bool],
+    fewest: int,
+    short_look: int,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(cycles, "_SHORT_LOOK", short_look)
+    true = 0
+    for seed in SEEDS:
+        system = random_system(seed)
+        verdict = search(system, Limits())
+        true += check(system, verdict, holds, shortest=False)
+        if isinstance(verdict, Refuted):
+            end = naive.replay(system, verdict.trace)
+            assert naive.replay(system, verdict.trace + verdict.cycle) == end, f"seed {seed}"
+    assert fewest < true < len(SEEDS) - 40, "both answers appear often"
 
 
 def test_all_reachable_states_and_deadlocks_are_counted() -> None:

@@ -1,0 +1,35 @@
+"""Livelock: a run that from some point on has only events that nobody outside sees, and in which no time passes (divergence: Roscoe, "Understanding
+Concurrent Systems", section 6.1)."""
+
+from __future__ import annotations
+
+from cspdiag.analyses.proofs.cycles import Finite, endless_run
+from cspdiag.analyses.proofs.verdict import LimitError, Limits, Proved, Refuted, Unknown, Verdict
+from cspdiag.analyses.transitions.system import Event, System
+
+_SEEN_OUTSIDE = ("external", "sample", "miss", "time")
+
+
+def is_hidden(event: Event) -> bool:
+    """Whether it neither passes an external port, nor is one with the environment, nor lets time pass."""
+    return not event.visible and event.kind not in _SEEN_OUTSIDE
+
+
+def livelock_free(system: System, limits: Limits) -> Verdict:
+    """Whether no run goes on for ever with communications among the processes and internal steps only."""
+    hidden = [number for number, event in enumerate(system.events) if is_hidden(event)]
+    try:
+        found = endless_run(system, hidden, limits)
+    except LimitError as stop:
+        return Unknown("breadth-first", str(stop))
+    if isinstance(found, Finite):
+        if found.states is None:
+            return Proved(
+                "rules", "every loop waits for the environment or for time, in at least one process that takes part"
+            )
+        return Proved(
+            "breadth-first",
+            f"no cycle among the {found.states} reachable states is without environment and time",
+            found.states,
+        )
+    return Refuted(found.method, found.trace, cycle=found.cycle, states=found.states)
