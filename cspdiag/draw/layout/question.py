@@ -76,7 +76,6 @@ class Question:
     joints: dict[str, Joint] = field(default_factory=dict)
     labels: dict[str, Label] = field(default_factory=dict)
     """The labels that ELK places."""
-
     options: dict[str, str] = field(default_factory=dict)
 
     @property
@@ -91,13 +90,16 @@ def question(graph: Graph) -> Question:
     made.top = [_node(made, node) for node in graph.nodes]
     for edge in made.hierarchy.edges:
         _add_edge(made, edge)
-    made.options = _inner_options(graph) | TEXT_ORDER | {"elk.layered.thoroughness": str(_thoroughness(made))}
+    made.options = _options(made)
     return made
 
 
-def _inner_options(graph: Graph) -> dict[str, str]:
+def _options(asked: Question) -> dict[str, str]:
+    graph = asked.graph
     return _OPTIONS | {
+        **TEXT_ORDER,
         "elk.direction": graph.direction.value,
+        "elk.layered.thoroughness": str(_thoroughness(asked)),
         "elk.spacing.nodeNode": str(graph.node_spacing),
         "elk.layered.spacing.nodeNodeBetweenLayers": str(graph.layer_spacing),
     }
@@ -118,7 +120,8 @@ def whole(asked: Question) -> Json:
 
 def _thoroughness(question: Question) -> int:
     """How often ELK looks for fewer crossings; in a large graph each time takes long and gains little."""
-    return max(1, min(7, 300 // (len(question.nodes) + len(question.parts) + 1)))
+    parts = len(question.hierarchy.nodes) + len(question.hierarchy.edges)
+    return max(1, min(7, 300 // (parts + 1)))
 
 
 def _node(question: Question, node: Node) -> Json:
@@ -140,7 +143,7 @@ def _node(question: Question, node: Node) -> Json:
     if node.children:
         padding = sizes.children_padding(node)
         # What a graph is told does not hold for the graphs inside its nodes.
-        options |= _inner_options(question.graph) | TEXT_ORDER | {"elk.spacing.portPort": str(sizes.port_spacing(node))}
+        options |= _options(question) | {"elk.spacing.portPort": str(sizes.port_spacing(node))}
         options["elk.padding"] = (
             f"[top={padding.top},left={padding.left},bottom={padding.bottom},right={padding.right}]"
         )
