@@ -35,7 +35,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         "--set", metavar="NAME=VALUE", action="append", default=[], help="set a constant or a parameter"
     )
     parser.add_argument("--force", action="store_true", help="overwrite files that were changed by hand")
-    parser.add_argument("--emit", choices=("ast", "model", "network"), help="print a representation instead")
+    parser.add_argument("--emit", choices=("ast", "model", "network", "lts"), help="print a representation instead")
     level = parser.add_mutually_exclusive_group()
     level.add_argument("-O0", dest="level", action="store_const", const=0, default=0, help="readable code (default)")
     level.add_argument("-O1", dest="level", action="store_const", const=1, help="fast code")
@@ -50,6 +50,8 @@ def run(arguments: Namespace) -> int:
             return _emit_model(arguments)
         case "network":
             return _emit_network(arguments)
+        case "lts":
+            return _emit_transitions(arguments)
         case _:
             return _generate(arguments)
 
@@ -93,6 +95,21 @@ def _emit_network(arguments: Namespace) -> int:
         sys.stdout.write("".join([dump(optimize(network, (last,))), "\n", *explained]))
     else:
         sys.stdout.write(dump(network))
+    return FINE
+
+
+def _emit_transitions(arguments: Namespace) -> int:
+    network = _network(arguments)
+    if network is None:
+        return UNSUCCESSFUL
+    from cspdiag.analyses.transitions import transition_system
+    from cspdiag.analyses.transitions.dump import dump
+    from cspdiag.analyses.transitions.explore import TransitionError
+
+    try:
+        sys.stdout.write(dump(transition_system(network)))
+    except TransitionError as problem:
+        raise NoResultError(str(problem)) from None
     return FINE
 
 

@@ -164,7 +164,7 @@ class Assembly:
 
     def _value(self, medium: Medium, label: Label) -> Known:
         """The value of a label, if the medium's values are told apart."""
-        return label[2] if medium.relevant and medium.values is not None else UNKNOWN  # type: ignore[no-any-return]
+        return label[2] if medium.relevant and medium.values is not None else UNKNOWN
 
     def _rendezvous(self, medium: Medium, uses: list[Use]) -> None:
         writing: dict[Known, list[Use]] = defaultdict(list)

@@ -29,6 +29,7 @@ from cspdiag.network.actions import (
     ReadyEvent,
     Repeat,
     RunInstance,
+    WaitStep,
     WhileLoop,
     WriteValue,
 )
@@ -93,7 +94,7 @@ class Facts:
                 inside |= self._of_guard(action.branch, one)
             case _:
                 pass
-        if self.catches_faults and any(isinstance(part, _COMPUTING) for part in (action,)):
+        if self.catches_faults and isinstance(action, _COMPUTING):
             inside.add(FAULT)
         return inside
 
@@ -117,7 +118,7 @@ class Facts:
         return frozenset({TIMEOUT}) if sampled else frozenset()
 
 
-_COMPUTING = (AssignValue, WriteValue, IfElse, WhileLoop, Repeat, Choice, InterruptOn)
+_COMPUTING = (AssignValue, ReadValue, WriteValue, WaitStep, IfElse, WhileLoop, Repeat, Choice, InterruptOn)
 
 
 def _sampled_ports(program: Program) -> frozenset[tuple[str, str]]:

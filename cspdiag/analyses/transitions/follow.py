@@ -19,6 +19,7 @@ from cspdiag.analyses.transitions.values import (
     variables_in,
 )
 from cspdiag.network.actions import (
+    AfterEvent,
     AssignValue,
     Branch,
     CatchException,
@@ -43,9 +44,9 @@ from cspdiag.network.actions import (
     WhileLoop,
     WriteValue,
 )
-from cspdiag.network.expressions import Expression, LiteralValue, PresentTime
+from cspdiag.network.expression_walk import walk
+from cspdiag.network.expressions import Expression, LiteralValue, ParameterValue, PresentTime
 from cspdiag.network.ir import Connection, ExternalCall, SubmodelClass
-from cspdiag.network.ranges import cannot_fault
 
 _MANY_STEPS = 5_000
 """After so many silent steps the variables that change are not followed any longer."""
@@ -128,12 +129,15 @@ class Follower:
     def evaluate(self, configuration: Configuration, context: Context, expression: Expression) -> Known:
         """A value; where faults are caught, an evaluation that may fail is first seen to ``risk`` it."""
         value = self.thread.evaluate(configuration, context, expression)
-        if value is UNKNOWN and self.thread.facts.catches_faults and not cannot_fault(expression):
-            self._risk(configuration)
+        if value is UNKNOWN:
+            self._risk(configuration, expression)
         return value
 
-    def _risk(self, configuration: Configuration) -> None:
-        if not any(loaded == _RISK for loaded, _ in configuration.loaded):
+    def _risk(self, configuration: Configuration, expression: Expression | None = None) -> None:
+        """A step that may end in a fault, where faults are caught: unless it only computes ``expression``, which cannot."""
+        if not self.thread.facts.catches_faults or any(loaded == _RISK for loaded, _ in configuration.loaded):
+            return
+        if expression is None or any(not isinstance(part, LiteralValue | ParameterValue) for part in walk(expression)):
             raise NeedsLoad(_RISK)
 
     def outcomes(
@@ -216,8 +220,7 @@ class Follower:
         action = node.action
         assert isinstance(action, AssignValue)
         if not self.thread.medium(("channel", context.path, action.target.channel)).relevant:
-            if self.thread.facts.catches_faults and not cannot_fault(action.value):
-                self._risk(c)
+            self._risk(c, action.value)
             return c._replace(stack=rest, loaded=())
         value = self.evaluate(c, context, action.value)
         return self.assigned(c._replace(stack=rest), context, action.target, value)._replace(loaded=())
@@ -236,6 +239,8 @@ class Follower:
         value = UNKNOWN
         if self._target_relevant(context, action.target):
             value = self.thread.value_of(c, reference)
+        if value is UNKNOWN:
+            self._risk(c)
         return self.assigned(c._replace(stack=rest), context, action.target, value)._replace(loaded=())
 
     def _target_relevant(self, context: Context, target: Target) -> bool:
@@ -257,6 +262,12 @@ class Follower:
             value = self.evaluate(c, context, action.value)
             return self.stored(c._replace(stack=rest), reference, value)._replace(loaded=())
         return c._replace(stack=rest, loaded=())
+
+    def _wait(self, c: Configuration, node: Node, context: Context, rest: Stack) -> Configuration | None:
+        if not c.doomed:
+            assert isinstance(node.action, WaitStep)
+            self._risk(c, node.action.duration)
+        return self._point(c, node, context, rest)
 
     def _point(self, c: Configuration, node: Node, context: Context, rest: Stack) -> Configuration | None:
         """What waits: a cancelled process ends there."""
@@ -351,6 +362,8 @@ class Follower:
 
     def offered(self, c: Configuration, context: Context, branch: Branch) -> Known:
         """What an output guard writes; it is evaluated when the alternative begins."""
+        if isinstance(branch.event, AfterEvent):
+            self._risk(c, branch.event.duration)
         if not isinstance(branch.event, OutputEvent):
             return UNKNOWN
         return self.communicated(c, context, context.reference(branch.event.sink), branch.event.value)
@@ -359,12 +372,8 @@ class Follower:
         """The value of an expression that is written to a medium, if values of that medium are followed."""
         if self.thread.medium(reference).relevant and not isinstance(expression, PresentTime):
             return self.evaluate(c, context, expression)
-        if (
-            self.thread.facts.catches_faults
-            and not isinstance(expression, PresentTime)
-            and not cannot_fault(expression)
-        ):
-            self._risk(c)
+        if not isinstance(expression, PresentTime):
+            self._risk(c, expression)
         if self.thread.medium(reference).kind == "output" and isinstance(expression, LiteralValue):
             return expression.value
         return UNKNOWN
@@ -435,6 +444,7 @@ class Follower:
         assert isinstance(context, Context)
         assert isinstance(instance, str)
         if remaining is None:
+            self._risk(c)
             inputs = self.connections(context, instance, "in")
             waiting = [i for i, (_, reference) in enumerate(inputs) if self.thread.medium(reference).kind in PATIENT]
             if c.fetched is not None:
@@ -444,15 +454,14 @@ class Follower:
                     self.cannot_fuse(c)
                 c = c if len(kept) == len(waiting) else c._replace(fetched=None)
                 waiting = kept
-            return c._replace(stack=(("reading", context, instance, node, tuple(waiting)), rest))
+            return c._replace(stack=(("reading", context, instance, node, tuple(waiting)), rest), loaded=())
         return None if remaining else c._replace(stack=rest)
 
     def _compute(self, c: Configuration, frame: tuple[object, ...], rest: Stack) -> Configuration | None:
         _, context, instance, node = frame
         assert isinstance(context, Context)
         assert isinstance(instance, str)
-        if self.thread.facts.catches_faults:
-            self._risk(c)
+        self._risk(c)
         c = c._replace(stack=(("writing", context, instance, node, None), rest), loaded=())
         law = self.thread.law(context, instance)
         assert law is not None
@@ -495,7 +504,7 @@ _STEPS: dict[type, Callable[[Follower, Configuration, Node, Context, Stack], Con
     AssignValue: Follower._assign,
     ReadValue: Follower._read,
     WriteValue: Follower._write,
-    WaitStep: Follower._point,
+    WaitStep: Follower._wait,
     StopStep: Follower._point,
     ParallelSteps: Follower._point,
     RaiseException: Follower._raise,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import product
 
 from cspdiag.analyses.transitions.occurrences import Medium
@@ -19,8 +19,8 @@ def nobody() -> Component:
 
 def queue(
     medium: Medium,
-    writes: dict[Known, Sequence[int]],
-    reads: dict[Known, Sequence[int]],
+    writes: Mapping[Known, Sequence[int]],
+    reads: Mapping[Known, Sequence[int]],
 ) -> Component:
     """A ``buffer``, or with ``overwrite`` one that drops its oldest value.
 
@@ -64,7 +64,7 @@ def _contents(values: list[Known], capacity: int) -> list[tuple[Known, ...]] | N
     return [content for length in range(capacity + 1) for content in product(values, repeat=length)]
 
 
-def _counting(medium: Medium, writes: dict[Known, Sequence[int]], reads: dict[Known, Sequence[int]]) -> Component:
+def _counting(medium: Medium, writes: Mapping[Known, Sequence[int]], reads: Mapping[Known, Sequence[int]]) -> Component:
     written = [event for events in writes.values() for event in events]
     read = [event for events in reads.values() for event in events]
     edges: list[tuple[Edge, ...]] = []
@@ -79,8 +79,8 @@ def _counting(medium: Medium, writes: dict[Known, Sequence[int]], reads: dict[Kn
 
 def latch(
     name: str,
-    writes: dict[Known, Sequence[int]],
-    takes: dict[Known, Sequence[int]],
+    writes: Mapping[Known, Sequence[int]],
+    takes: Mapping[Known, Sequence[int]],
     delivered: Sequence[int],
     withdrawn: Sequence[int],
 ) -> Component:
@@ -96,7 +96,7 @@ def latch(
     return Component(name, tuple(edges), process=False, path=name)
 
 
-def variable(medium: Medium, loads: dict[Known, Sequence[int]], stores: dict[Known, Sequence[int]]) -> Component:
+def variable(medium: Medium, loads: Mapping[Known, Sequence[int]], stores: Mapping[Known, Sequence[int]]) -> Component:
     """A variable that several components access: its state is its value."""
     domain = medium.domain
     values = [UNKNOWN] if domain is None else list(domain)

@@ -62,7 +62,7 @@ class Medium:
         """The values in a stable order, None if they are not told apart."""
         if self.values is None or not self.relevant:
             return None
-        return tuple(sorted(self.values, key=lambda value: (value is UNKNOWN, str(type(value)), value)))  # type: ignore[arg-type,return-value]
+        return tuple(sorted(self.values, key=lambda value: (value is UNKNOWN, str(type(value)), value)))
 
 
 _MOST_GROWTHS = 8

@@ -135,7 +135,7 @@ class Offers:
                         found.append((label, _assigning(given._replace(stack=rest), context, action.target, value)))
                 return found
             case WaitStep():
-                return [(("time", f"wait {expression_text(action.duration)}"), after)]
+                return [(("time", f"wait {expression_text(action.duration)}"), after._replace(loaded=()))]
             case StopStep():
                 return []
             case ParallelSteps():
