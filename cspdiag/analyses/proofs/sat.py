@@ -9,17 +9,12 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from functools import cached_property
 from typing import TypeAlias
 
-from cspdiag.analyses.proofs.pairs import Structure
-from cspdiag.analyses.proofs.rules_waiting import Waiting, waiting_states
+from cspdiag.analyses.proofs.question import Question
 from cspdiag.analyses.proofs.sat_encoding import Encoding
 from cspdiag.analyses.proofs.sat_solver import Clause, Solver, SolverTimeoutError, find_solver
-from cspdiag.analyses.proofs.traps import Traps
 from cspdiag.analyses.proofs.verdict import LimitError, Limits, Method, Proved, Unknown
-from cspdiag.analyses.transitions.system import System
 
 SMALL = 60
 """Traps of systems with at most so many components are made smaller before they are used."""
@@ -27,31 +22,8 @@ SMALL = 60
 MOST_REFINEMENTS = 2000
 """Candidates that are excluded one by one before the method gives up."""
 
-Refinement: TypeAlias = Callable[["Question", Encoding, Sequence[int]], list[Clause]]
+Refinement: TypeAlias = Callable[[Question, Encoding, Sequence[int]], list[Clause]]
 """Clauses that exclude a candidate, given as the state of every component; none if it cannot."""
-
-
-@dataclass(frozen=True)
-class Question:
-    """Deadlock freedom (``together``: all components wait) or freedom from knots of a system, with what several methods use."""
-
-    system: System
-    together: bool
-
-    @cached_property
-    def structure(self) -> Structure:
-        """The system by shapes and pairs."""
-        return Structure(self.system)
-
-    @cached_property
-    def waiting(self) -> Waiting:
-        """The waiting states that are not excluded by orders of waiting."""
-        return waiting_states(self.structure, together=self.together)
-
-    @cached_property
-    def traps(self) -> Traps:
-        """The traps of the system."""
-        return Traps(self.structure)
 
 
 def by_sat(question: Question, limits: Limits) -> Proved | Unknown:
@@ -101,11 +73,16 @@ def _exclude_all(
             else:
                 return Unknown(method, "a candidate could not be excluded", candidate, encoding.stuck_components(model))
         solver.add([[-literal for literal in goal]])
-    return Proved(method, _reason(question, used))
+    return Proved(method, _reason(used))
 
 
-def _reason(question: Question, used: Sequence[int]) -> str:
-    return f"{used}"
+def _reason(used: Sequence[int]) -> str:
+    traps, others = used[0], sum(used[1:])
+    helped = [f"{traps} trap{'s' if traps > 1 else ''}"] if traps else []
+    helped += [f"{others} invariant{'s' if others > 1 else ''}"] if others else []
+    if not helped:
+        return "no states that neighbours can be in together let anybody wait for ever"
+    return f"no states that neighbours can be in together, and that {' and '.join(helped)} allow, let anybody wait for ever"
 
 
 def exclude_by_trap(question: Question, encoding: Encoding, candidate: Sequence[int]) -> list[Clause]:

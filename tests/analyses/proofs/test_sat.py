@@ -5,7 +5,8 @@ from __future__ import annotations
 import pytest
 
 from cspdiag.analyses.proofs import sat_solver
-from cspdiag.analyses.proofs.sat import Question, by_sat
+from cspdiag.analyses.proofs.question import Question
+from cspdiag.analyses.proofs.sat import by_sat
 from cspdiag.analyses.proofs.verdict import Limits, Proved, Unknown
 from cspdiag.analyses.transitions.system import System
 from tests.analyses.proofs import known

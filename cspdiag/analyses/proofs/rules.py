@@ -1,0 +1,96 @@
+"""Tier 0: design rules. Networks that keep one cannot deadlock, and the rule says why in words.
+
+Two general rules are decided: that of one run (``rules_runs``) and that of orders of waiting (``rules_waiting``). Where the processes have the form that a
+published rule speaks of, the reason names that rule.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from cspdiag.analyses.proofs import rules_forms
+from cspdiag.analyses.proofs.question import Question
+from cspdiag.analyses.proofs.rules_runs import Run, the_run, unsteady
+from cspdiag.analyses.proofs.stuck_sets import Offers
+from cspdiag.analyses.proofs.verdict import LimitError, Limits, Proved, Refuted, Unknown, Verdict
+
+MOST_MOVES = 1_000_000
+"""A run that has not come round after so many moves is left to other methods."""
+
+MOST_NAMES = 6
+"""So many components are named in an order; of a longer one the first and the last."""
+
+
+def by_rules(question: Question, limits: Limits) -> Verdict:
+    """Prove the property by a design rule, refute it by the only run there is, or say which process breaks the rules."""
+    try:
+        if is_settled(question):
+            return Proved("rules", _order_in_words(question))
+        chooses = unsteady(question.structure)
+        if chooses is not None:
+            name = question.system.components[chooses].name
+            return Unknown("rules", f"`{name}` chooses, and there are circles of waiting")
+        run = the_run(question.structure, limits, MOST_MOVES)
+        if run is None:
+            return Unknown("rules", f"the run did not come round within {MOST_MOVES} communications")
+        return _judged(question, run)
+    except LimitError as limit:
+        return Unknown("rules", str(limit))
+
+
+def is_settled(question: Question) -> bool:
+    """Whether the orders of waiting alone leave nobody who could be stuck."""
+    shapes, left = question.structure.shapes, question.waiting.left
+    if not question.together:
+        return all(states.isdisjoint(shape.asking) for shape, states in zip(shapes, left, strict=True))
+    if not all(left):
+        return True
+    return not any(shape.process and not states <= shape.terminal for shape, states in zip(shapes, left, strict=True))
+
+
+def _judged(question: Question, run: Run) -> Verdict:
+    components = question.system.components
+    if question.together:
+        stuck: Sequence[int] = ()
+        if not run.period:
+            stuck = [at for at, part in enumerate(components) if part.process and run.state[at] not in part.terminal]
+    else:
+        stuck = Offers(question.system).knot(run.state)
+    if stuck:
+        return Refuted("rules", run.moves, tuple(stuck))
+    if rules_forms.is_io_par(question.structure):
+        return Proved("rules", "every process shares all its events once a round, in any order: an I/O-PAR network")
+    if not run.period:
+        return Proved(
+            "rules", f"no process chooses, and the only run ends after {len(run.moves)} steps with all processes"
+        )
+    return Proved("rules", f"no process chooses, and the only run comes round after {len(run.moves)} steps")
+
+
+def _order_in_words(question: Question) -> str:
+    structure, order = question.structure, question.waiting.order
+    if len(order) < len(structure.shapes):
+        processes = [at for at in order if question.system.components[at].process]
+        if question.together and processes:
+            return f"{_names(question, processes)} can always go on"
+        return "no process waits in a circle with others"
+    taken = rules_forms.resources(structure)
+    if taken is not None:
+        # The resource that is asked for last is the first of which it is clear that it will be given back.
+        known = set(taken)
+        return f"every process takes its resources in one order{_listed(question, [at for at in order[::-1] if at in known])}"
+    servers = rules_forms.client_server_order(structure)
+    if servers is not None:
+        return f"a client-server network without circles{_listed(question, servers)}"
+    return f"nobody waits but for somebody before him{_listed(question, order)}"
+
+
+def _listed(question: Question, order: Sequence[int]) -> str:
+    return f": {_names(question, order)}" if len(order) > 1 else ""
+
+
+def _names(question: Question, order: Sequence[int]) -> str:
+    names = [f"`{question.system.components[at].name}`" for at in order]
+    if len(names) > MOST_NAMES:
+        names = [*names[: MOST_NAMES - 2], f"… ({len(names)} in all)", names[-1]]
+    return ", ".join(names)
