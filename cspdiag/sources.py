@@ -26,17 +26,18 @@ def read_source(path: str) -> SourceFile:
                 data = file.read(MAXIMUM_SIZE + 1)
     except ValueError as problem:
         raise OSError(errno.EINVAL, str(problem), path) from None
+    return SourceFile(name=path, text=decoded(data, path))
+
+
+def decoded(data: bytes, path: str) -> str:
+    """The text of a file given by its bytes; raises what ``read_source`` raises."""
     if len(data) > MAXIMUM_SIZE:
         raise OSError(errno.EFBIG, f"larger than {MAXIMUM_SIZE // 1024 // 1024} MiB", path)
-    return SourceFile(name=path, text=_decoded(data, path).replace("\r\n", "\n"))
-
-
-def _decoded(data: bytes, path: str) -> str:
     zero = data.find(b"\0")
     if zero >= 0:
         raise OSError(errno.EILSEQ, f"not text (a zero byte at offset {zero})", path)
     try:
-        return data.decode("utf-8-sig")
+        return data.decode("utf-8-sig").replace("\r\n", "\n")
     except UnicodeDecodeError as problem:
         byte = data[problem.start]
         raise OSError(errno.EILSEQ, f"not UTF-8 text (byte 0x{byte:02x} at offset {problem.start})", path) from None

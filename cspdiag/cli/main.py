@@ -32,6 +32,7 @@ VERBS = {
     "run": "run a program against an environment",
     "verify": "prove what programs assert, or show how it fails",
     "draw": "draw communication and composition diagrams",
+    "diff": "tell what changed between two versions of a program",
     "fmt": "format programs",
     "explain": "show the manual page of a diagnostic",
     "new": "start a project",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 
 from cspdiag.diagnostics import Diagnostic
 from cspdiag.draw.elements.marks import Mark, MarkKind
@@ -13,6 +14,7 @@ from cspdiag.draw.text_metrics import ASCENT, line_height, runs_width, text_widt
 
 HEADING_SIZE = 16.0
 NOTE_SIZE = 12.0
+PLACE_SIZE = 11.0
 BADGE = 8.5
 """Half the height of a badge."""
 SMALLEST_ROW = 520.0
@@ -67,26 +69,48 @@ def badge(mark: Mark, centre: Point) -> Group:
     return Group(f"badge {mark.kind}", (Box(place, ink, Ink.PAPER, BADGE, 1.5), label), title=mark.note)
 
 
+@dataclass(frozen=True, slots=True)
+class Note:
+    """A line below a picture: a badge, a word in the ink of the badge, a sentence, and a place in the text."""
+
+    mark: Mark
+    code: str
+    text: str
+    place: str
+
+
 def messages(diagnostics: Iterable[tuple[int, Diagnostic]], width: float) -> Group:
     """The numbered messages, one below the other, from the origin down."""
-    rows: list[Item] = []
+    rows = [
+        Note(
+            Mark("error" if diagnostic.severity == "error" else "warning", (number,)),
+            diagnostic.code,
+            diagnostic.message,
+            str(diagnostic.span),
+        )
+        for number, diagnostic in diagnostics
+    ]
+    return notes(rows, width)
+
+
+def notes(rows: Iterable[Note], width: float) -> Group:
+    """Lines one below the other, from the origin down, broken at ``width``."""
+    items: list[Item] = []
     y = 0.0
-    for number, diagnostic in diagnostics:
-        mark = Mark("error" if diagnostic.severity == "error" else "warning", (number,))
-        rows.append(badge(mark, Point(BADGE, y + BADGE)))
-        ink, _ = INKS[mark.kind]
-        code = Run(diagnostic.code, Face.BOLD, ink)
-        place = f"{diagnostic.span.file}:{diagnostic.span.line}"
-        indent = 2 * BADGE + 14
-        first = runs_width((code,), NOTE_SIZE) + 6
-        lines = wrapped(diagnostic.message, NOTE_SIZE, max(width, SMALLEST_ROW) - indent - first)
-        for position, line in enumerate(lines):
-            x = indent + first
-            at = Point(x, y + ASCENT * NOTE_SIZE + 2)
-            if position == 0:
-                rows.append(Text(Point(indent, at.y), (code,), NOTE_SIZE))
-            rows.append(Text(at, (Run(line),), NOTE_SIZE))
+    for row in rows:
+        items.append(badge(row.mark, Point(BADGE, y + BADGE)))
+        ink, _ = INKS[row.mark.kind]
+        indent = 2 * BADGE + 12
+        code = Run(row.code, Face.BOLD, ink)
+        first = indent + (runs_width((code,), NOTE_SIZE) + 6 if row.code else 0)
+        if row.code:
+            items.append(Text(Point(indent, y + ASCENT * NOTE_SIZE + 2), (code,), NOTE_SIZE))
+        for line in wrapped(row.text, NOTE_SIZE, max(width, SMALLEST_ROW) - first):
+            items.append(Text(Point(first, y + ASCENT * NOTE_SIZE + 2), (Run(line),), NOTE_SIZE))
             y += line_height(NOTE_SIZE) + 2
-        rows.append(Text(Point(indent + first, y + ASCENT * 11 + 1), (Run(place, Face.MONO, Ink.FAINT),), 11))
-        y += line_height(11) + 9
-    return Group("messages", tuple(rows))
+        if row.place:
+            place = Run(row.place, Face.MONO, Ink.FAINT)
+            items.append(Text(Point(first, y + ASCENT * PLACE_SIZE + 1), (place,), PLACE_SIZE))
+            y += line_height(PLACE_SIZE)
+        y += 8
+    return Group("messages", tuple(items))

@@ -202,9 +202,17 @@ class _Drawing:
         return port is not None and port.direction == direction
 
     def _badge(self, name: str, mark: Mark) -> Item | None:
+        if mark.kind == "highlighted" and not mark.numbers:
+            return None
         place = self.layout.nodes.get(name)
         if place is not None:
-            return badge(mark, Point(place.right - 4, place.y))
+            vertex = self.made.vertices[name]
+            if not isinstance(vertex, ParentPort):
+                return badge(mark, Point(place.right - 4, place.y))
+            width = self.made.captions[name].width + 2 * BADGE
+            return badge(
+                mark, Point(place.right - width if vertex.direction == "in" else place.x + width, place.centre.y)
+            )
         label = self.layout.labels.get(f"{name}#label")
         if label is not None:
             return badge(mark, Point(label.right + BADGE + 4, label.centre.y))

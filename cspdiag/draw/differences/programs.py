@@ -1,0 +1,245 @@
+"""Compares two versions of a program."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from cspdiag.diagnostics.record import replaced
+from cspdiag.draw.differences.change import Change, compare
+from cspdiag.draw.differences.parts import KINDS, definition_parts, diagram_parts
+from cspdiag.draw.differences.renames import pairs, renamed, vertex_renames, with_matched_arrows
+from cspdiag.draw.elements import texts
+from cspdiag.draw.elements.communication import Drawn
+from cspdiag.draw.elements.diagram import CommunicationDiagram
+from cspdiag.draw.pictures import Pictures
+from cspdiag.model.program import Program
+from cspdiag.syntax import ast
+
+ALIKE = 0.6
+"""The part of two definitions that has to be equal for one to be the other under a new name."""
+
+
+@dataclass(frozen=True)
+class Pair:
+    """A definition with a diagram in both versions; None where it is new or gone.
+
+    ``before`` has the names of ``after`` for what was renamed. ``changes`` are those within the definition.
+    """
+
+    name: str
+    definition_before: Drawn | None
+    definition_after: Drawn | None
+    before: CommunicationDiagram | None
+    after: CommunicationDiagram | None
+    changes: tuple[Change, ...]
+
+
+@dataclass(frozen=True)
+class Difference:
+    """All changes in the order of the text, and the diagrams that changed."""
+
+    changes: tuple[Change, ...] = ()
+    diagrams: tuple[Pair, ...] = field(default=())
+
+
+def differences(before: Program, after: Program) -> Difference:
+    """What changed from one version to the next; doc comments, layout of the text and order of declarations do not count."""
+    return _Comparison(Pictures(before), Pictures(after)).difference()
+
+
+class _Comparison:
+    def __init__(self, before: Pictures, after: Pictures) -> None:
+        self.before = before
+        self.after = after
+        self.old = before.program.definitions
+        self.new = after.program.definitions
+        self.names = self._renamed_definitions()
+        """New names of definitions that were renamed."""
+
+    def difference(self) -> Difference:
+        changes: list[Change] = []
+        diagrams: list[Pair] = []
+        former = {new: old for old, new in self.names.items()}
+        for name, definition in self.new.items():
+            old = self.old.get(former.get(name, name))
+            if old is not None and type(old) is not type(definition):
+                old = None
+            self._definition(name, old, definition, changes, diagrams)
+        for name, definition in self.old.items():
+            kept = self.new.get(self.names.get(name, name))
+            if type(kept) is not type(definition):
+                self._definition(name, definition, None, changes, diagrams)
+        changes += self._assertions()
+        order = list(KINDS.values())
+        changes.sort(key=lambda change: order.index(change.kind) if change.kind in order else len(order))
+        return Difference(tuple(changes), tuple(diagrams))
+
+    def _definition(
+        self,
+        name: str,
+        old: ast.Definition | None,
+        new: ast.Definition | None,
+        changes: list[Change],
+        diagrams: list[Pair],
+    ) -> None:
+        shown = new or old
+        assert shown is not None
+        kind = KINDS[type(shown)]
+        whole = Change(
+            action="changed",
+            kind=kind,
+            definition=name,
+            span_before=None if old is None else old.name.span,
+            span_after=None if new is None else new.name.span,
+        )
+        found: list[Change] = []
+        if old is None or new is None:
+            found.append(
+                replaced(
+                    whole,
+                    action="added" if old is None else "removed",
+                    before=None if old is None else _header(old),
+                    after=None if new is None else _header(new),
+                )
+            )
+        elif old.name.text != name:
+            found.append(replaced(whole, action="renamed", before=old.name.text, after=name))
+        first = self._diagram(self.before, old)
+        second = self._diagram(self.after, new)
+        if old is not None and new is not None:
+            own_before, own_after = definition_parts(old), definition_parts(new)
+            if first is not None and second is not None:
+                first, renames = self._aligned(first, second, kind, name)
+                found += renames
+                own_before |= diagram_parts(first, _parameters(self.before.program, self.names))
+                own_after |= diagram_parts(second, _parameters(self.after.program))
+            found += compare(kind, name, own_before, own_after)
+            found += self._composition(old, new, whole)
+        changes += found
+        if found and (first is not None or second is not None):
+            drawn = [each if isinstance(each, Drawn) else None for each in (old, new)]
+            diagrams.append(Pair(name, drawn[0], drawn[1], first, second, tuple(found)))
+
+    def _diagram(self, pictures: Pictures, definition: ast.Definition | None) -> CommunicationDiagram | None:
+        return pictures.communication(definition) if isinstance(definition, Drawn) else None
+
+    def _aligned(
+        self, before: CommunicationDiagram, after: CommunicationDiagram, kind: str, definition: str
+    ) -> tuple[CommunicationDiagram, list[Change]]:
+        """The earlier diagram under the names of the later one, and the changes of names that this takes."""
+        before = renamed(before, {}, self.names)
+        names = vertex_renames(before, after)
+        spans = {vertex.key: vertex.spans for vertex in (*before.vertices, *after.vertices)}
+        changes = [
+            Change(
+                action="renamed",
+                kind=kind,
+                definition=definition,
+                subject=_subject(after, new),
+                name=new,
+                before=old,
+                after=new,
+                key=new,
+                span_before=next(iter(spans[old]), None),
+                span_after=next(iter(spans[new]), None),
+            )
+            for old, new in names.items()
+        ]
+        return with_matched_arrows(renamed(before, names, {}), after), changes
+
+    def _composition(self, old: ast.Definition, new: ast.Definition, whole: Change) -> list[Change]:
+        if not isinstance(old, ast.ProcessDefinition) or not isinstance(new, ast.ProcessDefinition):
+            return []
+        before, after = texts.optional(old.composition), texts.optional(new.composition)
+        if before == after or _same(old.composition, new.composition):
+            return []
+        return [
+            replaced(
+                whole,
+                subject="composition",
+                before=before,
+                after=after,
+                span_before=old.composition_span,
+                span_after=new.composition_span,
+            )
+        ]
+
+    def _assertions(self) -> list[Change]:
+        before = {_assertion(item): item for item in self.before.program.assertions}
+        after = {_assertion(item): item for item in self.after.program.assertions}
+        gone = [
+            Change(action="removed", kind="assert", definition=text, span_before=item.span, before=text)
+            for text, item in before.items()
+            if text not in after
+        ]
+        come = [
+            Change(action="added", kind="assert", definition=text, span_after=item.span, after=text)
+            for text, item in after.items()
+            if text not in before
+        ]
+        return gone + come
+
+    def _renamed_definitions(self) -> dict[str, str]:
+        gone = [item for name, item in self.old.items() if type(self.new.get(name)) is not type(item)]
+        come = [item for name, item in self.new.items() if type(self.old.get(name)) is not type(item)]
+        old = {id(item): self._content(self.before, item) for item in gone}
+        new = {id(item): self._content(self.after, item) for item in come}
+        found: dict[str, str] = {}
+        for first, second in pairs(gone, come, lambda item: KINDS[type(item)]):
+            one, other = old[id(first)], new[id(second)]
+            if one and len(one & other) >= ALIKE * max(len(one), len(other)):
+                found[first.name.text] = second.name.text
+        for first, second in pairs(gone, come, lambda item: (type(item), old.get(id(item), new.get(id(item))))):
+            if old[id(first)]:
+                found[first.name.text] = second.name.text
+        return found
+
+    def _content(self, pictures: Pictures, definition: ast.Definition) -> frozenset[tuple[str, ...]]:
+        """Everything about a definition but its name."""
+        parts = definition_parts(definition)
+        diagram = self._diagram(pictures, definition)
+        if diagram is not None:
+            parts |= diagram_parts(diagram, _parameters(pictures.program))
+        found: set[tuple[str, ...]] = {
+            (*key, aspect, value) for key, part in parts.items() for aspect, value in part.aspects.items() if value
+        }
+        if isinstance(definition, ast.ProcessDefinition) and definition.composition is not None:
+            found.add(("composition", texts.written(definition.composition)))
+        return frozenset(found)
+
+
+def _same(one: ast.Composition | None, other: ast.Composition | None) -> bool:
+    return one is not None and other is not None and ast.same_tree(one, other)
+
+
+def _subject(diagram: CommunicationDiagram, key: str) -> str:
+    return next((subject for (subject, name) in diagram_parts(diagram, {}) if name == key), "")
+
+
+def _parameters(program: Program, names: Mapping[str, str] | None = None) -> dict[str, tuple[str, ...]]:
+    """The names of the parameters of each definition, which may have a new name."""
+    return {
+        (names or {}).get(name, name): tuple(parameter.name.text for parameter in getattr(item, "parameters", ()))
+        for name, item in program.definitions.items()
+    }
+
+
+def _header(definition: ast.Definition) -> str:
+    """A definition in a line."""
+    match definition:
+        case ast.ProcessDefinition() | ast.SubmodelDefinition() | ast.DriverDefinition():
+            parameters = ", ".join(texts.parameters(definition.parameters))
+            return f"{definition.name.text}({parameters})" if parameters else definition.name.text
+        case ast.EnvironmentDefinition():
+            return f"{definition.name.text} for {definition.process.text}"
+        case ast.Constant():
+            return f"{definition.name.text} = {texts.written(definition.value)}"
+        case ast.TypeAliasDefinition():
+            return f"{definition.name.text} = {texts.written(definition.type)}"
+        case _:
+            return definition.name.text
+
+
+def _assertion(item: ast.Assertion) -> str:
+    return texts.written(item).removeprefix("assert ")

@@ -1,0 +1,37 @@
+"""Changes for machines."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable
+
+from cspdiag.diagnostics import Span
+from cspdiag.draw.differences.change import Change
+
+
+def render(changes: Iterable[Change]) -> str:
+    """A list of objects, empty for no change: ``action``, ``kind`` and ``definition``, ``subject``, ``name`` and ``aspect`` of what changed (null where that is the
+    definition itself), ``before`` and ``after``, and the places ``from`` and ``to``.
+    """
+    return json.dumps([_object(change) for change in changes], indent=2, ensure_ascii=False) + "\n"
+
+
+def _object(change: Change) -> dict[str, object]:
+    return {
+        "action": change.action,
+        "kind": change.kind,
+        "definition": change.definition,
+        "subject": change.subject or None,
+        "name": change.name or None,
+        "aspect": change.aspect or None,
+        "before": change.before,
+        "after": change.after,
+        "from": _place(change.span_before),
+        "to": _place(change.span_after),
+    }
+
+
+def _place(span: Span | None) -> dict[str, object] | None:
+    if span is None:
+        return None
+    return {"file": span.file, "line": span.line, "column": span.column}
