@@ -16,7 +16,9 @@ from cspdiag.sources import read_source
 
 if TYPE_CHECKING:
     from cspdiag.cli.progress import Progress
+    from cspdiag.model.program import Program
     from cspdiag.network.ir import Network
+    from cspdiag.pipeline import Built
     from cspdiag.simulate.recorder import Recorder
     from cspdiag.simulate.result import Run
 
@@ -29,6 +31,7 @@ _SUFFIXES = {
     "record": (".csv", ".npz"),
     "trace": (".json", ".jsonl"),
     "plot": (".svg", ".png", ".pdf"),
+    "draw_deadlock": (".svg", ".png", ".pdf"),
 }
 
 
@@ -54,6 +57,10 @@ def add_arguments(parser: ArgumentParser) -> None:
     )
     parser.add_argument("--plot", type=Path, metavar="FILE", help="a figure, as .svg, .png or .pdf")
     parser.add_argument(
+        "--draw-deadlock", type=Path, metavar="FILE",
+        help="if the run ends in a deadlock: who waits for whom, as .svg, .png or .pdf",
+    )  # fmt: skip
+    parser.add_argument(
         "--replay", type=Path, metavar="FILE", help="step through the counterexample that verify --trace-out wrote"
     )
     parser.add_argument("--quiet", action="store_true", help="no summary and no progress")
@@ -69,30 +76,33 @@ def run(arguments: Namespace) -> int:
         _check_output(option, getattr(arguments, option))
     if arguments.plot is not None:
         _require_matplotlib()
+    if arguments.draw_deadlock is not None:
+        _require_drawing(arguments.draw_deadlock)
     from cspdiag.network.lower import SelectionError
     from cspdiag.settings import SettingError, parse_duration
 
     try:
         until = None if arguments.until is None else parse_duration(arguments.until)
-        network = _network(arguments)
+        built = _built(arguments)
     except (SettingError, SelectionError) as problem:
         raise UsageError(str(problem)) from None
-    if network is None:
+    if built.network is None:
         return UNSUCCESSFUL
-    result = _simulate(arguments, network, until)
-    return _conclude(arguments, result)
+    result = _simulate(arguments, built.network, until)
+    return _conclude(arguments, result, built.checked.program)
 
 
 def _check_output(option: str, path: Path | None) -> None:
     """Refuse an output that could not be written before the run, not after it."""
     if path is None:
         return
+    given = f"--{option.replace('_', '-')} {path}"
     if path.suffix not in _SUFFIXES[option]:
-        raise UsageError(f"--{option} {path}: the name must end in {' or '.join(_SUFFIXES[option])}")
+        raise UsageError(f"{given}: the name must end in {' or '.join(_SUFFIXES[option])}")
     if path.is_dir():
-        raise UsageError(f"--{option} {path}: is a directory")
+        raise UsageError(f"{given}: is a directory")
     if not path.parent.is_dir():
-        raise UsageError(f"--{option} {path}: there is no folder {path.parent}")
+        raise UsageError(f"{given}: there is no folder {path.parent}")
 
 
 def _require_matplotlib() -> None:
@@ -102,7 +112,19 @@ def _require_matplotlib() -> None:
         raise UsageError('--plot needs matplotlib: pip install "cspdiag[plot]"')
 
 
-def _network(arguments: Namespace) -> Network | None:
+def _require_drawing(path: Path) -> None:
+    """Refuse a format that cannot be written here."""
+    from cspdiag.draw.missing import MissingToolError
+    from cspdiag.draw.output import rendered
+    from cspdiag.draw.scene import Scene
+
+    try:
+        rendered([Scene(1, 1, ())], path.suffix.removeprefix("."))
+    except MissingToolError as problem:
+        raise UsageError(f"--draw-deadlock {path}: {problem}") from None
+
+
+def _built(arguments: Namespace) -> Built:
     from cspdiag import pipeline
     from cspdiag.settings import split_setting
 
@@ -111,7 +133,7 @@ def _network(arguments: Namespace) -> Network | None:
         read_source(arguments.file), read_source, environment=arguments.environment, settings=settings
     )
     show_diagnostics(built.checked.report.diagnostics, arguments.color)
-    return built.network
+    return built
 
 
 def _simulate(arguments: Namespace, network: Network, until: int | None) -> Run:
@@ -184,7 +206,26 @@ def _simulate_native(
     )
 
 
-def _conclude(arguments: Namespace, result: Run) -> int:
+def _draw_deadlock(path: Path, result: Run, program: Program | None) -> None:
+    """Write the picture of a deadlock; without a layout engine it has no communication diagram, and a line says so."""
+    from cspdiag.draw.deadlock import draw_deadlock
+    from cspdiag.draw.layout.graph import LayoutError
+    from cspdiag.draw.missing import MissingToolError
+    from cspdiag.draw.output import rendered
+    from cspdiag.simulate.deadlock_picture import deadlock_of
+    from cspdiag.simulate.files import write_whole
+
+    assert result.outcome.deadlock is not None
+    deadlock = deadlock_of(result.outcome.deadlock, result.network.top)
+    try:
+        scene = draw_deadlock(deadlock, program)
+    except (MissingToolError, LayoutError) as problem:
+        sys.stderr.write(f"cspdiag: {path} has no communication diagram: {problem}\n")
+        scene = draw_deadlock(deadlock)
+    write_whole(path, rendered([scene], path.suffix.removeprefix(".")))
+
+
+def _conclude(arguments: Namespace, result: Run, program: Program | None) -> int:
     from cspdiag.runtime.exceptions import described
 
     written: list[str] = []
@@ -199,10 +240,13 @@ def _conclude(arguments: Namespace, result: Run) -> int:
     write(arguments.plot, result.plot)
     if result.outcome.deadlock is not None:
         sys.stderr.write(f"{result.outcome.deadlock.text}\n")
+        write(arguments.draw_deadlock, lambda path: _draw_deadlock(path, result, program))
     if not arguments.quiet:
         sys.stderr.write(f"{result.summary()}\n")
         if written:
             sys.stderr.write(f"  wrote {', '.join(written)}\n")
+        if arguments.draw_deadlock is not None and result.outcome.deadlock is None:
+            sys.stderr.write(f"  no deadlock: {arguments.draw_deadlock} was not written\n")
     else:
         for error in filter(None, (result.outcome.error, *result.outcome.release_errors)):
             sys.stderr.write(f"cspdiag: {described(error)}\n")

@@ -1,0 +1,176 @@
+"""Deadlocks as pictures: the ring of waiting processes, and the diagram around them."""
+
+from __future__ import annotations
+
+from itertools import combinations, pairwise
+from pathlib import Path
+
+import pytest
+
+from cspdiag.cli.main import main
+from cspdiag.diagnostics import SourceFile
+from cspdiag.draw.deadlock import Deadlock, draw_ring
+from cspdiag.draw.deadlock_marks import Waiting, shortened, surroundings
+from cspdiag.draw.geometry import Point, Rectangle, around
+from cspdiag.draw.layout import engine
+from cspdiag.draw.scene import Box, Group, Line, Scene, Text
+from cspdiag.draw.scene_geometry import every
+from cspdiag.draw.svg import render_svg
+from cspdiag.pipeline import check
+from cspdiag.sources import read_source
+
+DINING = "models/dining/deadlock.csp"
+CROSSED = """
+process Left { out a : int  in b : int
+  communication { var x : int = 0 }
+  composition { a ! 1 ; b ? x }
+}
+process Right { in a : int  out b : int
+  communication { var x : int = 0 }
+  composition { b ! 1 ; a ? x }
+}
+process Pair {
+  communication { left : Left  right : Right  left.a -> ping : int -> right.a  right.b -> left.b }
+  composition { left || right }
+}
+process Top {
+  communication { pair[2] : Pair  besides : Pair }
+  composition { (par i < 2 : pair[i]) || besides }
+}
+"""
+
+
+def ring(count: int, *, besides: int = 0) -> Scene:
+    waiting = [
+        Waiting(f"Top.process[{number}]", f"to read Top.link[{number}]", "ring.csp:7") for number in range(count)
+    ]
+    return draw_ring(Deadlock("deadlock at 1 ms", "Top", tuple(waiting[besides:]), tuple(waiting[:besides])))
+
+
+def cards(scene: Scene) -> list[Rectangle]:
+    groups = [item for item in every(scene.items) if isinstance(item, Group) and item.kind == "waiting"]
+    return [next(each.place for each in group.items if isinstance(each, Box)) for group in groups]
+
+
+def arrows(scene: Scene) -> list[tuple[Point, ...]]:
+    return [item.points for item in every(scene.items) if isinstance(item, Line)]
+
+
+def touches(place: Rectangle, point: Point) -> bool:
+    inner, outer = place.grown(-0.01), place.grown(0.01)
+    spot = Rectangle(point.x, point.y, 0, 0)
+    return outer.contains(spot) and not inner.contains(spot)
+
+
+@pytest.mark.parametrize("count", [*range(1, 16), 40])
+def test_each_arrow_of_a_ring_leads_from_a_process_to_the_next(count: int) -> None:
+    scene = ring(count)
+    places = cards(scene)
+    assert len(places) == len(arrows(scene)) == count
+    assert not any(one.overlaps(other) for one, other in combinations(places, 2))
+    for number, points in enumerate(arrows(scene)):
+        assert touches(places[number], points[0])
+        assert touches(places[(number + 1) % count], points[-1])
+        for start, end in pairwise(points):
+            assert start.x == pytest.approx(end.x) or start.y == pytest.approx(end.y)
+            piece = around([Rectangle(each.x - 0.5, each.y - 0.5, 1, 1) for each in (start, end)])
+            assert not any(place.grown(-1).overlaps(piece) for place in places)
+    bends = sum(len(points) - 2 for points in arrows(scene))
+    assert bends <= 3
+
+
+def test_what_waits_in_no_cycle_is_drawn_without_arrows() -> None:
+    scene = ring(5, besides=5)
+    assert len(cards(scene)) == 5
+    assert arrows(scene) == []
+
+
+def test_what_waits_besides_a_cycle_is_listed() -> None:
+    scene = ring(5, besides=2)
+    assert len(cards(scene)) == 3
+    shown = ["".join(run.text for run in item.runs) for item in every(scene.items) if isinstance(item, Text)]
+    assert "process[1] waits to read link[1]  ring.csp:7" in shown
+
+
+def test_names_are_shown_without_that_of_the_outermost_process() -> None:
+    assert shortened("Top.pair.left", "Top") == "pair.left"
+    assert shortened("to read Top.pair.Top.x or write Top.y", "Top") == "to read pair.Top.x or write y"
+    assert shortened("Top", "Top") == ""
+    assert shortened("to read OnTop.x", "Top") == "to read OnTop.x"
+
+
+def test_elements_of_the_diagram_carry_the_numbers_of_the_ring() -> None:
+    program = check(read_source(DINING), read_source).program
+    assert program is not None
+    waiting = [
+        Waiting("SymmetricTable.philosopher[0]", "…", None, ("SymmetricTable.philosopher[0].second",)),
+        Waiting("SymmetricTable.fork[1]", "…", None, ("SymmetricTable.philosopher[1].first",)),
+        Waiting("SymmetricTable.philosopher[1]", "…", None, ("SymmetricTable.philosopher[1].second",)),
+    ]
+    found = surroundings(program, "SymmetricTable", waiting)
+    assert found is not None
+    diagram, marks = found
+    assert diagram.key == "SymmetricTable"
+    assert marks["philosopher"].numbers == (1, 3)
+    assert marks["fork"].numbers == (2,)
+    assert all(arrow.key in marks for arrow in diagram.arrows)
+    assert {mark.kind for mark in marks.values()} == {"highlighted"}
+
+
+@pytest.mark.parametrize(
+    ("paths", "diagram", "boxes"),
+    [
+        (["Top.pair[1].left", "Top.pair[1].right"], "Pair", {"left": (1,), "right": (2,)}),
+        (["Top.pair[0].left", "Top.pair[1].left", "Top.besides"], "Top", {"pair": (1, 2), "besides": (3,)}),
+    ],
+)
+def test_the_diagram_is_that_of_the_innermost_process_around(
+    paths: list[str], diagram: str, boxes: dict[str, tuple[int, ...]]
+) -> None:
+    program = check(SourceFile("crossed.csp", CROSSED), read_source).program
+    assert program is not None
+    found = surroundings(program, "Top", [Waiting(path, "to read", None, (f"{path}.a",)) for path in paths])
+    assert found is not None
+    assert found[0].key == diagram
+    assert {key: found[1][key].numbers for key in boxes} == boxes
+
+
+@pytest.mark.parametrize("paths", [["Elsewhere.x"], ["Top.nobody.x", "Top.nobody.y"], []])
+def test_processes_that_are_not_in_the_program_have_no_surroundings(paths: list[str]) -> None:
+    program = check(SourceFile("crossed.csp", CROSSED), read_source).program
+    assert program is not None
+    assert surroundings(program, "Top", [Waiting(path, "to read") for path in paths]) is None
+
+
+@pytest.mark.parametrize("target", ["python", "c"])
+def test_run_draws_its_deadlock(target: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    picture = tmp_path / "dead lock.svg"
+    assert main(["run", DINING, "--target", target, "--draw-deadlock", str(picture)]) == 1
+    assert f"wrote {picture}" in capsys.readouterr().err
+    text = picture.read_text(encoding="utf-8")
+    for number in range(5):
+        assert f">fork[{number}]<" in text
+        assert f">waits to write philosopher[{number}].second<" in text
+    assert ("Everybody takes the left fork first" in text) is engine.available()
+
+
+def test_a_run_without_a_deadlock_draws_nothing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    picture = tmp_path / "deadlock.svg"
+    assert main(["run", "models/dining/dining.csp", "--draw-deadlock", str(picture)]) == 0
+    assert f"no deadlock: {picture} was not written" in capsys.readouterr().err
+    assert not picture.exists()
+
+
+def test_a_picture_that_could_not_be_written_is_refused_before_the_run(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["run", DINING, "--draw-deadlock", str(tmp_path / "deadlock.txt")]) == 2
+    assert main(["run", DINING, "--draw-deadlock", str(tmp_path / "none" / "deadlock.svg")]) == 2
+    shown = capsys.readouterr().err
+    assert "the name must end in .svg or .png or .pdf" in shown
+    assert "there is no folder" in shown
+    assert "deadlock at" not in shown
+
+
+def test_drawings_are_always_alike() -> None:
+    assert render_svg(ring(7, besides=2)) == render_svg(ring(7, besides=2))
