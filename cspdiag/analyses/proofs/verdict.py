@@ -31,6 +31,7 @@ class Refuted:
     """The property fails: ``trace`` leads from the initial state to where it does, the shortest found.
 
     ``stuck`` are the components that never go on (deadlock and knots). For livelock ``cycle`` is what repeats for ever after the trace.
+    For refinement ``reason`` says what the process did too much or refused.
     """
 
     method: Method
@@ -38,6 +39,7 @@ class Refuted:
     stuck: tuple[int, ...] = ()
     cycle: tuple[Move, ...] = ()
     states: int | None = None
+    reason: str = ""
 
 
 @dataclass(frozen=True)

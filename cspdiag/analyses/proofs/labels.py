@@ -1,0 +1,57 @@
+"""What a specification sees of an event: the port that it passes, and the value where both sides tell values apart."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TypeAlias
+
+from cspdiag.analyses.transitions.system import Event, System
+
+Label: TypeAlias = tuple[str, str | None]
+"""The name of the port within the outermost process, and the value; None is any value."""
+
+END: Label = ("", None)
+"""The end of all processes."""
+
+
+@dataclass(frozen=True)
+class Labels:
+    """The labels of a process's events as its specification tells them apart; those of ``hidden`` ports have none."""
+
+    specification: System
+    hidden: Collection[str] = ()
+
+    @cached_property
+    def _valued(self) -> frozenset[str]:
+        """Ports of which the specification tells values apart."""
+        return frozenset(port(event) for event in self.specification.events if event.value is not None)
+
+    def of(self, event: Event) -> Label | None:
+        """The label, or None if the specification does not see the event."""
+        if not event.visible or _named(port(event), self.hidden):
+            return None
+        return port(event), event.value if port(event) in self._valued else None
+
+
+def port(event: Event) -> str:
+    """The port that a visible event passes: its channel's path without the outermost process."""
+    return event.channel.partition(".")[2] or event.channel
+
+
+def covers(one: Label, other: Label) -> bool:
+    """Whether an event of a specification with the first label may be one with the second."""
+    return one[0] == other[0] and one[1] in (None, other[1])
+
+
+def words(label: Label) -> str:
+    """The label for people."""
+    if label == END:
+        return "the end"
+    return f"`{label[0]}`" if label[1] is None else f"`{label[0]}.{label[1]}`"
+
+
+def _named(name: str, hidden: Collection[str]) -> bool:
+    """Whether this is one of the ports, or an element of one that is an array."""
+    return name in hidden or name.partition("[")[0] in hidden

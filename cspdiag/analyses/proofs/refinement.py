@@ -1,0 +1,168 @@
+"""Refinement: whether a process does only what a specification does, in traces and in stable failures (Roscoe, "Understanding Concurrent Systems",
+sections 5.1 and 6.4).
+
+The specification in normal form follows the process as one more component, which is party to every event that it sees and goes to a state of its own where an
+event is not allowed. So the search is the one for deadlocks, and its trace is a shortest one. Time that passes, and the steps of a process that cannot be
+seen, count as internal: only a state that waits for nothing else can refuse.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import replace
+
+import numpy as np
+
+from cspdiag.analyses.proofs.breadth_first import Exploration, explore, trace_to
+from cspdiag.analyses.proofs.labels import END, Label, Labels, words
+from cspdiag.analyses.proofs.livelock import livelock_free
+from cspdiag.analyses.proofs.normal_form import Node, normal_form
+from cspdiag.analyses.proofs.packed_conditions import Deadlocks
+from cspdiag.analyses.proofs.packing import Flags, Packing, Words
+from cspdiag.analyses.proofs.traces import end_of
+from cspdiag.analyses.proofs.verdict import LimitError, Limits, Move, Proved, Refuted, Unknown, Verdict
+from cspdiag.analyses.transitions.system import Component, System
+
+
+def refines_in_traces(system: System, specification: System, limits: Limits, hidden: Collection[str] = ()) -> Verdict:
+    """Whether every trace of the process is one of the specification; ``hidden`` are ports that it does not see."""
+    return _refines(system, specification, limits, hidden, failures=False)
+
+
+def refines_in_failures(system: System, specification: System, limits: Limits, hidden: Collection[str] = ()) -> Verdict:
+    """Whether in addition the process refuses, where it can go on by itself no more, only what the specification may refuse there."""
+    return _refines(system, specification, limits, hidden, failures=True)
+
+
+def _refines(
+    system: System, specification: System, limits: Limits, hidden: Collection[str], *, failures: bool
+) -> Verdict:
+    labels = Labels(specification, hidden)
+    seen = {number: label for number, event in enumerate(system.events) if (label := labels.of(event)) is not None}
+    own = {
+        number: label for number, event in enumerate(specification.events) if (label := labels.of(event)) is not None
+    }
+    try:
+        nodes = normal_form(specification, own, dict.fromkeys(seen.values()), limits)
+        product = _followed(system, seen, nodes)
+        packing = Packing(product)
+        condition = _Violations(packing, seen, nodes, failures=failures)
+        search = explore(packing, limits, condition)
+    except LimitError as stop:
+        return Unknown("breadth-first", str(stop))
+    if search.found is not None:
+        return _violation(search, seen, nodes, system)
+    model = "stable failure" if failures else "trace"
+    reason = f"every {model} in the {search.states} reachable states is one of the specification"
+    if failures and isinstance(livelock_free(specification, limits), Refuted):
+        reason += ", which may livelock: what it refuses then is left open"
+    return Proved("breadth-first", reason, search.states)
+
+
+def _followed(system: System, seen: dict[int, Label], nodes: tuple[Node, ...]) -> System:
+    """The system with the specification as its last component, whose last state means that something was done too much."""
+    watcher = len(system.components)
+    edges = tuple(tuple((event, node.after.get(label, len(nodes))) for event, label in seen.items()) for node in nodes)
+    events = tuple(
+        replace(event, parties=(*event.parties, watcher)) if number in seen else event
+        for number, event in enumerate(system.events)
+    )
+    component = Component("specification", (*edges, ()), process=False)
+    return System((*system.components, component), events)
+
+
+class _Violations:
+    """States in which the process has done, or refuses, what the specification does not."""
+
+    def __init__(self, packing: Packing, seen: dict[int, Label], nodes: tuple[Node, ...], *, failures: bool) -> None:
+        self._seen = seen
+        self._nodes = nodes
+        self._failures = failures
+        self._watcher = packing.fields[-1]
+        self._deadlocks = Deadlocks(packing)
+        self._steps = packing.steps
+
+    def __call__(self, states: Words, goes_on: Flags) -> Flags | None:
+        """Which states violate the specification, if any does."""
+        node = self._watcher.of(states)
+        hits: Flags = node == len(self._nodes)
+        wrong_end = np.array([END not in known.after for known in self._nodes] + [False])
+        still = np.flatnonzero(~goes_on & ~hits)
+        if len(still):
+            few = [word[still] for word in states]
+            stuck = self._deadlocks(few, np.zeros(len(still), np.bool_))
+            ended = still if stuck is None else still[~stuck]
+            hits[ended] |= wrong_end[node[ended]]
+        if self._failures:
+            self._refusals(states, goes_on, hits)
+        return hits if hits.any() else None
+
+    def _refusals(self, states: Words, goes_on: Flags, hits: Flags) -> None:
+        """Mark the stable states that offer none of the sets that the specification offers there."""
+        stable = np.flatnonzero(~hits)
+        for step in self._steps:
+            if step.event not in self._seen and len(stable):
+                stable = stable[~step.enabled([word[stable] for word in states])]
+        few = [word[stable] for word in states]
+        offered: dict[Label, Flags] = {}
+        for step in self._steps:
+            if step.event in self._seen and len(stable):
+                for label in {self._seen[step.event], (self._seen[step.event][0], None)}:
+                    enabled = step.enabled(few)
+                    offered[label] = offered[label] | enabled if label in offered else enabled
+        node = self._watcher.of(few)
+        ended = ~goes_on[stable]
+        if ended.any():
+            stuck = self._deadlocks([word[ended] for word in few], np.zeros(int(ended.sum()), np.bool_))
+            if stuck is not None:
+                ended[np.flatnonzero(ended)[stuck]] = False
+        offered[END] = ended
+        nothing = np.zeros(len(stable), np.bool_)
+        for number in np.unique(node):
+            fine = nothing.copy()
+            for accepted in self._nodes[number].acceptances:
+                all_of_it = ~nothing
+                for label in accepted:
+                    all_of_it = all_of_it & offered.get(label, nothing)
+                fine |= all_of_it
+            hits[stable] |= (node == number) & ~fine
+
+
+def _violation(search: Exploration, seen: dict[int, Label], nodes: tuple[Node, ...], system: System) -> Refuted:
+    assert search.found is not None
+    trace = trace_to(search, search.found)
+    last = search.state(search.found)
+    if last[-1] == len(nodes):
+        before = end_of(search.packing.system.initial, trace[:-1])
+        reason = f"it does {words(seen[trace[-1].event])}, where the specification {_allows(nodes[before[-1]])}"
+    else:
+        reason = _refusal(search.packing, search.found, search, seen, nodes[last[-1]], system)
+    watcher = len(system.components)
+    moves = tuple(Move(move.event, tuple(part for part in move.moves if part[0] != watcher)) for move in trace)
+    return Refuted("breadth-first", moves, states=search.states, reason=reason)
+
+
+def _refusal(
+    packing: Packing, number: int, search: Exploration, seen: dict[int, Label], node: Node, system: System
+) -> str:
+    here = search.table.states(number, number + 1)
+    offers = {seen[step.event] for step in packing.steps if step.event in seen and step.enabled(here)[0]}
+    if offers:
+        does = f"it offers only {_list(offers)}"
+    elif Deadlocks(packing)(here, np.zeros(1, np.bool_)) is None:
+        return f"it ends, where the specification {_allows(node)}"
+    else:
+        does = "it refuses everything"
+    wanted = [_list(accepted) for accepted in node.acceptances]
+    if not wanted:
+        return f"{does}, where the specification never waits"
+    return f"{does}, where the specification offers {', or else '.join(wanted)}"
+
+
+def _allows(node: Node) -> str:
+    return f"allows only {_list(node.after)}" if node.after else "allows nothing more"
+
+
+def _list(labels: Collection[Label]) -> str:
+    *rest, last = sorted(words(label) for label in labels)
+    return f"{', '.join(rest)} and {last}" if rest else last
