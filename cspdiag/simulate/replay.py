@@ -24,7 +24,9 @@ from cspdiag.simulate.replay_trace import Trace, TraceStep
 from cspdiag.simulate.replay_values import Values, numbers_of
 
 MOST_ATTEMPTS = 400
-_SILENT = frozenset({"internal", "variable", "start", "end", "cancel", "exception"})
+_SILENT = frozenset({"variable", "start", "end", "cancel", "exception", "delivered"})
+_WRITTEN = " (written)"
+"""With this ends the name of the event in which a broadcast is begun; each of its readers takes the value in an event of its own."""
 
 
 @dataclass(frozen=True)
@@ -125,6 +127,12 @@ class _Attempt:
     def _perform(self, step: TraceStep) -> None:
         if step.kind in _SILENT:
             return
+        if step.kind == "internal":
+            self._choose_silently(step)
+            return
+        if step.kind == "ready":
+            self._choose_ready(step)
+            return
         if step.kind in {"sample", "miss", "external"} and step.channel in self._ports:
             self._supply(step)
         conductor.done.clear()
@@ -140,8 +148,44 @@ class _Attempt:
         for action, channel in expected:
             if action == "ready":
                 self._read_after_guard(channel)
-            elif (action, channel) not in conductor.done:
+            elif (action, channel) not in conductor.done and not step.channel.endswith(_WRITTEN):
                 raise _DivergenceError(f"`{step}` does not come about")
+
+    def _choose_ready(self, step: TraceStep) -> None:
+        """A process takes a guard that leaves the reading to it; one that is alone in its alternative is no choice."""
+        for option, candidate in self._offers(("ready",), step.channel):
+            if any(_belongs(candidate.path, path) for path in step.parties):
+                if isinstance(candidate, Interruption):
+                    candidate.fire()
+                else:
+                    self._respect_priorities(candidate, option)
+                    conductor.release(candidate, option)
+                self._settle()
+                return
+
+    def _offers(self, actions: tuple[str, ...], channel: str | None) -> list[tuple[Option, Gate | Interruption]]:
+        """What processes at gates could do."""
+        candidates: list[Gate | Interruption] = [*conductor.halted.values(), *conductor.interruptions]
+        return [
+            (option, candidate)
+            for candidate in candidates
+            for option in candidate.options
+            if option.action in actions and channel in (None, option.channel)
+        ]
+
+    def _choose_silently(self, step: TraceStep) -> bool:
+        """A process takes a guard that is always ready, if it is at one; whether it did."""
+        for gate in list(conductor.halted.values()):
+            silent = [option for option in gate.options if option.action == "skip"]
+            if silent and gate.path in step.parties:
+                others = len(silent) < len(gate.options)
+                chosen = self._decisions.choose(len(silent) + others)
+                if chosen < len(silent):
+                    self._respect_priorities(gate, silent[chosen])
+                    conductor.release(gate, silent[chosen])
+                    self._settle()
+                    return True
+        return False
 
     def _read_after_guard(self, channel: str) -> None:
         """A process that was told that it can read does so first."""
@@ -168,16 +212,14 @@ class _Attempt:
 
     def _taking_part(self, step: TraceStep) -> Iterator[tuple[Option, Gate | Interruption]]:
         """The gates to be passed for a step, writers first, alternatives last."""
-        actions = ("wait",) if step.kind == "time" else ("write", "read", "ready")
-        candidates: list[Gate | Interruption] = [*conductor.halted.values(), *conductor.interruptions]
-        offers = [
-            (option, candidate)
-            for candidate in candidates
-            for option in candidate.options
-            if option.action in actions and (step.kind == "time" or option.channel == step.channel)
-        ]
+        if step.kind == "time":
+            offers = self._offers(("wait",), None)
+        else:
+            offers = self._offers(("write", "read", "ready"), step.channel.removesuffix(_WRITTEN))
         found = list(self._chosen(step, offers))
         if not found:
+            if self._choose_silently(step):
+                return self._taking_part(step)
             raise _DivergenceError(f"nobody is ready for `{step}`{self._instead(step)}")
         return iter(sorted(found, key=lambda entry: _order(*entry)))
 
@@ -263,7 +305,7 @@ def _belongs(process: str, path: str) -> bool:
 
 
 def _order(option: Option, candidate: Gate | Interruption) -> tuple[bool, bool]:
-    return isinstance(candidate, Interruption) or len(candidate.options) > 1, option.action != "write"
+    return isinstance(candidate, Interruption) or len(candidate.options) > 1, option.action == "write"
 
 
 def _meet_above(writer: Gate, reader: Gate, gate: Gate) -> bool:

@@ -19,6 +19,7 @@ from cspdiag.runtime.ports import In, Out, T
 from cspdiag.runtime.scheduler import Party, scheduler
 from cspdiag.runtime.selector import Selector
 from cspdiag.runtime.together import read_all, write_all
+from cspdiag.runtime.variable import Constant, Discard, Variable
 from cspdiag.simulate.replay_gates import Interruption, Option, conductor
 
 _NOTHING: Mapping[int, Any] = {}
@@ -168,6 +169,8 @@ class _Alternative(Alternative):
 
 def _option(guard: Guard, index: int) -> Option:
     match guard:
+        case Input(end=Constant() | Variable()) | Ready(end=Constant() | Variable()) | Output(end=Discard() | Variable()):
+            return Option("skip", "", index)
         case Input(end=end):
             return Option("read", end.name, index)
         case Ready(end=end):
@@ -215,11 +218,10 @@ def _interrupt(
 
 @coroutine
 def _wait(duration: int) -> Generator[None, None, None]:
-    if duration > 0:
-        yield from conductor.hold(Option("wait"))
-        if conductor.free:
-            yield
-        conductor.done.append(("wait", ""))
+    yield from conductor.hold(Option("wait"))
+    if conductor.free and duration > 0:
+        yield
+    conductor.done.append(("wait", ""))
 
 
 @coroutine
