@@ -1,0 +1,175 @@
+"""``cspdiag diff``."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from cspdiag.draw.layout.elk import engine_available
+from tests.cli.conftest import Command
+
+LIBRARY = "submodel Law(gain: double<V>) { in e : double  out u : double<V>  u = gain * e }\n"
+PROGRAM = """\
+import "law.csp"
+
+process Loop {
+  in  e : double    @ 2 ms
+  out u : double<V> @ 2 ms
+
+  communication {
+    law : Law(gain = 2<V>)
+
+    e     -> law.e
+    law.u -> u
+  }
+
+  composition {
+    mu law
+  }
+}
+"""
+
+
+@pytest.fixture
+def repository(tmp_path: Path) -> Path:
+    """A git repository with a program in a folder, committed once."""
+    folder = tmp_path / "the models"
+    folder.mkdir()
+    (folder / "law.csp").write_text(LIBRARY)
+    (folder / "loop.csp").write_text(PROGRAM)
+    git(tmp_path, "init", "--quiet", "--initial-branch=main")
+    commit(tmp_path, "first")
+    return folder
+
+
+def git(folder: Path, *arguments: str) -> None:
+    identity = ("-c", "user.name=A", "-c", "user.email=a@example.org", "-c", "commit.gpgsign=false")
+    subprocess.run(["git", *identity, *arguments], cwd=folder, check=True, capture_output=True)
+
+
+def commit(folder: Path, message: str) -> None:
+    git(folder, "add", "--all")
+    git(folder, "commit", "--quiet", "--message", message)
+
+
+@pytest.fixture
+def versions(tmp_path: Path) -> tuple[Path, Path]:
+    """A program, and the same with another period, in two files."""
+    (tmp_path / "law.csp").write_text(LIBRARY)
+    old, new = tmp_path / "old.csp", tmp_path / "new.csp"
+    old.write_text(PROGRAM)
+    new.write_text(PROGRAM.replace("@ 2 ms", "@ 5 ms"))
+    return old, new
+
+
+def test_equal_versions_have_no_differences(cspdiag: Command, versions: tuple[Path, Path]) -> None:
+    old, _ = versions
+    assert cspdiag("diff", old, old) == (0, "", "")
+    assert cspdiag("diff", old, old, "--format", "json") == (0, "[]\n", "")
+
+
+def test_comments_and_layout_of_the_text_are_no_difference(cspdiag: Command, versions: tuple[Path, Path]) -> None:
+    old, new = versions
+    new.write_text("// a comment\n" + PROGRAM.replace("    mu law", "    // again and again\n    mu\n      law"))
+    assert cspdiag("diff", old, new) == (0, "", "")
+
+
+def test_differences_are_told_by_definition_with_exit_code_1(cspdiag: Command, versions: tuple[Path, Path]) -> None:
+    result = cspdiag("diff", *versions)
+    assert result == (1, "  process Loop\n    ~ port e: period 2 ms → 5 ms\n    ~ port u: period 2 ms → 5 ms\n", "")
+    assert cspdiag("diff", *versions, "--exit-zero").code == 0
+
+
+def test_differences_are_told_to_machines(cspdiag: Command, versions: tuple[Path, Path]) -> None:
+    first, _ = json.loads(cspdiag("diff", *versions, "--format", "json").out)
+    assert first == {
+        "action": "changed",
+        "kind": "process",
+        "definition": "Loop",
+        "subject": "port",
+        "name": "e",
+        "aspect": "period",
+        "before": "2 ms",
+        "after": "5 ms",
+        "from": {"file": str(versions[0]), "line": 4, "column": 7},
+        "to": {"file": str(versions[1]), "line": 4, "column": 7},
+    }
+
+
+def test_the_working_tree_is_compared_with_the_last_commit(cspdiag: Command, repository: Path) -> None:
+    path = repository / "loop.csp"
+    assert cspdiag("diff", path) == (0, "", "")
+    path.write_text(PROGRAM.replace("2<V>", "3<V>"))
+    assert cspdiag("diff", path).out == "  process Loop\n    ~ instance law: argument gain 2<V> → 3<V>\n"
+
+
+def test_imports_are_those_of_the_revision(cspdiag: Command, repository: Path) -> None:
+    (repository / "law.csp").unlink()
+    (repository / "laws.csp").write_text(LIBRARY.replace("gain * e", "-gain * e"))
+    path = repository / "loop.csp"
+    path.write_text(PROGRAM.replace("law.csp", "laws.csp"))
+    commit(repository, "second")
+    told = "  submodel Law\n    ~ equation u: value gain * e → -gain * e\n"
+    assert cspdiag("diff", path, "--from", "HEAD~1").out == told
+    assert cspdiag("diff", path, "--from", "HEAD~1", "--to", "main").out == told
+    assert cspdiag("diff", path, "--from", "main") == (0, "", "")
+
+
+def test_a_revision_stands_before_a_file_as_in_git(
+    cspdiag: Command, repository: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = repository / "loop.csp"
+    path.write_text(PROGRAM.replace("2<V>", "3<V>"))
+    monkeypatch.chdir(repository)
+    told = "  process Loop\n    ~ instance law: argument gain 2<V> → 3<V>\n"
+    assert cspdiag("diff", "HEAD:the models/loop.csp", "loop.csp").out == told
+    assert cspdiag("diff", "HEAD:./loop.csp", "loop.csp").out == told
+    assert cspdiag("diff", "HEAD:./loop.csp").out == told
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["loop.csp", "--from", "nowhere"], "no revision 'nowhere'"),
+        (["HEAD:./other.csp", "loop.csp"], "other.csp: not in revision HEAD"),
+        (["missing.csp", "loop.csp"], "missing.csp: no such file"),
+        (["loop.csp", "loop.csp", "--to", "HEAD"], "--from and --to are for the revisions of one file"),
+        (["HEAD:./loop.csp", "--from", "HEAD"], "names a revision, and so does --from"),
+        (["loop.csp", "-o", "x.gif"], "must end in .svg, .png or .pdf"),
+        (["loop.csp", "-o", "nowhere/x.svg"], "there is no folder nowhere"),
+    ],
+)
+def test_what_cannot_be_compared_is_refused_in_a_line(
+    cspdiag: Command, repository: Path, monkeypatch: pytest.MonkeyPatch, arguments: list[str], says: str
+) -> None:
+    monkeypatch.chdir(repository)
+    result = cspdiag("diff", *arguments)
+    assert (result.code, result.out) == (2, "")
+    assert says in result.err
+    assert result.err.count("\n") == 1
+
+
+def test_outside_of_a_repository_two_files_are_needed(cspdiag: Command, versions: tuple[Path, Path]) -> None:
+    result = cspdiag("diff", versions[0])
+    assert result.code == 2
+    assert "not a git repository" in result.err
+
+
+def test_a_version_that_cannot_be_read_is_shown_with_its_errors(cspdiag: Command, versions: tuple[Path, Path]) -> None:
+    old, new = versions
+    new.write_text(PROGRAM.replace("communication {", "communication"))
+    result = cspdiag("diff", old, new)
+    assert (result.code, result.out) == (2, "")
+    assert "error[E01" in result.err
+    assert result.err.endswith(f"cspdiag: {new} cannot be read as a program\n")
+
+
+@pytest.mark.skipif(not engine_available(), reason="the layout engine is not there: make setup fetches it")
+def test_the_changed_diagrams_are_drawn(cspdiag: Command, versions: tuple[Path, Path], tmp_path: Path) -> None:
+    out = tmp_path / "changes.svg"
+    result = cspdiag("diff", *versions, "-o", out)
+    assert (result.code, result.err) == (1, f"wrote {out}\n")
+    assert out.read_text().count('class="badge changed"') == 4
