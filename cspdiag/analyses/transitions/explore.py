@@ -10,7 +10,7 @@ from cspdiag.analyses.transitions.spots import spot
 from cspdiag.analyses.transitions.template import Template
 from cspdiag.analyses.transitions.thread import Configuration, Restart, Role, Thread
 
-MOST_STATES = 20_000
+MOST_STATES = 5_000
 """A thread with more states has a variable with many values, which is then not followed."""
 
 
@@ -50,16 +50,13 @@ def _explored(thread: Thread) -> Template:
             if number is None:
                 number = numbers[target] = len(order)
                 order.append(target)
+                thread.count(target)
             if (label, number) not in seen:
                 seen.add((label, number))
                 edges.append((label, number))
         template.edges.append(edges)  # type: ignore[arg-type]
-        if len(template.edges) % 256 == 0 and thread.most_values(order) is not None:
-            raise Restart
         if len(order) > MOST_STATES:
             _give_up_a_variable(thread, order)
-    if thread.most_values(order) is not None:
-        raise Restart
     for number, configuration in enumerate(order):
         assert configuration.stack is not None
         frame = configuration.stack[0]
@@ -73,7 +70,7 @@ def _explored(thread: Thread) -> Template:
 
 
 def _give_up_a_variable(thread: Thread, order: list[Configuration]) -> None:
-    if thread.widen(order, at_least=2) is None:
+    if not thread.give_up(order):
         where = thread.root.occurrence.path
         raise TransitionError(f"`{where}` has more than {MOST_STATES} states, and no variable is left to leave open")
     raise Restart

@@ -75,7 +75,7 @@ class Follower:
                     return configuration._replace(stack=(("diverges",), configuration.stack))
                 seen[configuration] = None
             if steps > _MANY_STEPS:
-                if self.thread.widen(list(seen), at_least=2) is None:
+                if not self.thread.give_up(seen):
                     return configuration._replace(stack=(("diverges",), configuration.stack))
                 raise Restart
 

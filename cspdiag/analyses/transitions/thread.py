@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any, NamedTuple, TypeAlias
 
 from cspdiag.analyses.transitions.occurrences import Medium, Occurrence
@@ -102,6 +103,8 @@ class Thread:
         self._contexts: dict[Path, Context] = {(): self.root}
         self._slots: dict[object, int] = {}
         self._initial: list[Known] = []
+        self._values: list[set[Known]] = []
+        self._sessions: dict[Path, list[object]] = {}
 
     def context(self, outer: Context, name: str) -> Context:
         """The process that an instance inside is."""
@@ -207,29 +210,38 @@ class Thread:
         slot = self._slots.get(key)
         if slot is None:
             slot = self._slots[key] = len(self._initial)
-            begun = isinstance(key, tuple) and key[0] == "begun"
-            initial = False if begun else self.medium(key).initial  # type: ignore[arg-type]
+            initial = False if _is_session(key) else self.medium(key).initial  # type: ignore[arg-type]
             self._initial.append(UNKNOWN if key in self.widened else initial)
+            self._values.append(set())
+            if _is_session(key):
+                self._sessions.setdefault(key[1][0], []).append(key)  # type: ignore[index]
         return slot
 
-    def widen(self, configurations: list[Configuration], *, at_least: int) -> Reference | None:
-        """Gives up following the variable with most values, if it has so many; it is returned."""
-        best: object = None
-        most = at_least - 1
-        for key, slot in self._slots.items():
-            if isinstance(key, tuple) and key[0] == "begun":
-                continue
-            values = {c.variables[slot] for c in configurations if slot < len(c.variables)}
-            if len(values) > most and key not in self.widened:
-                best, most = key, len(values)
-        if best is None:
-            return None
-        self.widened.add(best)  # type: ignore[arg-type]
-        return best  # type: ignore[return-value]
+    def count(self, configuration: Configuration) -> None:
+        """Notes the values in a new state. Raises Restart, with the variable given up, if one has more than are told apart."""
+        for slot, value in enumerate(configuration.variables):
+            values = self._values[slot]
+            values.add(value)
+            if len(values) > MOST_VALUES:
+                ((key, _),) = (entry for entry in self._slots.items() if entry[1] == slot)
+                self.widened.add(key)  # type: ignore[arg-type]
+                raise Restart
 
-    def most_values(self, configurations: list[Configuration]) -> Reference | None:
-        """Gives up a variable that has more values than are told apart."""
-        return self.widen(configurations, at_least=MOST_VALUES + 1)
+    def give_up(self, configurations: Iterable[Configuration]) -> bool:
+        """Gives up following the variable that has most values in some configurations; whether any has several."""
+        found: dict[int, set[Known]] = {}
+        for configuration in configurations:
+            for slot, value in enumerate(configuration.variables):
+                found.setdefault(slot, set()).add(value)
+        most, best = 1, None
+        for key, slot in self._slots.items():
+            values = found.get(slot, set()) | {self._initial[slot]}
+            if len(values) > most and key not in self.widened and not _is_session(key):
+                most, best = len(values), key
+        if best is None:
+            return False
+        self.widened.add(best)  # type: ignore[arg-type]
+        return True
 
     # -- sessions of sampled inputs
 
@@ -247,9 +259,8 @@ class Thread:
 
     def closed(self, configuration: Configuration, context: Context) -> Configuration:
         """The process ends, and with it the sessions of its ends."""
-        for key in list(self._slots):
-            if isinstance(key, tuple) and key[0] == "begun" and key[1][0] == context.path:
-                configuration = self.with_slot(configuration, key, False)
+        for key in self._sessions.get(context.path, ()):
+            configuration = self.with_slot(configuration, key, False)
         return configuration
 
     def _follows_sessions(self, context: Context) -> bool:
@@ -259,6 +270,10 @@ class Thread:
     def abstracted(self, what: str, span: Span | None) -> None:
         """Notes what is left open."""
         self.template.abstractions[Abstraction(what, span)] = None
+
+
+def _is_session(key: object) -> bool:
+    return isinstance(key, tuple) and key[0] == "begun"
 
 
 def resolve(occurrence: Occurrence, reference: Reference) -> Medium:

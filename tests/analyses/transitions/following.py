@@ -1,22 +1,31 @@
-"""Follows the communications of a run through a transition system: the system allows whatever the program does."""
+"""Follows the communications of a run through a transition system: the system allows whatever the program does, and ends as it ends."""
 
 from __future__ import annotations
 
 import heapq
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from itertools import product
 
 from cspdiag.analyses.transitions.system import INTERNAL, System
 from cspdiag.model.types import Type
 from cspdiag.network.dump_expression import value_text
+from cspdiag.network.ir import Network
+from cspdiag.simulate.result import Run
 
-Communication = tuple[str, object]
-"""The channel and the value that passed."""
+Communication = tuple[str, str]
+"""The channel and the value that passed, as text."""
+
+State = tuple[int, ...]
 
 OBSERVED = frozenset({"communication", "external", "sample"})
 """The kinds of events that are in the trace of a run."""
 
-State = tuple[int, ...]
+_GIVEN = frozenset({"external", "sample", "miss", "ready"})
+"""The kinds of events that may wait for the environment, for ever."""
+
+
+class Lost(Exception):  # noqa: N818
+    """The system does not allow what the program did."""
 
 
 def moves(system: System, state: State) -> Iterator[tuple[int, State]]:
@@ -37,44 +46,78 @@ def moves(system: System, state: State) -> Iterator[tuple[int, State]]:
                 yield event, tuple(after)
 
 
-class Lost(Exception):  # noqa: N818
-    """The system does not allow what the program did."""
+def has_ended(system: System, state: State) -> bool:
+    """Whether every process has come to its end, or waits for others that have."""
+    return all(
+        local in component.terminal or not component.process
+        for component, local in zip(system.components, state, strict=True)
+    )
+
+
+def is_stuck(system: System, state: State) -> bool:
+    """Whether nothing happens any more unless the environment offers something, and not every process has ended."""
+    waiting = all(event != INTERNAL and system.events[event].kind in _GIVEN for event, _ in moves(system, state))
+    return waiting and not has_ended(system, state)
+
+
+def observed(run: Run) -> tuple[list[Communication], set[str]]:
+    """The communications of a run, but for those of sampled outputs, and the names of these.
+
+    A sampled output communicates at the next tick; in the system it is an event where it is written.
+    """
+    network = run.network
+    types = _types(network)
+    latched = {
+        f"{network.top}.{port.name}"
+        for port in network.external_ports
+        if port.direction == "out" and port.period is not None and not port.immediate
+    }
+    return [
+        (channel, value_text(value, types[channel]))  # type: ignore[arg-type]
+        for _, channel, value, _, _ in run.communications
+        if channel not in latched
+    ], latched
+
+
+def _types(network: Network) -> dict[str, Type]:
+    types = {net.path: net.type for net in network.nets}
+    return types | {f"{network.top}.{port.name}": port.type for port in network.external_ports}
 
 
 def follow(
-    system: System, run: Sequence[Communication], types: dict[str, Type], unseen_channels: set[str], limit: int = 60_000
+    system: System,
+    communications: Sequence[Communication],
+    unseen: set[str],
+    wanted: Callable[[System, State], bool] = lambda _system, _state: True,
+    limit: int = 60_000,
 ) -> State | None:
-    """A state in which the system may be after the communications of a run; None if ``limit`` states were not enough to find one.
+    """A state after the communications, at which ``wanted`` holds; None if ``limit`` states were not enough to find one.
 
-    ``unseen_channels`` are those whose communications are not in ``run``.
-
-    Raises Lost, with what could not be followed, if there is none.
+    Communications of the channels ``unseen`` are not looked at. Raises Lost, with what could not be followed, if there is none.
     """
-    texts = [(channel, value_text(value, types[channel])) for channel, value in run]  # type: ignore[arg-type]
     start = (system.initial, 0)
     seen = {start}
     pending = [(0, 0, 0, start)]
-    furthest, counter = 0, 0
+    furthest = 0
     while pending:
-        _, unseen, _, (state, done) = heapq.heappop(pending)
-        if done == len(texts):
+        _, silent, _, (state, done) = heapq.heappop(pending)
+        furthest = max(furthest, done)
+        if done == len(communications) and wanted(system, state):
             return state
-        if done > furthest:
-            furthest = done
         for event, after in moves(system, state):
             step = done
             known = None if event == INTERNAL else system.events[event]
-            if known is not None and known.kind in OBSERVED and known.channel not in unseen_channels:
-                if known.channel != texts[done][0] or known.value not in (None, texts[done][1]):
+            if known is not None and known.kind in OBSERVED and known.channel not in unseen:
+                if done == len(communications) or known.channel != communications[done][0]:
+                    continue
+                if known.value not in (None, communications[done][1]):
                     continue
                 step += 1
             following = (after, step)
             if following not in seen:
                 seen.add(following)
-                counter += 1
-                if counter > limit:
+                if len(seen) > limit:
                     return None
-                heapq.heappush(pending, (-step, 0 if step > done else unseen + 1, counter, following))
-    raise Lost(
-        f"after {furthest} of {len(texts)} communications {texts[max(0, furthest - 6) : furthest]}: {texts[furthest]}"
-    )
+                heapq.heappush(pending, (-step, 0 if step > done else silent + 1, len(seen), following))
+    what = communications[furthest] if furthest < len(communications) else "the way in which it ended"
+    raise Lost(f"after {furthest} of {len(communications)} communications: {what}")

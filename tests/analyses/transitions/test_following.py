@@ -1,0 +1,83 @@
+"""A transition system allows every run of its program, and ends as the run ends."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, given, note, settings
+
+from cspdiag import pipeline
+from cspdiag.analyses.transitions import transition_system
+from cspdiag.diagnostics import SourceFile
+from cspdiag.network.ir import Network
+from cspdiag.simulate.execute import simulate
+from cspdiag.simulate.result import Run
+from tests.analyses.transitions.following import Lost, follow, has_ended, is_stuck, observed
+from tests.conformance.sources import environments, network_of, read
+from tests.properties.programs import programs
+
+ROOT = Path(__file__).parents[3]
+MODELS = ("buffer", "cascade", "commstime", "dining/deadlock", "dining", "emergency", "jiwy", "ring", "watchdog")
+PROGRAMS = sorted((ROOT / "tests/conformance/programs").glob("*.csp"))
+LONGEST = 120
+"""Communications that are followed at most."""
+
+
+def network_named(name: str) -> Network:
+    folder, _, file = name.partition("/")
+    return network_of(read(str(ROOT / "models" / folder / f"{file or folder}.csp")))
+
+
+def run_of(network: Network) -> Run:
+    files = pipeline.generate(network, read, traced=True, observed=True)
+    return simulate(network, files, environment=environments(network)[0], until=60_000_000)
+
+
+def assert_allowed(network: Network, run: Run, limit: int = 60_000) -> bool:
+    """Whether the run was followed; it may take too many states to do so."""
+    communications, unseen = observed(run)
+    wanted = {"terminated": has_ended, "deadlock": is_stuck}.get(run.outcome.ended)
+    if wanted is None or len(communications) > LONGEST:
+        return follow(transition_system(network), communications[:LONGEST], unseen, limit=limit) is not None
+    return follow(transition_system(network), communications, unseen, wanted, limit) is not None
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_model(name: str) -> None:
+    network = network_named(name)
+    assert assert_allowed(network, run_of(network))
+
+
+@pytest.mark.parametrize("path", PROGRAMS, ids=lambda path: path.stem)
+def test_program_that_is_hard_to_get_right(path: Path) -> None:
+    network = network_of(read(str(path)))
+    assert assert_allowed(network, run_of(network))
+
+
+@settings(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
+@given(programs())
+def test_random_program(text: str) -> None:
+    note(text)
+
+    def nothing(path: str) -> SourceFile:
+        raise FileNotFoundError(path)
+
+    network = pipeline.build(SourceFile(name="random.csp", text=text), nothing).network
+    assert network is not None
+    assert_allowed(network, run_of(network), limit=15_000)
+
+
+@pytest.mark.parametrize("name", ["commstime", "dining", "ring"])
+def test_run_with_a_communication_left_out_is_not_allowed(name: str) -> None:
+    network = network_named(name)
+    communications, unseen = observed(run_of(network))
+    system = transition_system(network)
+    assert len(communications) > 20
+    lost = 0
+    for left_out in range(10):
+        try:
+            follow(system, communications[:left_out] + communications[left_out + 1 : 40], unseen)
+        except Lost:
+            lost += 1
+    assert lost >= 5
