@@ -61,7 +61,7 @@ def _explored(thread: Thread) -> Template:
         assert configuration.stack is not None
         frame = configuration.stack[0]
         template.spots.append(spot(thread, frame, configuration))
-        if frame[0] in ("idle", "ended", "over", "raised", "join") and not (
+        if frame[0] in ("idle", "ended", "over", "faulted", "raised", "join") and not (
             frame[0] == "raised" and not thread.role.outermost
         ):
             template.terminal.add(number)

@@ -10,6 +10,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from typing import Literal, TypeAlias
 
+from cspdiag.analyses.transitions.faults import Faults
 from cspdiag.analyses.transitions.program import Class, Node, Program
 from cspdiag.analyses.transitions.values import values_of_type
 from cspdiag.network.actions import (
@@ -52,6 +53,7 @@ class Facts:
         self.program = program
         self.relevant = _relevant(program)
         self.sampled = _sampled_ports(program)
+        self.faults = Faults(program.network)
         self._escaping: dict[Node, frozenset[str]] = {}
         self.catches_faults = any(
             isinstance(part, CatchException) and part.exception == FAULT

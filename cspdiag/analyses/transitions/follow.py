@@ -18,6 +18,8 @@ from cspdiag.analyses.transitions.values import (
     values_of_type,
     variables_in,
 )
+from cspdiag.diagnostics import Span
+from cspdiag.model.types import ArrayType, RealType, StructType, Type
 from cspdiag.network.actions import (
     AfterEvent,
     AssignValue,
@@ -44,13 +46,17 @@ from cspdiag.network.actions import (
     WhileLoop,
     WriteValue,
 )
-from cspdiag.network.expression_walk import walk
-from cspdiag.network.expressions import Expression, LiteralValue, ParameterValue, PresentTime
+from cspdiag.network.expressions import Expression, LiteralValue, PresentTime
 from cspdiag.network.ir import Connection, ExternalCall, SubmodelClass
 
 _MANY_STEPS = 5_000
 """After so many silent steps the variables that change are not followed any longer."""
-_RISK = ("risk",)
+RISK = ("risk",)
+"""Stands for a shared variable that is loaded: the fault that a step may end in, which it does not."""
+
+
+POINTS = frozenset({"run", "put", "delivering", "choice", "reading", "writing", "foreign", "foreign port"})
+"""What may be first on the stack where a cancelled or interrupted process ends."""
 
 
 class Follower:
@@ -67,7 +73,10 @@ class Follower:
         while True:
             following = self._step(configuration)
             if following is None:
-                return configuration
+                stack = configuration.stack
+                if not configuration.doomed or stack is None or stack[0][0] not in POINTS:
+                    return configuration
+                following = self.abandoned(configuration)
             configuration = following
             steps += 1
             if steps > 32:
@@ -122,6 +131,8 @@ class Follower:
             if frame[0] == "leave":
                 configuration = self.thread.closed(configuration, frame[1])
         end = ("ended",) if configuration.doomed else ("raised", exception)
+        if exception == FAULT and not (self.thread.role.outermost or self.thread.role.caught):
+            end = ("faulted",)
         return configuration._replace(stack=(end, None), doomed=False, fetched=None, loaded=())
 
     # -- values
@@ -130,15 +141,33 @@ class Follower:
         """A value; where faults are caught, an evaluation that may fail is first seen to ``risk`` it."""
         value = self.thread.evaluate(configuration, context, expression)
         if value is UNKNOWN:
-            self._risk(configuration, expression)
+            self._compute_risk(configuration, context, expression)
         return value
 
-    def _risk(self, configuration: Configuration, expression: Expression | None = None) -> None:
-        """A step that may end in a fault, where faults are caught: unless it only computes ``expression``, which cannot."""
-        if not self.thread.facts.catches_faults or any(loaded == _RISK for loaded, _ in configuration.loaded):
+    def _compute_risk(self, configuration: Configuration, context: Context, expression: Expression) -> None:
+        """Computes an expression whose value does not matter."""
+        if self.thread.facts.catches_faults and self.thread.facts.faults.of_expression(
+            expression, context.definition.name
+        ):
+            self._risk(configuration, expression.span)
+
+    def _risk(self, configuration: Configuration, span: Span | None) -> None:
+        """A step that may end in a fault, where faults are caught."""
+        if any(loaded == RISK for loaded, _ in configuration.loaded):
             return
-        if expression is None or any(not isinstance(part, LiteralValue | ParameterValue) for part in walk(expression)):
-            raise NeedsLoad(_RISK)
+        if self.faults_are_caught(configuration):
+            raise NeedsLoad((*RISK, span))
+
+    def faults_are_caught(self, configuration: Configuration) -> bool:
+        """Whether a ``catch Fault`` is around what the thread does."""
+        if not self.thread.facts.catches_faults:
+            return False
+        stack = configuration.stack
+        while stack is not None:
+            frame, stack = stack
+            if frame[0] == "catch" and frame[1] == FAULT:
+                return True
+        return self.thread.role.caught
 
     def outcomes(
         self, configuration: Configuration, context: Context, condition: Expression
@@ -220,7 +249,7 @@ class Follower:
         action = node.action
         assert isinstance(action, AssignValue)
         if not self.thread.medium(("channel", context.path, action.target.channel)).relevant:
-            self._risk(c, action.value)
+            self._compute_risk(c, context, action.value)
             return c._replace(stack=rest, loaded=())
         value = self.evaluate(c, context, action.value)
         return self.assigned(c._replace(stack=rest), context, action.target, value)._replace(loaded=())
@@ -239,8 +268,9 @@ class Follower:
         value = UNKNOWN
         if self._target_relevant(context, action.target):
             value = self.thread.value_of(c, reference)
-        if value is UNKNOWN:
-            self._risk(c)
+        faults = self.thread.facts.faults
+        if value is UNKNOWN and faults.of_read(action.source, context.definition.name):
+            self._risk(c, action.span)
         return self.assigned(c._replace(stack=rest), context, action.target, value)._replace(loaded=())
 
     def _target_relevant(self, context: Context, target: Target) -> bool:
@@ -266,7 +296,7 @@ class Follower:
     def _wait(self, c: Configuration, node: Node, context: Context, rest: Stack) -> Configuration | None:
         if not c.doomed:
             assert isinstance(node.action, WaitStep)
-            self._risk(c, node.action.duration)
+            self._compute_risk(c, context, node.action.duration)
         return self._point(c, node, context, rest)
 
     def _point(self, c: Configuration, node: Node, context: Context, rest: Stack) -> Configuration | None:
@@ -363,7 +393,7 @@ class Follower:
     def offered(self, c: Configuration, context: Context, branch: Branch) -> Known:
         """What an output guard writes; it is evaluated when the alternative begins."""
         if isinstance(branch.event, AfterEvent):
-            self._risk(c, branch.event.duration)
+            self._compute_risk(c, context, branch.event.duration)
         if not isinstance(branch.event, OutputEvent):
             return UNKNOWN
         return self.communicated(c, context, context.reference(branch.event.sink), branch.event.value)
@@ -372,10 +402,13 @@ class Follower:
         """The value of an expression that is written to a medium, if values of that medium are followed."""
         if self.thread.medium(reference).relevant and not isinstance(expression, PresentTime):
             return self.evaluate(c, context, expression)
-        if not isinstance(expression, PresentTime):
-            self._risk(c, expression)
-        if self.thread.medium(reference).kind == "output" and isinstance(expression, LiteralValue):
+        self._compute_risk(c, context, expression)
+        if self.thread.medium(reference).kind != "output":
+            return UNKNOWN
+        if isinstance(expression, LiteralValue):
             return expression.value
+        if _has_real(expression.type):
+            self._risk(c, expression.span)  # NaN and infinity are no values of outputs.
         return UNKNOWN
 
     def _interrupt(self, c: Configuration, node: Node, context: Context, rest: Stack) -> Configuration | None:
@@ -444,7 +477,9 @@ class Follower:
         assert isinstance(context, Context)
         assert isinstance(instance, str)
         if remaining is None:
-            self._risk(c)
+            instance_of = context.definition.instances[instance]
+            if self.thread.facts.faults.of_inputs(instance_of, context.definition.name):
+                self._risk(c, instance_of.span)
             inputs = self.connections(context, instance, "in")
             waiting = [i for i, (_, reference) in enumerate(inputs) if self.thread.medium(reference).kind in PATIENT]
             if c.fetched is not None:
@@ -461,11 +496,14 @@ class Follower:
         _, context, instance, node = frame
         assert isinstance(context, Context)
         assert isinstance(instance, str)
-        self._risk(c)
-        c = c._replace(stack=(("writing", context, instance, node, None), rest), loaded=())
         law = self.thread.law(context, instance)
         assert law is not None
-        for connection, reference in self.connections(context, instance, "out"):
+        outputs = self.connections(context, instance, "out")
+        shown = any(self.thread.medium(reference).kind == "output" for _, reference in outputs)
+        if shown or self.thread.facts.faults.of_law(law):
+            self._risk(c, context.definition.instances[instance].span)
+        c = c._replace(stack=(("writing", context, instance, node, None), rest), loaded=())
+        for connection, reference in outputs:
             if self.thread.medium(reference).kind == "var":
                 c = self.stored(c, reference, constant_output(law, connection.port))
         return c
@@ -483,6 +521,15 @@ class Follower:
             left = tuple(i for i, kind in enumerate(kinds) if kind not in ("var", "discard"))
             return c._replace(stack=(("writing", context, instance, node, left), rest))
         return None if remaining else c._replace(stack=rest)
+
+
+def _has_real(kind: Type) -> bool:
+    match kind:
+        case StructType(fields=fields):
+            return any(_has_real(field) for _, field in fields)
+        case ArrayType(element=element):
+            return _has_real(element)
+    return isinstance(kind, RealType)
 
 
 def constant_output(law: SubmodelClass, port: str) -> Known:

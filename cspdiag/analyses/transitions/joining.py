@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from cspdiag.analyses.transitions.facts import FAULT
 from cspdiag.analyses.transitions.program import Node
-from cspdiag.analyses.transitions.template import Label, Parallel, ParallelId
+from cspdiag.analyses.transitions.template import Label, Parallel
 from cspdiag.analyses.transitions.thread import Configuration, Context, Frame, Stack, Thread
 from cspdiag.diagnostics import Span
 from cspdiag.model.types import DOUBLE
@@ -17,23 +18,30 @@ if TYPE_CHECKING:
 
 
 def fork_edges(
-    thread: Thread, c: Configuration, node: Node, context: Context, rest: Stack
+    thread: Thread, follower: Follower, c: Configuration, node: Node, context: Context, rest: Stack
 ) -> list[tuple[Label, Configuration]]:
     """The start of all branches."""
-    parallel = _parallel(thread, c, node, context)
-    return [(("fork", parallel), c._replace(stack=(("join", node, context, "wait"), rest)))]
-
-
-def _parallel(thread: Thread, c: Configuration, node: Node, context: Context) -> ParallelId:
     key = (context.path, node)
     parallel = thread.template.parallels.setdefault(key, Parallel(context.path, node))
-    stack, interrupted = c.stack, False
+    caught = follower.faults_are_caught(c)
+    raising = any(escaping(thread, child, context, caught=caught) for child in node.children)
+    parallel.caught = parallel.caught or caught
+    parallel.cancellable = parallel.cancellable or thread.role.cancellable or _is_interruptible(c.stack) or raising
+    return [(("fork", key), c._replace(stack=(("join", node, context, "wait"), rest)))]
+
+
+def _is_interruptible(stack: Stack) -> bool:
     while stack is not None:
-        interrupted = interrupted or stack[0][0] == "interrupt"
-        stack = stack[1]
-    raising = any(thread.facts.escaping(child, context.definition) for child in node.children)
-    parallel.cancellable = parallel.cancellable or thread.role.cancellable or interrupted or raising
-    return key
+        frame, stack = stack
+        if frame[0] == "interrupt":
+            return True
+    return False
+
+
+def escaping(thread: Thread, branch: Node, context: Context, *, caught: bool) -> list[str]:
+    """The exceptions that a branch may raise; faults only where they are caught."""
+    found = thread.facts.escaping(branch, context.definition)
+    return sorted(found if caught else found - {FAULT})
 
 
 def join_edges(
@@ -54,8 +62,9 @@ def join_edges(
     match stage:
         case "wait":
             found: list[tuple[Label, Configuration]] = [(("join", parallel), done)]
+            caught = follower.faults_are_caught(c)
             for branch, child in enumerate(node.children):
-                for name in sorted(thread.facts.escaping(child, context.definition)):
+                for name in escaping(thread, child, context, caught=caught):
                     found.append((("thrown", parallel, branch, name), at("cancelling", name)))
             return found
         case "cancelling":
@@ -88,7 +97,7 @@ class LawParallels:
             steps = tuple(_step(kind, end, node.span) for end in ends)
             known = Node(ParallelSteps(span=node.span, steps=steps, prioritized=False))
             context.definition.laws[instance, kind, remaining] = known
-        return fork_edges(self.thread, c, known, context, rest)
+        return fork_edges(self.thread, self.follower, c, known, context, rest)
 
 
 def _step(kind: str, end: Any, span: Span) -> Action:

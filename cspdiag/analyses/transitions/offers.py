@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TypeAlias
 
 from cspdiag.analyses.transitions.facts import FAULT, TIMEOUT
-from cspdiag.analyses.transitions.follow import Follower
+from cspdiag.analyses.transitions.follow import POINTS, RISK, Follower
 from cspdiag.analyses.transitions.joining import LawParallels, fork_edges, join_edges
 from cspdiag.analyses.transitions.occurrences import PATIENT
 from cspdiag.analyses.transitions.program import Node
@@ -40,9 +40,6 @@ MISSED = "missed"
 
 _AT_ONCE = 4
 """With more communications at once than that, each has a component of its own instead of all orders in one."""
-
-POINTS = frozenset({"run", "put", "delivering", "choice", "reading", "writing", "foreign", "foreign port"})
-"""Frames at which a cancelled or interrupted process ends; so it does at the actions that wait."""
 
 
 class Offers:
@@ -106,6 +103,8 @@ class Offers:
                 return [(("end",), c._replace(stack=(("over" if self.thread.role.once else "idle",), None)))]
             case "over":
                 return []
+            case "faulted":
+                return [(("time", "the program ends by a fault"), c)]
             case "raised":
                 if self.thread.role.outermost:
                     return []
@@ -139,7 +138,7 @@ class Offers:
             case StopStep():
                 return []
             case ParallelSteps():
-                return fork_edges(self.thread, c, node, context, rest)
+                return fork_edges(self.thread, self.follower, c, node, context, rest)
         raise AssertionError(type(action).__name__)
 
     def _written(self, reference: Reference, value: Known, kind: str = "write") -> Label:
@@ -340,9 +339,9 @@ class Offers:
         ]
 
     def _load(self, c: Configuration, reference: Reference, rest: Stack) -> list[Move]:
-        if reference == ("risk",):
-            self.thread.abstracted("a computation may end in a fault or not", None)
-            safe = c._replace(stack=rest, loaded=(*c.loaded, (reference, True)))
+        if reference[0] == "risk":
+            self.thread.abstracted("a computation may end in a fault or not", reference[1])
+            safe = c._replace(stack=rest, loaded=(*c.loaded, (RISK, True)))
             return [(INTERNAL_LABEL, self.follower.thrown(safe, FAULT)), (INTERNAL_LABEL, safe)]
         domain = self.thread.domain(reference)
         return [
@@ -384,7 +383,7 @@ class Offers:
     def _cancellation(self, c: Configuration, frame: Frame) -> list[Move]:
         """What a cancelled thread does: it ends where it waits, and goes on to such a place elsewhere."""
         label: Label = ("cancelled",)
-        if frame[0] in ("idle", "over"):
+        if frame[0] in ("idle", "over", "faulted"):
             return []
         if frame[0] in ("ended", "raised"):
             return [(label, c._replace(stack=(("ended",), None)))]

@@ -41,7 +41,7 @@ def spot(thread: Thread, frame: Frame, configuration: Configuration) -> Spot:
         case "open":
             return Spot("decides", None, frame[2].span)
         case "load":
-            return Spot("computes") if frame[1] == ("risk",) else Spot("looks at", frame[1])
+            return Spot("computes", None, frame[1][1]) if frame[1][0] == "risk" else Spot("looks at", frame[1])
         case "store":
             return Spot("assigns", frame[1])
         case "foreign":
@@ -53,6 +53,8 @@ def spot(thread: Thread, frame: Frame, configuration: Configuration) -> Spot:
             return Spot("goes round for ever without a communication")
         case "idle":
             return Spot("has not been started")
+        case "faulted":
+            return Spot("has ended by a fault")
         case "raised":
             return Spot(f"raises {frame[1]}")
         case "either":

@@ -55,11 +55,12 @@ class Spot:
 
 @dataclass
 class Parallel:
-    """A parallel that a thread runs, and whether its branches may be cancelled."""
+    """A parallel that a thread runs, whether its branches may be cancelled, and whether a fault of theirs is ``caught``."""
 
     path: Path
     node: Node
     cancellable: bool = False
+    caught: bool = False
 
 
 @dataclass

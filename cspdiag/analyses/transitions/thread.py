@@ -58,10 +58,13 @@ class Configuration(NamedTuple):
 
 
 class Role(NamedTuple):
-    """What a thread is to others: the outermost process or a branch; one that may be cancelled; one that runs ``once`` at most."""
+    """What a thread is to others: the outermost process or a branch; one that may be cancelled; one whose faults are caught by whoever started it; one
+    that runs ``once`` at most.
+    """
 
     outermost: bool
     cancellable: bool
+    caught: bool
     once: bool
 
 

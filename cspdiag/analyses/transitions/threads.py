@@ -33,6 +33,7 @@ class Strand:
         self.parent = parent
         self.branch = branch
         self.cancellable = False
+        self.caught = False
         self.once = True
         self.parallel: ParallelKey | None = None
         self.template = Template()
@@ -41,7 +42,7 @@ class Strand:
     @property
     def role(self) -> Role:
         """What it is to others."""
-        return Role(outermost=self.parent is None, cancellable=self.cancellable, once=self.once)
+        return Role(outermost=self.parent is None, cancellable=self.cancellable, caught=self.caught, once=self.once)
 
 
 class Strands:
@@ -97,8 +98,9 @@ class Strands:
             for branch in self._branches(strand, key):
                 once = branch.once and strand is branch.parent and strand.once and not template.repeats(key)
                 cancellable = branch.cancellable or parallel.cancellable
-                if (once, cancellable) != (branch.once, branch.cancellable):
-                    branch.once, branch.cancellable = once, cancellable
+                caught = branch.caught or parallel.caught
+                if (once, cancellable, caught) != (branch.once, branch.cancellable, branch.caught):
+                    branch.once, branch.cancellable, branch.caught = once, cancellable, caught
                     self._again(branch)
 
     def _news(self, medium: Medium) -> None:
