@@ -79,8 +79,8 @@ def look(mark: Mark | None, stroke: Ink, fill: Ink) -> Look:
 
 
 def badges(mark: Mark | None, right: float) -> tuple[Item, ...]:
-    """The numbers of messages, or the sign of a change, at the upper right corner of an element."""
-    return () if mark is None or mark.kind == "highlighted" else (badge(mark, Point(right - 4, 0)),)
+    """The numbers of messages, or the sign of a change, at the upper right corner of an element; none where nothing is said about it by itself."""
+    return (badge(mark, Point(right - 4, 0)),) if mark is not None and (mark.numbers or mark.note) else ()
 
 
 def group(kind: str, key: str, items: Iterable[Item], title: str, mark: Mark | None, link: str = "") -> Group:

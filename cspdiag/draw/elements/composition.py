@@ -6,10 +6,10 @@ element, and so are a process with all that watches over it, and an ``if`` with 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Literal, TypeAlias
+from collections.abc import Iterator, Sequence
+from typing import Literal, TypeAlias, TypeVar
 
-from cspdiag.diagnostics.record import record
+from cspdiag.diagnostics.record import record, replaced
 from cspdiag.draw.elements.diagram import BoxKind, Element
 
 ActivityForm: TypeAlias = Literal["run", "read", "write", "assign", "skip", "stop", "wait", "reset", "raise"]
@@ -122,6 +122,8 @@ Composition: TypeAlias = Activity | Chain | Guarded | Loop | Choice | Watched | 
 Part: TypeAlias = Composition | Guard | Case | Handler
 """Everything in a composition diagram that has a key."""
 
+PartT = TypeVar("PartT", bound=Part)
+
 
 @record(kw_only=True)
 class CompositionDiagram(Element):
@@ -152,6 +154,30 @@ def parts(element: Part) -> tuple[Part, ...]:
             return (element.process,) if element.guard is None else (element.guard, element.process)
         case Watched():
             return element.process, *element.handlers
+
+
+def rebuilt(element: PartT, key: str, inner: Sequence[Part]) -> PartT:
+    """The element under another key and with other parts, in the order of ``parts``."""
+    changes: dict[str, object] = {"key": key}
+    match element:
+        case Chain():
+            changes["parts"] = tuple(inner)
+        case Guarded():
+            changes["guard"], changes["process"] = inner
+        case Loop() | Case() | Replication() | NamedGroup():
+            (changes["process"],) = inner
+        case Choice():
+            changes["cases"] = tuple(part for part in inner if isinstance(part, Case))
+            changes["otherwise"] = None if not inner or isinstance(inner[-1], Case) else inner[-1]
+        case Handler(guard=None):
+            (changes["process"],) = inner
+        case Handler():
+            changes["guard"], changes["process"] = inner
+        case Watched():
+            changes["process"], changes["handlers"] = inner[0], tuple(inner[1:])
+        case _:
+            pass
+    return replaced(element, **changes)
 
 
 def walk(element: Part) -> Iterator[Part]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 
+from cspdiag.diagnostics import Span
 from cspdiag.syntax import ast
 
 _COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.DOTALL)
@@ -12,7 +13,12 @@ _COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.DOTALL)
 
 def written(node: ast.Node) -> str:
     """What the node is in the text."""
-    return " ".join(_COMMENT.sub(" ", node.span.text).split())
+    return written_span(node.span)
+
+
+def written_span(span: Span) -> str:
+    """What stands at a place in the text."""
+    return " ".join(_COMMENT.sub(" ", span.text).split())
 
 
 def optional(node: ast.Node | None) -> str | None:
