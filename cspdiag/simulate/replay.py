@@ -148,7 +148,8 @@ class _Attempt:
         for action, channel in expected:
             if action == "ready":
                 self._read_after_guard(channel)
-            elif (action, channel) not in conductor.done and not step.channel.endswith(_WRITTEN):
+        for action, channel in expected:
+            if (action, channel) not in conductor.done and not step.channel.endswith(_WRITTEN):
                 raise _DivergenceError(f"`{step}` does not come about")
 
     def _choose_ready(self, step: TraceStep) -> None:

@@ -40,12 +40,15 @@ def prove(question: Question, systems: Systems, limits: Limits, method: Method |
 
 def _deadlock_free(question: Question, system: System, limits: Limits, method: Method | None) -> Answer:
     """No deadlock, in which nothing goes on, and no knot, in which some wait for each other for ever while others go on."""
-    from cspdiag.analyses.proofs.breadth_first import deadlock_free, knot_free
+    from cspdiag.analyses.proofs.pairs import Structure
+    from cspdiag.analyses.proofs.portfolio import prove_deadlock_free, prove_knot_free
 
-    deadlock = deadlock_free(system, limits)
+    methods = None if method is None else (method,)
+    structure = Structure(system)
+    deadlock = prove_deadlock_free(system, limits, methods, structure)
     if not isinstance(deadlock, Proved):
         return _verdict(question, system, deadlock, "deadlock")
-    knot = knot_free(system, limits)
+    knot = prove_knot_free(system, limits, methods, structure)
     if not isinstance(knot, Proved):
         return _verdict(question, system, knot, "knot")
     reason = f"no deadlock ({deadlock.reason}) and no knot ({knot.reason})"
@@ -86,7 +89,7 @@ def _verdict(question: Question, system: System, verdict: Verdict, failure: Fail
         case Proved():
             return Answer(question, "proved", verdict.method, verdict.reason, 0.0, verdict.states)
         case Refuted():
-            found = counterexample(system, verdict, failure, question.process, getattr(verdict, "reason", ""))
+            found = counterexample(system, verdict, failure, question.process, verdict.reason)
             return Answer(question, "refuted", verdict.method, "", 0.0, verdict.states, found)
         case Unknown():
             candidate = _candidate(question, system, verdict)
