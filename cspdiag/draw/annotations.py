@@ -25,7 +25,7 @@ _SIGNS: dict[MarkKind, str] = {
     "warning": "!",
     "added": "+",
     "removed": "−",  # noqa: RUF001
-    "changed": "~",
+    "changed": "Δ",
     "highlighted": "•",
 }
 

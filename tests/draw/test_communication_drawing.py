@@ -134,7 +134,7 @@ def test_the_legend_explains_what_occurs_and_nothing_else(joint: CommunicationDi
     ]
 
 
-@pytest.mark.parametrize(("kind", "sign"), [("error", "!"), ("added", "+"), ("removed", "−"), ("changed", "~")])  # noqa: RUF001
+@pytest.mark.parametrize(("kind", "sign"), [("error", "!"), ("added", "+"), ("removed", "−"), ("changed", "Δ")])  # noqa: RUF001
 def test_marks_have_a_sign_besides_their_colour(joint: CommunicationDiagram, kind: MarkKind, sign: str) -> None:
     mark = Mark(kind, note="because of this")
     scene = draw_communication(joint, marks={"homing": mark, "leftmax": mark, "feedback": mark})

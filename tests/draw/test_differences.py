@@ -177,8 +177,8 @@ def test_the_picture_has_the_elements_of_both_versions_with_marks() -> None:
     keys = {element.key for element in whole.elements()}
     kinds = {key: mark.kind for key, mark in marks(pair).items()}
     assert kinds["extra"] == "added"
-    assert kinds["value"] == "changed"
     assert kinds["value (before)"] == "removed"
+    assert kinds["value (after)"] == "added"
     assert kinds["extra.u -> u"] == "added"
     assert kinds["writer.u -> u"] == "removed"
     assert kinds["writer.u -> writer.u -> _"] == "added"

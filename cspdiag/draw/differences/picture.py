@@ -24,7 +24,8 @@ from cspdiag.syntax import ast
 _MARKS: dict[Action, MarkKind] = {"added": "added", "removed": "removed", "changed": "changed", "renamed": "changed"}
 _GAP = 14.0
 LOST = " (before)"
-"""Ends the key of the arrow that stands for lost ends."""
+GAINED = " (after)"
+"""End the keys of the arrows that stand for ends that a relationship has lost, or gained."""
 
 
 def pictures_of(difference: Difference, before: Program, after: Program) -> list[Scene]:
@@ -63,26 +64,28 @@ def union(before: CommunicationDiagram | None, after: CommunicationDiagram | Non
         if isinstance(vertex, Box) and isinstance(old, Box):
             vertex = replaced(vertex, ports=(*vertex.ports, *_missing(old.ports, vertex.ports)))
         vertices.append(vertex)
-    lost = [arrow for each in after.arrows if (arrow := _lost_ends(before, each)) is not None]
+    arrows = [part for arrow in after.arrows for part in _split(before, arrow)]
     return replaced(
         after,
         vertices=(*vertices, *_missing(before.vertices, after.vertices)),
-        arrows=(*after.arrows, *_missing(before.arrows, after.arrows), *lost),
+        arrows=(*arrows, *_missing(before.arrows, after.arrows)),
     )
 
 
-def _lost_ends(before: CommunicationDiagram, arrow: Arrow) -> Arrow | None:
-    """An arrow for the ends that a relationship had before and has no more."""
-    old = next((each for each in before.arrows if each.key == arrow.key), None)
-    if old is None:
-        return None
-    sources = tuple(end for end in old.sources if end not in arrow.sources)
-    sinks = tuple(end for end in old.sinks if end not in arrow.sinks)
-    if not sources and not sinks:
-        return None
-    return replaced(
-        old, key=f"{arrow.key}{LOST}", label=None, type=None, sources=sources or old.sources, sinks=sinks or old.sinks
-    )
+def _split(before: CommunicationDiagram, arrow: Arrow) -> list[Arrow]:
+    """A relationship whose ends are others now: what it has kept, what it has gained and what it has lost, an arrow each."""
+    old = next((each for each in before.arrows if each.key == arrow.key), arrow)
+    sources = tuple(end for end in arrow.sources if end in old.sources)
+    sinks = tuple(end for end in arrow.sinks if end in old.sinks)
+    parts = [replaced(arrow, sources=sources, sinks=sinks)] if sources and sinks else []
+    for whole, suffix in ((arrow, GAINED), (old, LOST)):
+        own_sources = tuple(end for end in whole.sources if end not in sources)
+        own_sinks = tuple(end for end in whole.sinks if end not in sinks)
+        if own_sources or own_sinks:
+            ends = {"sources": own_sources or whole.sources, "sinks": own_sinks or whole.sinks}
+            named = {} if not parts and suffix == GAINED else {"label": None, "type": None}
+            parts.append(replaced(whole, key=f"{arrow.key}{suffix}", **named, **ends))
+    return parts
 
 
 E = TypeVar("E", bound=Element)
@@ -98,17 +101,17 @@ def marks(pair: Pair) -> dict[str, Mark]:
     said: dict[str, list[Change]] = {}
     for change in pair.changes:
         said.setdefault(change.key, []).append(change)
-    before = _keys(pair.before)
-    after = _keys(pair.after)
+    before, after, shown = _keys(pair.before), _keys(pair.after), _keys(union(pair.before, pair.after))
     found: dict[str, Mark] = {}
-    if pair.before is not None and pair.after is not None:
-        lost = [_lost_ends(pair.before, arrow) for arrow in pair.after.arrows]
-        found = {arrow.key: Mark("removed") for arrow in lost if arrow is not None}
-    for key in [*after, *(key for key in before if key not in after)]:
-        note = "\n".join(sentence(change) for change in said.get(key, ()))
-        if key not in before or key not in after:
+    for key in shown:
+        whole = key.removesuffix(LOST).removesuffix(GAINED)
+        changes = said.get(whole, [])
+        note = "\n".join(sentence(change) for change in changes)
+        if key not in before and key not in after:
+            found[key] = Mark("removed" if key.endswith(LOST) else "added", note=note)
+        elif key not in before or key not in after:
             found[key] = Mark("added" if key in after else "removed", note=note)
-        elif key in said:
+        elif any(change.aspect not in ("from", "to") for change in changes):
             found[key] = Mark("changed", note=note)
     return found
 

@@ -1,0 +1,132 @@
+"""Makes the pictures of the models and of docs/drawing.md; ``--check`` only says which are not current.
+
+python distribution/model_pictures.py [--check]
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+from cspdiag.diagnostics import SourceFile
+from cspdiag.draw.differences.picture import pictures_of
+from cspdiag.draw.differences.programs import differences
+from cspdiag.draw.pictures import Pictures, Which, Wish
+from cspdiag.draw.scene import Scene
+from cspdiag.draw.svg import render_svg
+from cspdiag.pipeline import Checked, check
+from cspdiag.sources import read_source
+
+ROOT = Path(__file__).parent.parent
+FOLDER = ROOT / "docs" / "pictures"
+
+MISTAKE = ("alignL.max -> leftmax  : double<rad>", "alignL.max -> leftmax  : double<deg>")
+"""What the picture of a review shows: the label of a channel with another unit than its ports."""
+
+CHANGES = (
+    ("alignR        : Align(T, speed = alignSpeed,", "alignR        : Align(T, speed = 2 * alignSpeed,"),
+    ("-> motionControl.rightmax, homing.rightmax", "-> motionControl.rightmax"),
+    ("    homing        : Homing(T, gains = gains)\n", "    parking       : Homing(T, gains = panGains)\n"),
+    ("homing.leftmax", "parking.leftmax, parking.rightmax"),
+    ("motionControl.feedback, homing.feedback", "motionControl.feedback, parking.feedback"),
+    ("motionControl.control, homing.control", "motionControl.control, parking.control"),
+    ("alignL ; alignR ; motionControl ; homing", "alignL ; alignR ; motionControl ; parking"),
+)
+"""What the picture of a difference shows."""
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A process or environment of a model, and how it is drawn."""
+
+    model: str
+    process: str
+    which: Which = "both"
+    depth: int = 1
+
+    def scene(self) -> Scene:
+        """The drawing."""
+        checked = _checked(self.model)
+        assert checked.program is not None
+        pictures = Pictures(checked.program)
+        definition = pictures.named(self.process)
+        assert definition is not None
+        return pictures.scene(definition, Wish(self.which, depth=self.depth))
+
+
+@cache
+def _checked(model: str, *changes: tuple[str, str]) -> Checked:
+    """A model, its text changed."""
+    path = f"models/{model}.csp"
+    text = (ROOT / path).read_text(encoding="utf-8")
+    for old, new in changes:
+        assert old in text, old
+        text = text.replace(old, new)
+    return check(SourceFile(name=path, text=text), _read)
+
+
+def _read(path: str) -> SourceFile:
+    return SourceFile(name=path, text=read_source(str(ROOT / path)).text)
+
+
+def _review() -> Scene:
+    checked = _checked("jiwy/jiwy", MISTAKE)
+    assert checked.readable is not None
+    pictures = Pictures(checked.readable, checked.report.diagnostics)
+    definition = pictures.named("JointControl")
+    assert definition is not None
+    return pictures.scene(definition, Wish("communication"))
+
+
+def _difference() -> Scene:
+    before, after = _checked("jiwy/jiwy").program, _checked("jiwy/jiwy", *CHANGES).program
+    assert before is not None
+    assert after is not None
+    return pictures_of(differences(before, after), before, after)[0]
+
+
+PICTURES: dict[str, Callable[[], Scene]] = {
+    "jiwy/figure-3a": Picture("jiwy/jiwy", "JointControl", "communication").scene,
+    "jiwy/figure-3b": Picture("jiwy/jiwy", "JointControl", "composition").scene,
+    "jiwy/figure-4": Picture("jiwy/jiwy", "MotionControl").scene,
+    "jiwy/figure-7": Picture("jiwy/jiwy", "Align").scene,
+    "jiwy/figure-10": Picture("jiwy/jiwy", "Homing").scene,
+    "jiwy/jiwy": Picture("jiwy/jiwy", "Jiwy").scene,
+    "jiwy/inside": Picture("jiwy/jiwy", "Jiwy", "communication", depth=2).scene,
+    "jiwy/bench": Picture("jiwy/jiwy", "Bench").scene,
+    "buffer": Picture("buffer/buffer", "Line").scene,
+    "cascade": Picture("cascade/cascade", "Cascade").scene,
+    "commstime": Picture("commstime/commstime", "Commstime").scene,
+    "dining": Picture("dining/dining", "Table").scene,
+    "emergency": Picture("emergency/emergency", "Spindle").scene,
+    "ring": Picture("ring/ring", "Ring").scene,
+    "watchdog": Picture("watchdog/watchdog", "Oven").scene,
+    "check": _review,
+    "diff": _difference,
+}
+
+
+def pictures() -> Iterator[tuple[Path, str]]:
+    """The path and the text of each picture."""
+    for name, scene in PICTURES.items():
+        yield FOLDER / f"{name}.svg", render_svg(scene())
+
+
+def main(arguments: list[str]) -> int:
+    """Write the pictures, or check them; 1 where one is not current."""
+    stale = [(path, text) for path, text in pictures() if not path.exists() or path.read_text(encoding="utf-8") != text]
+    for path, text in stale:
+        if "--check" in arguments:
+            print(f"{path.relative_to(ROOT)} is not current: make pictures")
+        else:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text, encoding="utf-8")
+            print(f"wrote {path.relative_to(ROOT)}")
+    return 1 if stale and "--check" in arguments else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
