@@ -32,14 +32,23 @@ FAR = 1 << 30
 
 
 def refute_by_candidate(
-    question: Question, candidate: Sequence[int], stuck: Sequence[int], limits: Limits, method: Method
+    question: Question,
+    candidate: Sequence[int],
+    stuck: Sequence[int],
+    limits: Limits,
+    method: Method,
+    *,
+    thorough: bool = True,
 ) -> Refuted | None:
-    """Search for a trace to a deadlock or a knot that is like the candidate; None if none was found within the limits."""
+    """Search for a trace to a deadlock or a knot that is like the candidate; None if none was found within the limits.
+
+    Without ``thorough`` only steps that lead nearer are tried.
+    """
     search = _Search(question, candidate, stuck)
     trace: list[Move] | None = None
     try:
         trace = search.descend(limits)
-        if trace is None:
+        if trace is None and thorough:
             trace = search.follow(limits, eager=True)
         if trace is not None and len(candidate) <= SMALL:
             shorter = search.follow(limits, eager=False)

@@ -1,12 +1,55 @@
-"""Tier 2: proof by SAT, traps and invariants."""
+"""Tier 2: proof by SAT and traps, refined by linear invariants: what counters and hubs keep in balance.
+
+The places of a network (the states of its components) carry weights such that no step increases the sum of the weights of those that are taken. A candidate of which
+the sum is greater than that of the initial state is not reachable: a rational solution of the dual of the marking equation (Murata, "Petri nets: properties,
+analysis and applications", 1989, sections IV and V; Esparza and Melzer, 2000). The weights come from a solver that computes with floating-point numbers, in a process of its
+own; they are made rational and count only if the condition holds for every step exactly.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from fractions import Fraction
+from math import lcm
+
+from cspdiag.analyses.proofs.invariants_encoding import at_most
+from cspdiag.analyses.proofs.invariants_problem import Problem, Weights, problem_of
+from cspdiag.analyses.proofs.invariants_process import WeightsProcess
 from cspdiag.analyses.proofs.question import Question
 from cspdiag.analyses.proofs.sat import exclude_by_trap, refine
+from cspdiag.analyses.proofs.sat_encoding import Encoding
+from cspdiag.analyses.proofs.sat_solver import Clause
 from cspdiag.analyses.proofs.verdict import Limits, Proved, Unknown
+
+LARGEST_PROBLEM = 50_000
+"""Systems with more edges than this are left to other methods."""
+
+DENOMINATORS = (1, 2, 6, 12, 60, 2520)
+"""Weights are rounded to fractions with denominators up to each of these in turn."""
 
 
 def by_invariants(question: Question, limits: Limits) -> Proved | Unknown:
     """Prove the property by SAT, traps and invariants, or give the candidate that is left."""
-    return refine(question, limits, [exclude_by_trap], "invariants")
+    problem = problem_of(question.structure)
+    if problem.size > LARGEST_PROBLEM:
+        return Unknown("invariants", f"the marking equation has {problem.size} edges, more than {LARGEST_PROBLEM}")
+    with WeightsProcess(problem, limits.remaining) as process:
+
+        def exclude(question: Question, encoding: Encoding, candidate: Sequence[int]) -> list[Clause]:
+            weights = _exact(problem, process.weights(candidate), candidate)
+            return [] if weights is None else at_most(encoding, weights, candidate)
+
+        return refine(question, limits, [exclude_by_trap, exclude], "invariants")
+
+
+def _exact(problem: Problem, found: Sequence[float] | None, candidate: Sequence[int]) -> Weights | None:
+    """The weights as whole numbers, if they really exclude the candidate."""
+    if found is None:
+        return None
+    for denominator in DENOMINATORS:
+        fractions = [Fraction(value).limit_denominator(denominator) for value in found]
+        scale = lcm(*(value.denominator for value in fractions))
+        weights = problem.by_state([int(value * scale) for value in fractions])
+        if problem.never_increases(weights) and problem.excess(weights, candidate) > 0:
+            return weights
+    return None

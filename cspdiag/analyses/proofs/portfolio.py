@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from math import prod
 from typing import TypeAlias
 
 from cspdiag.analyses.proofs.pairs import Structure
@@ -27,6 +28,9 @@ SHORTENING_SECONDS = 0.5
 SMALL = 60
 """Systems with at most so many components may have their traces shortened by search."""
 
+FEW_STATES = 100_000
+"""A system with at most so many combinations of states is searched before the solver for invariants would have started."""
+
 Engine: TypeAlias = Callable[[Question, Limits], Verdict]
 
 
@@ -34,20 +38,29 @@ def prove_deadlock_free(
     system: System, limits: Limits, methods: Sequence[Method] | None = None, structure: Structure | None = None
 ) -> Verdict:
     """Whether no reachable state is a deadlock, by all methods in their order or by some of them; ``structure`` saves work where it is known."""
-    return _prove(Question(system, together=True, known=structure), limits, methods or DEADLOCK_METHODS)
+    return _prove(Question(system, together=True, known=structure), limits, methods, DEADLOCK_METHODS)
 
 
 def prove_knot_free(
     system: System, limits: Limits, methods: Sequence[Method] | None = None, structure: Structure | None = None
 ) -> Verdict:
     """Whether no set of processes is ever stuck for ever, by all methods in their order or by some of them; ``structure`` as for deadlock."""
-    return _prove(Question(system, together=False, known=structure), limits, methods or KNOT_METHODS)
+    return _prove(Question(system, together=False, known=structure), limits, methods, KNOT_METHODS)
 
 
-def _prove(question: Question, limits: Limits, methods: Sequence[Method]) -> Verdict:
+def _prove(question: Question, limits: Limits, chosen: Sequence[Method] | None, methods: Sequence[Method]) -> Verdict:
+    if chosen is not None:
+        methods = chosen
+    elif prod(len(shape.reachable) for shape in question.structure.shapes) <= FEW_STATES:
+        methods = [method for method in methods if method != "invariants"]
     unknown: list[Unknown] = []
     for at, method in enumerate(methods):
-        verdict = _ENGINES[method](question, _share(limits, len(methods) - at))
+        share = _share(limits, len(methods) - at)
+        verdict = _ENGINES[method](question, share)
+        if isinstance(verdict, Unknown):
+            # A candidate of SAT may still be excluded by invariants: only what costs little is tried with it before.
+            is_last = "invariants" not in methods[at + 1 :]
+            verdict = _followed(question, verdict, share, thorough=is_last)
         match verdict:
             case Proved():
                 return verdict
@@ -58,6 +71,16 @@ def _prove(question: Question, limits: Limits, methods: Sequence[Method]) -> Ver
         if limits.remaining <= 0:
             break
     return _together(unknown)
+
+
+def _followed(question: Question, verdict: Unknown, limits: Limits, *, thorough: bool) -> Verdict:
+    """The verdict, or a refutation that its candidate leads to."""
+    if verdict.candidate is None:
+        return verdict
+    from cspdiag.analyses.proofs.candidates import refute_by_candidate
+
+    found = refute_by_candidate(question, verdict.candidate, verdict.stuck, limits, verdict.method, thorough=thorough)
+    return verdict if found is None else found
 
 
 def _share(limits: Limits, methods: int) -> Limits:
@@ -91,23 +114,13 @@ def _by_rules(question: Question, limits: Limits) -> Verdict:
 def _by_sat(question: Question, limits: Limits) -> Verdict:
     from cspdiag.analyses.proofs.sat import by_sat
 
-    return _followed(question, by_sat(question, limits), limits)
+    return by_sat(question, limits)
 
 
 def _by_invariants(question: Question, limits: Limits) -> Verdict:
     from cspdiag.analyses.proofs.invariants import by_invariants
 
-    return _followed(question, by_invariants(question, limits), limits)
-
-
-def _followed(question: Question, verdict: Proved | Unknown, limits: Limits) -> Verdict:
-    """The verdict, or a refutation that its candidate leads to."""
-    from cspdiag.analyses.proofs.candidates import refute_by_candidate
-
-    if isinstance(verdict, Proved) or verdict.candidate is None:
-        return verdict
-    found = refute_by_candidate(question, verdict.candidate, verdict.stuck, limits, verdict.method)
-    return verdict if found is None else found
+    return by_invariants(question, limits)
 
 
 def _by_stubborn_sets(question: Question, limits: Limits) -> Verdict:

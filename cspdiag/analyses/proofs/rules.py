@@ -74,19 +74,17 @@ def _order_in_words(question: Question) -> str:
         if question.together and processes:
             return f"{_names(question, processes)} can always go on"
         return "no process waits in a circle with others"
-    taken = rules_forms.resources(structure)
+    taken = rules_forms.resource_order(structure)
     if taken is not None:
-        # The resource that is asked for last is the first of which it is clear that it will be given back.
-        known = set(taken)
-        return f"every process takes its resources in one order{_listed(question, [at for at in order[::-1] if at in known])}"
+        return f"every process takes its resources in one order{_listed(question, taken)}"
     servers = rules_forms.client_server_order(structure)
     if servers is not None:
         return f"a client-server network without circles{_listed(question, servers)}"
-    return f"nobody waits but for somebody before him{_listed(question, order)}"
+    return f"everybody waits only for those before, in the order{_listed(question, order)}"
 
 
 def _listed(question: Question, order: Sequence[int]) -> str:
-    return f": {_names(question, order)}" if len(order) > 1 else ""
+    return f": {_names(question, order)}" if order else ""
 
 
 def _names(question: Question, order: Sequence[int]) -> str:

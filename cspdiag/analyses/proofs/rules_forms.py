@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 from cspdiag.analyses.proofs.pairs import Shape, Structure
 from cspdiag.analyses.transitions.system import INTERNAL
@@ -40,13 +40,33 @@ def _shares_all_at_once(shape: Shape) -> bool:
     return True
 
 
-def resources(structure: Structure) -> list[int] | None:
-    """The components that are taken and given back by their users, if the others share events with nothing else; None otherwise."""
-    found = {component for component, shape in enumerate(structure.shapes) if _is_resource(shape)}
+def resource_order(structure: Structure) -> list[int] | None:
+    """The components that the others take and give back, each before those that are taken while it is held; None if there are others, or a circle."""
+    found = [component for component, shape in enumerate(structure.shapes) if _is_resource(shape)]
+    number = {component: at for at, component in enumerate(found)}
     for component, neighbours in enumerate(structure.neighbours):
-        if any((neighbour.component in found) == (component in found) for neighbour in neighbours):
+        if any((neighbour.component in number) == (component in number) for neighbour in neighbours):
             return None
-    return sorted(found) or None
+    before: list[set[int]] = [set() for _ in found]
+    for user in range(len(structure.shapes)):
+        if user not in number:
+            for held, wanted in _taken_while_held(structure, user):
+                before[number[wanted]].add(number[held])
+    order = _sorted(before)
+    return [found[at] for at in order] if order else None
+
+
+def _taken_while_held(structure: Structure, user: int) -> Iterator[tuple[int, int]]:
+    """The pairs of a resource and another one that a user takes while it has the first."""
+    for state in structure.shapes[user].waiting:
+        held, wanted = [], []
+        for resource in structure.neighbours[user]:
+            free = structure.shapes[resource.component].initial
+            if free not in resource.reached.get(state, ()):
+                held.append(resource.component)
+            elif state in resource.asks:
+                wanted.append(resource.component)
+        yield from ((one, other) for one in held for other in wanted)
 
 
 def _is_resource(shape: Shape) -> bool:

@@ -2,7 +2,7 @@
 
 Whoever waits, waits for a neighbour that waits too. A state of a component in which it waits is struck off when one of the neighbours that it waits for has
 no state left, beside it, in which that neighbour could wait as well. What is struck off can never be part of a knot; when nothing is left the order of
-striking off is a proof: nobody waits but for somebody before him. It generalizes the rules of Roscoe and Dathi ("The pursuit of deadlock freedom", 1987), Welch,
+striking off is a proof: everybody waits only for those before. It generalizes the rules of Roscoe and Dathi ("The pursuit of deadlock freedom", 1987), Welch,
 Justo and Willcock ("High-level paradigms for deadlock-free high-performance systems", 1993) and Martin and Jassim ("How to design deadlock-free networks using CSP and
 verification tools", 1997), which find such an order from the form of the processes.
 """

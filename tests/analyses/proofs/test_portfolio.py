@@ -1,0 +1,82 @@
+"""The methods together: the first that knows answers, refutations come with a trace that can be followed."""
+
+from __future__ import annotations
+
+import pytest
+
+from cspdiag.analyses.proofs import sat_solver
+from cspdiag.analyses.proofs.portfolio import prove_deadlock_free, prove_knot_free
+from cspdiag.analyses.proofs.verdict import Limits, Method, Proved, Refuted, Unknown
+from tests.analyses.proofs import known, naive
+from tests.analyses.proofs.random_networks import FORMS, random_network, truth
+from tests.analyses.proofs.random_systems import random_system
+
+
+@pytest.mark.parametrize("number", [4, 6, 8])
+def test_philosophers_are_refuted_by_a_shortest_trace(number: int) -> None:
+    # Without the two events that philosophers have for themselves the known lengths are 8, 12, 16 as well.
+    system = known.philosophers(number)
+    verdict = prove_deadlock_free(system, Limits())
+    assert isinstance(verdict, Refuted)
+    assert len(verdict.trace) == 2 * number
+    assert naive.deadlocked(system, naive.replay(system, verdict.trace))
+
+
+def test_a_thousand_philosophers_are_refuted_too() -> None:
+    system = known.philosophers(1000)
+    for prove in (prove_deadlock_free, prove_knot_free):
+        verdict = prove(system, Limits())
+        assert isinstance(verdict, Refuted)
+        assert len(verdict.trace) == 2000
+        assert len(verdict.stuck) == 2000
+
+
+def test_the_knot_beside_a_loop_is_found_and_reported_whole() -> None:
+    system = known.beside_a_loop(known.philosophers(6))
+    assert isinstance(prove_deadlock_free(system, Limits()), Proved)
+    verdict = prove_knot_free(system, Limits())
+    assert isinstance(verdict, Refuted)
+    assert verdict.stuck == tuple(range(12))
+
+
+def test_a_controller_of_four_joints_is_settled_without_search() -> None:
+    for prove in (prove_deadlock_free, prove_knot_free):
+        assert prove(known.controller(4), Limits()).method == "rules"
+        verdict = prove(known.controller(4, commits=True), Limits())
+        assert isinstance(verdict, Refuted)
+        assert verdict.method in ("sat", "invariants")
+
+
+@pytest.mark.parametrize("method", ["rules", "sat", "invariants", "stubborn", "breadth-first"])
+def test_a_method_can_be_asked_alone(method: Method) -> None:
+    for prove in (prove_deadlock_free, prove_knot_free):
+        assert prove(known.milner(3), Limits(), [method]).method == method
+
+
+@pytest.mark.parametrize("form", [*FORMS, "plain"])
+def test_random_networks_get_the_right_answer_and_a_trace_that_can_be_followed(form: str) -> None:
+    for seed in range(2000, 2060):
+        system = random_system(seed) if form == "plain" else random_network(seed, form=form)  # type: ignore[arg-type]
+        facts = truth(system)
+        assert facts is not None
+        for prove, fails, is_stuck in (
+            (prove_deadlock_free, facts.deadlock, naive.deadlocked),
+            (prove_knot_free, facts.knot, naive.knotted),
+        ):
+            verdict = prove(system, Limits())
+            assert isinstance(verdict, Refuted if fails else Proved), seed
+            if isinstance(verdict, Refuted):
+                assert is_stuck(system, naive.replay(system, verdict.trace)), seed
+
+
+def test_without_a_solver_the_searches_answer(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sat_solver, "_SOLVERS", ())
+    assert prove_deadlock_free(known.token_ring(4), Limits()).method == "stubborn"
+    assert isinstance(prove_knot_free(known.philosophers(4), Limits()), Refuted)
+
+
+def test_what_no_method_settles_in_time_is_unknown_with_the_reasons_and_the_candidate() -> None:
+    verdict = prove_deadlock_free(known.client_server_ring(9), Limits(), ["rules"])
+    assert isinstance(verdict, Unknown)
+    assert verdict.reason.startswith("rules: `p0` chooses")
+    assert isinstance(prove_knot_free(known.milner(3), Limits(seconds=0.0), ["sat", "breadth-first"]), Unknown)
