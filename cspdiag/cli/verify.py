@@ -48,6 +48,13 @@ def add_arguments(parser: ArgumentParser) -> None:
     )
     parser.add_argument("--format", choices=FORMATS, default="text", help="how to tell the answers (default: text)")
     parser.add_argument("--trace-out", type=Path, metavar="FILE", help="the first counterexample, for run --replay")
+    parser.add_argument(
+        "--timing", action="store_true", help="print response times, latencies and advice instead of proving assertions"
+    )
+    parser.add_argument("--gantt", type=Path, metavar="FILE", help="with --timing: one hyperperiod as an .svg picture")
+    parser.add_argument(
+        "--wcet-from", type=Path, metavar="FILE", help="execution times measured in a run, instead of those in the text"
+    )
     parser.add_argument("--no-cache", action="store_true", help="prove again what was proved before")
     parser.add_argument("--quiet", action="store_true", help="show only what is not proved")
 
@@ -64,6 +71,10 @@ def _positive(text: str) -> float:
 
 def run(arguments: Namespace) -> int:
     """Prove, and tell; the exit code says whether everything was proved."""
+    if arguments.timing or arguments.gantt is not None:
+        from cspdiag.cli.verify_timing import run_timing
+
+        return run_timing(arguments)
     from cspdiag.cli.verify_cache import Cache, Printed
 
     _check_output(arguments.trace_out)

@@ -224,7 +224,7 @@ def _zero(kind: Type) -> Any:
         case RealType():
             return 0.0
         case ArrayType():
-            return tuple(_zero(kind.element) for _ in range(kind.size))
+            return tuple(_zero(kind.element) for _ in range(kind.size or 0))
         case StructType():
             return tuple(_zero(inner) for _, inner in kind.fields)
         case _:

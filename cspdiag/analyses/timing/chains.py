@@ -1,0 +1,62 @@
+"""From inputs to outputs through loops that pass values on: how long a change takes, and how old a value may be.
+
+Within a loop a value goes from its sample to its output. From loop to loop it is passed on by a variable or a channel, and the next loop takes it up
+at one of its own samples: at most a period and its response later (Davare and others, Period optimization for hard real-time
+distributed automotive systems, 2007).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from cspdiag.analyses.timing.result import Chain, LoopTiming
+from cspdiag.network.ir import Network
+
+LARGEST_NUMBER_OF_CHAINS = 1000
+
+
+def chains(network: Network, loops: Sequence[LoopTiming], modes: Sequence[tuple[int, int]]) -> Iterator[Chain]:
+    """All chains from a sampled input to an output. ``modes`` has of each loop its thread and its cycle there: of two cycles of a
+    thread one follows the other, so that nothing is passed on while both run.
+    """
+    usable = [loop for loop in loops if loop.response is not None]
+    mode = [mode for mode, loop in zip(modes, loops, strict=True) if loop.response is not None]
+    reads, writes = _ends(network, usable)
+    periods = {net.path: net.period for net in network.nets if net.external is not None}
+    top = f"{network.top}."
+    found = 0
+    for first in range(len(usable)):
+        for source in sorted(net for net in reads[first] if periods.get(net)):
+            pending: list[tuple[int, ...]] = [(first,)]
+            while pending and found < LARGEST_NUMBER_OF_CHAINS:
+                way = pending.pop()
+                last = usable[way[-1]]
+                passed = sum(usable[k].period + (usable[k].response or 0) for k in way[:-1])
+                if last.latency is not None:
+                    for sink in last.outputs:
+                        found += 1
+                        names = tuple(usable[k].name for k in way)
+                        age = passed + last.latency[1]
+                        yield Chain(source.removeprefix(top), sink, names, age + last.period, age)
+                pending += [
+                    (*way, k)
+                    for k in range(len(usable))
+                    if k not in way
+                    and (mode[k][0] != mode[way[-1]][0] or mode[k] == mode[way[-1]])
+                    and (writes[way[-1]] & reads[k]) - set(periods)
+                ]
+
+
+def _ends(network: Network, loops: Sequence[LoopTiming]) -> tuple[list[set[str]], list[set[str]]]:
+    """The nets that each loop reads and writes: those of its law, and of processes that copy them into variables of the law."""
+    from cspdiag.analyses.timing.copies import copied_nets
+
+    copied = copied_nets(network)
+    reads: list[set[str]] = []
+    writes: list[set[str]] = []
+    for loop in loops:
+        path = f"{network.top}.{loop.name}"
+        read = {net.path for net in network.nets if any(end == path for end, _ in net.readers)}
+        reads.append(read | {source for source, targets in copied.items() if targets & read})
+        writes.append({net.path for net in network.nets if any(end == path for end, _ in net.writers)})
+    return reads, writes

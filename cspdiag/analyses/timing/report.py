@@ -1,0 +1,276 @@
+"""The timing of a program: from its network to response times, latencies and advice."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from math import lcm
+
+from cspdiag.analyses.timing import demand as edf
+from cspdiag.analyses.timing.assignment import feasible_order
+from cspdiag.analyses.timing.chains import chains
+from cspdiag.analyses.timing.demands import ONCE, Behaviour, Demand, Demands, across, behaviour, merged
+from cspdiag.analyses.timing.flow import Thread
+from cspdiag.analyses.timing.jobs import Job
+from cspdiag.analyses.timing.partners import Partners, Together
+from cspdiag.analyses.timing.response import response_time
+from cspdiag.analyses.timing.result import LoopTiming, Refusal, TimingReport
+from cspdiag.analyses.timing.task import Task
+from cspdiag.analyses.timing.threads import Threads
+from cspdiag.diagnostics import Span
+from cspdiag.network.ir import Network
+
+LARGEST_NUMBER_OF_ROUNDS = 50
+"""Rounds after which response times that depend on each other are given up."""
+
+
+@dataclass
+class _Loop:
+    """A sampled loop of a thread before it is analysed."""
+
+    name: str
+    owner: Behaviour
+    waits: tuple[int, ...]
+    period: int
+    span: Span
+    jobs: list[Job]
+    together: Together
+    delays: int
+    has_one_step: bool
+
+
+def timing_report(network: Network, measured: Mapping[str, int] | None = None) -> TimingReport:
+    """Analyse the sampled loops of a program.
+
+    Execution times are those that its submodels and processes state by ``wcet``, or the ``measured`` ones, in nanoseconds by path. What processes
+    themselves do between laws counts nothing unless they state a time. Whatever has no bound is refused, with the reason.
+    """
+    threads = Threads(network, measured or {})
+    used = tuple(sorted(set(measured or {}) & set(threads.instances)))
+    refusals: list[Refusal] = []
+    every = list(threads.root.with_forks())
+    levels = {priority: k for k, priority in enumerate(sorted({_level(thread) for thread in every}))}
+    found = [behaviour(k, thread, levels[_level(thread)], refusals) for k, thread in enumerate(every)]
+    behaviours = [one for one in found if one is not None]
+    grid = min((environment.step for environment in network.environments), default=None)
+    demands = Demands(behaviours, grid, refusals)
+    order = {path: k for k, path in enumerate(threads.instances)}
+    loops = sorted(
+        (loop for one in behaviours for loop in _loops(one, demands, refusals)),
+        key=lambda loop: order.get(loop.name, len(order)),
+    )
+    missing = tuple(sorted(threads.missing.values(), key=lambda part: order[part.leaf]))
+    if missing:
+        # What is unknown counts nothing: the rest of the figures would only mislead.
+        loops = []
+    analysis = _Analysis(every, behaviours, demands, loops)
+    rows = analysis.rows(network, refusals)
+    tasks = tuple(analysis.tasks())
+    return TimingReport(
+        network.top,
+        tuple(rows),
+        tuple(chains(network, rows, [(loop.owner.number, loop.owner.loop_of[loop.waits[0]]) for loop in loops]))
+        if not (missing or refusals)
+        else (),
+        missing,
+        tuple(dict.fromkeys(refusals)),
+        tasks,
+        sum(task.utilization for task in tasks if task.period < ONCE),
+        lcm(*(task.period for task in tasks if task.period < ONCE)) if tasks else 0,
+        edf.meets_deadlines([task for task in tasks if task.period < ONCE]),
+        analysis.advice(rows),
+        used,
+    )
+
+
+def _level(thread: Thread) -> tuple[int, ...]:
+    """Ranks from the outermost prioritized parallel inwards, compared as if padded with zeros."""
+    priority = thread.priority
+    while priority and priority[-1] == 0:
+        priority = priority[:-1]
+    return priority
+
+
+def _loops(one: Behaviour, demands: Demands, refusals: list[Refusal]) -> Iterator[_Loop]:
+    """The sampled loops of a thread: those waits for samples that it comes back to."""
+    grouped: dict[tuple[str, int], list[Job]] = {}
+    for job in one.jobs:
+        if job.offer is not None and job.offer.kind == "sample" and job.wait in one.loop_of:
+            of_wait = [other for other in one.at(job.wait) if other.offer is not None and other.offer.kind == "sample"]
+            heaviest = max(of_wait, key=lambda other: other.path.heaviest[0]).path.heaviest
+            name = heaviest[1] or one.thread.places[job.wait].path
+            grouped.setdefault((name, job.offer.period), []).append(job)
+    for (name, period), jobs in grouped.items():
+        span = one.thread.places[jobs[0].wait].span
+        partners = Partners(demands, one, period, span, refusals)
+        pieces = [partners.together(job.path) for job in jobs]
+        together = max(pieces, key=lambda piece: piece.work)
+        together.step = max(piece.step for piece in pieces)
+        together.level = max(piece.level for piece in pieces)
+        for piece in pieces:
+            together.members |= piece.members
+            together.replaced |= piece.replaced
+        alone = len(together.members) == 1
+        yield _Loop(
+            name, one, tuple(dict.fromkeys(job.wait for job in jobs)), period, span, jobs, together,
+            max(job.path.delays for job in jobs),
+            alone and all(not job.path.switches for job in jobs),
+        )  # fmt: skip
+
+
+class _Analysis:
+    def __init__(
+        self, threads: Sequence[Thread], behaviours: Sequence[Behaviour], demands: Demands, loops: Sequence[_Loop]
+    ) -> None:
+        self.numbers = {id(thread): k for k, thread in enumerate(threads)}
+        self.root = threads[0]
+        self.behaviours = {one.number: one for one in behaviours}
+        self.demands = demands
+        self.loops = loops
+        self.lateness: dict[int, int] = {}
+        """By thread, how late what its samples cause in others may come."""
+
+    def rows(self, network: Network, refusals: list[Refusal]) -> list[LoopTiming]:
+        """Every loop with its bound; rounds until those that wait for each other agree."""
+        for _ in range(LARGEST_NUMBER_OF_ROUNDS):
+            rows = [self._row(network, loop) for loop in self.loops]
+            lateness: dict[int, int] = {}
+            for loop, row in zip(self.loops, rows, strict=True):
+                late = loop.period if row.response is None else min(row.response, loop.period)
+                lateness[loop.owner.number] = max(late, lateness.get(loop.owner.number, 0))
+            if lateness == self.lateness or not any(
+                len(loop.together.members) > 1 or self._causes(loop) for loop in self.loops
+            ):
+                return rows
+            self.lateness = lateness
+        refusals.append(
+            Refusal(
+                network.top,
+                "the response times of its loops depend on each other and do not settle",
+                self.loops[0].span,
+                "use fewer rendezvous between loops",
+            )
+        )
+        return rows
+
+    def _causes(self, loop: _Loop) -> bool:
+        return any(
+            part.late and part.origin == loop.owner.number for parts in self.demands.own.values() for part in parts
+        )
+
+    def _row(self, network: Network, loop: _Loop) -> LoopTiming:
+        task = self.task(loop)
+        others = [self._as_task(part) for part in self._beside(loop)]
+        response = response_time(task, others)
+        written = frozenset(net for job in loop.jobs for net in job.path.outputs)
+        outputs = tuple(net.path.partition(".")[2] for net in network.nets if net.path in written)
+        return LoopTiming(
+            loop.name.partition(".")[2] or loop.name, loop.owner.thread.path, loop.span, loop.period, loop.together.level,
+            loop.together.work, loop.together.step, response.blocking, response.worst, response.start,
+            outputs, _latency(network, outputs, response.worst),
+            tuple(self.behaviours[k].thread.path.partition(".")[2] for k in sorted(loop.together.members - {loop.owner.number})),
+            task,
+        )  # fmt: skip
+
+    def task(self, loop: _Loop) -> Task:
+        """The loop with its partners as a task."""
+        together = loop.together
+        final = together.work if loop.has_one_step else 0
+        return Task(
+            loop.name, loop.period, together.work, loop.period, together.level, step=min(together.step, together.work),
+            final=final, suspensions=loop.delays,
+        )  # fmt: skip
+
+    def _as_task(self, part: Demand) -> Task:
+        jitter = 0
+        if part.late:
+            jitter = self.lateness.get(part.origin, part.period)
+        elif part.origin == part.thread and any(
+            len(loop.together.members) > 1 for loop in self.loops if loop.owner.number == part.thread
+        ):
+            # Waiting for partners delays the rest of its work.
+            jitter = max(0, self.lateness.get(part.thread, 0) - part.work)
+        thread = self.behaviours[part.thread].thread
+        return Task(
+            thread.path, part.period, part.work, part.period, part.level, jitter=jitter, step=part.step,
+            final=part.work if part.step == part.work else 0, suspensions=part.delays,
+        )  # fmt: skip
+
+    def _beside(self, loop: _Loop) -> list[Demand]:
+        """Everything that may want the processor while the loop does, apart from what is part of it."""
+        beside = [
+            part for part in self.demands.own[loop.owner.number]
+            if (part.period < ONCE and (part.origin != loop.owner.number or part.late)) or self._of_same_loop(loop, part)
+        ]  # fmt: skip
+        return merged([beside]) + self._around(self.root, loop)
+
+    def _of_same_loop(self, loop: _Loop, part: Demand) -> bool:
+        """Samples of another period that the same loop follows."""
+        if part.origin != loop.owner.number or part.late or part.period == loop.period:
+            return False
+        owner = loop.owner
+        cycle = owner.loop_of[loop.waits[0]]
+        return any(
+            job.offer is not None
+            and job.offer.kind == "sample"
+            and job.offer.period == part.period
+            and owner.loop_of.get(job.wait) == cycle
+            for job in owner.jobs
+        )
+
+    def _around(self, thread: Thread, loop: _Loop) -> list[Demand]:
+        """What runs in parallel with the loop below a thread: the branches beside the one that it is in."""
+        for group in thread.forks:
+            for inner in group:
+                if any(part is loop.owner.thread for part in inner.with_forks()):
+                    beside = [part for other in group if other is not inner for part in self._below(other, loop)]
+                    return beside + self._around(inner, loop)
+        # Within the loop's own thread nothing that it starts runs at the same time.
+        return []
+
+    def _below(self, thread: Thread, loop: _Loop | None) -> list[Demand]:
+        """What a thread or, at other times, the threads that it starts demand."""
+        number = self.numbers[id(thread)]
+        replaced = set() if loop is None else loop.together.replaced
+        own = [
+            part for part in self.demands.own.get(number, ()) if (part.thread, part.period, part.origin) not in replaced
+        ]
+        groups = [merged([own])]
+        groups += [[part for inner in group for part in self._below(inner, loop)] for group in thread.forks]
+        return groups[0] if len(groups) == 1 else across(groups)
+
+    def tasks(self) -> Iterator[Task]:
+        """What the whole program demands at most at any time."""
+        for part in self._below(self.root, None):
+            yield replace(self._as_task(part), name=self.behaviours[part.thread].thread.path)
+
+    def advice(self, rows: Sequence[LoopTiming]) -> tuple[str, ...] | None:
+        """Another order of priorities, where it helps."""
+        if all(row.is_met for row in rows):
+            return None
+        tasks = [task for task in self.tasks() if task.period < ONCE]
+        order = feasible_order(tasks)
+        return (
+            None
+            if order is None
+            else tuple(dict.fromkeys(tasks[k].name.partition(".")[2] or tasks[k].name for k in order))
+        )
+
+
+def _latency(network: Network, outputs: Sequence[str], response: int | None) -> tuple[int, int] | None:
+    """From the sample to the outputs: a latched one changes at the tick that ends the work, an immediate one when it is written."""
+    if not outputs or response is None:
+        return None
+    shortest: list[int] = []
+    longest: list[int] = []
+    for port in network.external_ports:
+        name = port.name if port.index is None or port.name.endswith("]") else f"{port.name}[{port.index}]"
+        if name not in outputs:
+            continue
+        if port.period is None or port.immediate:
+            shortest.append(0)
+            longest.append(response)
+        else:
+            shortest.append(port.period)
+            longest.append(max(1, -(-response // port.period)) * port.period)
+    return (min(shortest), max(longest)) if shortest else None

@@ -1,0 +1,130 @@
+"""What the timing analysis finds."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from cspdiag.analyses.timing.flow import Missing
+from cspdiag.analyses.timing.task import Task
+from cspdiag.diagnostics import Span
+
+
+@dataclass(frozen=True)
+class LoopTiming:
+    """One sampled loop; times are nanoseconds from the nominal release, the tick.
+
+    ``work`` is what a sample needs, ``own`` the part of the loop itself where it waits for partners. ``response`` and
+    ``start`` are None where there is no bound. ``outputs`` are the sampled outputs of the program that it writes; ``latency`` from the sample to the
+    outputs, the shortest and the longest, None without outputs.
+    """
+
+    name: str
+    thread: str
+    span: Span
+    period: int
+    priority: int
+    work: int
+    step: int
+    blocking: int
+    response: int | None
+    start: int | None
+    outputs: tuple[str, ...]
+    latency: tuple[int, int] | None
+    partners: tuple[str, ...]
+    task: Task
+
+    @property
+    def utilization(self) -> float:
+        """Share of the processor."""
+        return self.work / self.period
+
+    @property
+    def slack(self) -> int | None:
+        """What is left of the period in the worst case; negative where it is not enough."""
+        return None if self.response is None else self.period - self.response
+
+    @property
+    def is_met(self) -> bool:
+        """Whether every output is computed within the period of its sample."""
+        return self.response is not None and self.response <= self.period
+
+    @property
+    def jitter(self) -> int | None:
+        """How much the latency varies."""
+        return None if self.latency is None else self.latency[1] - self.latency[0]
+
+
+@dataclass(frozen=True)
+class Chain:
+    """From an input of the program through loops to an output.
+
+    ``reaction`` is the longest time from a change of the input to the first output that knows of it; ``age`` is how old a sample is at most when an
+    output that is based on it is handed over.
+    """
+
+    source: str
+    sink: str
+    loops: tuple[str, ...]
+    reaction: int
+    age: int
+
+
+@dataclass(frozen=True)
+class Refusal:
+    """Something that has no bound, why, where, and what helps."""
+
+    subject: str
+    reason: str
+    span: Span
+    help: str
+
+
+@dataclass(frozen=True)
+class TimingReport:
+    """The timing of a whole program. ``advice`` lists the threads from the most to the least urgent, where another order of priorities
+    would meet all deadlines and the present one does not; ``is_edf_feasible`` tells whether earliest deadline first would; ``tasks`` is what was analysed.
+    """
+
+    process: str
+    loops: tuple[LoopTiming, ...]
+    chains: tuple[Chain, ...]
+    missing: tuple[Missing, ...]
+    refusals: tuple[Refusal, ...]
+    tasks: tuple[Task, ...]
+    utilization: float
+    hyperperiod: int
+    is_edf_feasible: bool
+    advice: tuple[str, ...] | None
+    measured: tuple[str, ...] = ()
+
+    @property
+    def is_schedulable(self) -> bool | None:
+        """True where it is proved, False where a loop may be late, None where the analysis was refused."""
+        if self.missing or self.refusals:
+            return None
+        return all(loop.is_met for loop in self.loops)
+
+    @property
+    def reason(self) -> str:
+        """The verdict as a sentence."""
+        if self.missing:
+            first, others = self.missing[0], len(self.missing) - 1
+            more = f" (and {others} more)" if others else ""
+            return f"`{first.leaf}`{more} does not say its worst-case execution time"
+        if self.refusals:
+            return f"`{self.refusals[0].subject}`: {self.refusals[0].reason}"
+        late = [loop.name for loop in self.loops if not loop.is_met]
+        if late:
+            return f"{_listed(late)} may not be ready before the next sample"
+        if not self.loops:
+            return "no loop follows a sample period"
+        return (
+            f"all {len(self.loops)} sampled loops are ready before their next samples"
+            if len(self.loops) > 1
+            else (f"`{self.loops[0].name}` is ready before its next sample")
+        )
+
+
+def _listed(names: list[str]) -> str:
+    shown = ", ".join(f"`{name}`" for name in names[:3])
+    return shown + (f" and {len(names) - 3} more" if len(names) > 3 else "")

@@ -1,0 +1,392 @@
+"""From a network to its threads."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import assert_never
+
+from cspdiag.analyses.timing.flow import Missing, Offer, Place, Thread
+from cspdiag.network.actions import (
+    Action,
+    AfterEvent,
+    AssignValue,
+    Branch,
+    CatchException,
+    ChannelEnd,
+    Choice,
+    End,
+    Group,
+    IfElse,
+    InputEvent,
+    InterruptOn,
+    OptimizedStep,
+    OutputEvent,
+    ParallelSteps,
+    PortEnd,
+    RaiseException,
+    ReadValue,
+    ReadyEvent,
+    Repeat,
+    ResetInstance,
+    RunInstance,
+    SequentialSteps,
+    SkipEvent,
+    SkipStep,
+    StopStep,
+    WaitStep,
+    WhileLoop,
+    WriteValue,
+)
+from cspdiag.network.constant_value import constant_value
+from cspdiag.network.expressions import Expression, ParameterValue, SignalValue, Value
+from cspdiag.network.ir import Connection, Net, Network, ProcessClass, SubmodelClass
+from cspdiag.network.walk import parts
+
+
+@dataclass(frozen=True)
+class _Context:
+    """Where an action stands: its thread and process, what ends it early, and the stated time that replaces those inside."""
+
+    thread: Thread
+    path: str
+    priority: tuple[int, ...]
+    handlers: tuple[tuple[str, int], ...] = ()
+    interrupts: tuple[Offer, ...] = ()
+    stated: int | None = None
+    groups: tuple[int, ...] = ()
+
+
+class Threads:
+    """The threads of a network. ``missing`` are the laws without a worst-case execution time; ``measured`` gives times by path, in nanoseconds,
+    that count instead of stated ones.
+    """
+
+    def __init__(self, network: Network, measured: Mapping[str, int]) -> None:
+        self.network = network
+        self.measured = measured
+        self.classes = {entry.name: entry for entry in network.classes}
+        self.instances = {instance.path: instance for instance in network.instances}
+        self.nets = {net.path: net for net in network.nets}
+        self.net_of = {end: net for net in network.nets for end in (*net.writers, *net.readers)}
+        self.missing: dict[str, Missing] = {}
+        self._groups = 0
+        self.root = Thread(network.top, ())
+        entry = self.classes[self.instances[network.top].class_name]
+        context = _Context(self.root, network.top, ())
+        end = self._place(context, entry)
+        self.root.entry = self._process(network.top, context, end)
+
+    def _place(self, context: _Context, where: object, **fields: object) -> int:
+        context.thread.places.append(Place(where.span, context.path, **fields))  # type: ignore[attr-defined, arg-type]
+        return len(context.thread.places) - 1
+
+    def _process(self, path: str, context: _Context, following: int) -> int:
+        entry = self.classes[self.instances[path].class_name]
+        assert isinstance(entry, ProcessClass)
+        inner = replace(context, path=path)
+        if entry.external is not None:
+            return self._written_by_hand(path, entry, inner, following)
+        if entry.body is None:
+            return following
+        starts = self._place(inner, entry, starts=path)
+        context.thread.places[starts].successors = [self._begun(path, entry, inner, following)]
+        return starts
+
+    def _begun(self, path: str, entry: ProcessClass, context: _Context, following: int) -> int:
+        inner = context
+        assert entry.body is not None
+        stated = self.measured.get(path, entry.wcet)
+        if stated is None or context.stated is not None:
+            return self._action(entry.body, inner, following)
+        inner = replace(inner, stated=stated)
+        began = self._place(inner, entry, cost=stated, leaf=path)
+        context.thread.places[began].successors = [self._action(entry.body, inner, following)]
+        return began
+
+    def _written_by_hand(self, path: str, entry: ProcessClass, context: _Context, following: int) -> int:
+        """It waits for any of its ports, computes, and waits again, until it ends."""
+        cost = self._cost(path, entry, context)
+        work = self._place(context, entry, cost=cost, leaf=path)
+        waits = self._place(context, entry)
+        place = context.thread.places[waits]
+        for port in entry.ports:
+            for k in (None,) if port.size is None else range(port.size):
+                end = PortEnd(port.name, k)
+                if port.direction == "in":
+                    place.offers += self._reading(path, end, work, entry)
+                else:
+                    place.offers += self._writing(path, end, work, entry)
+        context.thread.places[work].successors = [waits, following] if place.offers else [following]
+        self._interruptible(place, context)
+        return waits if place.offers else work
+
+    def _cost(self, path: str, entry: ProcessClass | SubmodelClass, context: _Context) -> int:
+        if context.stated is not None:
+            return 0
+        stated = self.measured.get(path, entry.wcet)
+        if stated is None:
+            kind = "submodel" if isinstance(entry, SubmodelClass) else "process"
+            self.missing.setdefault(path, Missing(path, entry.definition, kind, entry.span))  # type: ignore[arg-type]
+            return 0
+        return stated
+
+    def _net(self, path: str, end: End) -> Net | None:
+        if isinstance(end, ChannelEnd):
+            return self.nets.get(f"{path}.{end.channel}")
+        return self.net_of.get((path, end.port if end.index is None else f"{end.port}[{end.index}]"))
+
+    def _reading(
+        self, path: str, end: End, target: int, where: object, *, owner: str = "", takes: bool = True
+    ) -> list[Offer]:
+        """What reading waits for; nothing where it never waits. ``owner`` is the process that keeps books of samples."""
+        net = self._net(path, end)
+        span = where.span  # type: ignore[attr-defined]
+        if net is None or (net.kind == "var" and net.external is None):
+            return []
+        if net.external == "in" and net.period is not None:
+            key = (net.path, owner or path, end.end)
+            return [Offer("sample", target, span, net.path, net.period, key, takes)]
+        if net.external == "in":
+            return [Offer("event", target, span, net.path)]
+        return [Offer("partner", target, span, net.path)]
+
+    def _writing(self, path: str, end: End, target: int, where: object) -> list[Offer]:
+        net = self._net(path, end)
+        if net is None or net.external is not None or net.kind in ("var", "overwrite"):
+            return []
+        return [Offer("partner", target, where.span, net.path, writes=True)]  # type: ignore[attr-defined]
+
+    def _waiting(self, context: _Context, where: object, offers: list[Offer], following: int) -> int:
+        """A place that waits for one communication; ``following`` where it never waits."""
+        if not offers:
+            return following
+        waits = self._place(context, where)
+        place = context.thread.places[waits]
+        place.offers = [
+            replace(offer, target=self._resumed(context, where, offer.target), groups=context.groups)
+            for offer in offers
+        ]
+        self._interruptible(place, context)
+        return waits
+
+    def _resumed(self, context: _Context, where: object, target: int) -> int:
+        """Within a process that states its time, every step takes that long."""
+        if context.stated is None:
+            return target
+        resumed = self._place(context, where, cost=context.stated, leaf=context.path)
+        context.thread.places[resumed].successors = [target]
+        return resumed
+
+    def _interruptible(self, place: Place, context: _Context) -> None:
+        missed = [(offer, self._handler(context, "Timeout")) for offer in place.offers if offer.kind == "sample"]
+        place.offers += [replace(offer, target=target) for offer, target in missed if target is not None]
+        place.offers += context.interrupts
+
+    def _handler(self, context: _Context, exception: str) -> int | None:
+        return next((target for name, target in reversed(context.handlers) if name == exception), None)
+
+    def _law(
+        self, path: str, law: SubmodelClass, connections: tuple[Connection, ...], context: _Context, following: int
+    ) -> int:
+        inputs = {port.name for port in law.ports if port.direction == "in"}
+        present = following
+        for connection in reversed(connections):
+            if connection.port not in inputs:
+                offers = self._writing(path, PortEnd(connection.port, connection.index), present, law)
+                present = self._waiting(context, law, offers, present)
+        names = [port.name for port in law.ports if port.direction == "out"]
+        nets = [self._net(path, PortEnd(c.port, c.index)) for c in connections if c.port in names]
+        outputs = tuple(net.path for net in nets if net is not None and net.external == "out")
+        work = self._place(context, law, cost=self._cost(path, law, context), leaf=path, outputs=outputs)
+        fault = self._handler(context, "Fault")
+        context.thread.places[work].successors = [present] if fault is None else [present, fault]
+        present = work
+        # The sample comes first: it is what begins the work of a period.
+        reads: list[Offer] = []
+        for connection in connections:
+            attached = connection.attachment
+            if connection.port in inputs and isinstance(attached, PortEnd | ChannelEnd):
+                end = PortEnd(connection.port, connection.index, attached.end)
+                reads += self._reading(path, end, 0, law, owner=context.path)
+        for offer in sorted(reads, key=lambda offer: ("partner", "event", "sample").index(offer.kind)):
+            present = self._waiting(context, law, [replace(offer, target=present)], present)
+        return present
+
+    def _action(self, action: Action, context: _Context, following: int) -> int:
+        match action:
+            case RunInstance():
+                return self._run(action, context, following)
+            case ReadValue():
+                return self._waiting(
+                    context, action, self._reading(context.path, action.source, following, action), following
+                )
+            case WriteValue():
+                net = self._net(context.path, action.sink)
+                if net is not None and net.external == "out":
+                    return self._place(context, action, successors=[following], outputs=(net.path,))
+                return self._waiting(
+                    context, action, self._writing(context.path, action.sink, following, action), following
+                )
+            case WaitStep():
+                return self._waiting(
+                    context, action, self._delay(action.duration, context, following, action), following
+                )
+            case AssignValue() | SkipStep() | ResetInstance():
+                return following
+            case StopStep():
+                stops = self._place(context, action)
+                self._interruptible(context.thread.places[stops], context)
+                return stops
+            case RaiseException():
+                handler = self._handler(context, action.exception)
+                return self._place(context, action) if handler is None else handler
+            case SequentialSteps():
+                for step in reversed(action.steps):
+                    following = self._action(step, context, following)
+                return following
+            case ParallelSteps():
+                return self._parallel(action, context, following)
+            case Choice():
+                return self._choice(action, context, following)
+            case Repeat() | WhileLoop():
+                return self._loop(action, context, following)
+            case IfElse():
+                decides = self._place(context, action)
+                sides = [self._action(side, context, following) for side in (action.then, action.otherwise)]
+                context.thread.places[decides].successors = sides
+                return decides
+            case CatchException():
+                handler = self._action(action.handler, context, following)
+                inner = replace(context, handlers=(*context.handlers, (action.exception, handler)))
+                return self._action(action.body, inner, following)
+            case InterruptOn():
+                offers = self._guard(action.branch, context, following)
+                inner = replace(context, interrupts=(*context.interrupts, *offers))
+                return self._action(action.body, inner, following)
+            case Group():
+                return self._action(action.body, context, following)
+            case OptimizedStep():
+                raise AssertionError("made by the optimizer, later")
+            case _:
+                assert_never(action)
+
+    def _run(self, action: RunInstance, context: _Context, following: int) -> int:
+        path = f"{context.path}.{action.instance}"
+        entry = self.classes[self.instances[path].class_name]
+        if isinstance(entry, ProcessClass):
+            return self._process(path, context, following)
+        owner = self.classes[self.instances[context.path].class_name]
+        assert isinstance(owner, ProcessClass)
+        declared = next(instance for instance in owner.instances if instance.name == action.instance)
+        return self._law(path, entry, declared.connections, context, following)
+
+    def _loop(self, action: Repeat | WhileLoop, context: _Context, following: int) -> int:
+        again = self._place(context, action)
+        body = self._action(action.body, context, again)
+        if isinstance(action, WhileLoop):
+            context.thread.places[again].successors = [body, following]
+            return again
+        context.thread.places[again].successors = [body] if action.until is None else [body, following]
+        return body
+
+    def _choice(self, action: Choice, context: _Context, following: int) -> int:
+        offers = [offer for branch in action.branches for offer in self._guard(branch, context, following)]
+        ready = [
+            self._action(branch.body, context, following)
+            for branch in action.branches
+            if isinstance(branch.event, SkipEvent) or not self._guard_waits(branch, context)
+        ]
+        if not offers:
+            return self._place(context, action, successors=ready or [following])
+        waits = self._waiting(context, action, offers, following)
+        if not ready:
+            return waits
+        return self._place(context, action, successors=[*ready, waits])
+
+    def _guard_waits(self, branch: Branch, context: _Context) -> bool:
+        return bool(self._offers(branch, context, 0))
+
+    def _guard(self, branch: Branch, context: _Context, following: int) -> list[Offer]:
+        if not self._offers(branch, context, 0):
+            return []
+        return self._offers(branch, context, self._action(branch.body, context, following))
+
+    def _offers(self, branch: Branch, context: _Context, target: int) -> list[Offer]:
+        event = branch.event
+        match event:
+            case ReadyEvent():
+                return self._reading(context.path, event.source, target, event, takes=False)
+            case InputEvent():
+                return self._reading(context.path, event.source, target, event)
+            case OutputEvent():
+                return self._writing(context.path, event.sink, target, event)
+            case AfterEvent():
+                return self._delay(event.duration, context, target, event)
+            case SkipEvent():
+                return []
+            case _:
+                assert_never(event)
+
+    def _delay(self, duration: Expression, context: _Context, target: int, where: object) -> list[Offer]:
+        arguments = dict(self.instances[context.path].arguments)
+
+        def lookup(part: ParameterValue | SignalValue) -> Value | None:
+            return arguments.get(part.name)
+
+        known = constant_value(duration, lookup)
+        length = known if isinstance(known, int) and known > 0 else 0
+        return [Offer("delay", target, where.span, period=length)]  # type: ignore[attr-defined]
+
+    def _parallel(self, action: ParallelSteps, context: _Context, following: int) -> int:
+        ranks = [(*context.priority, k) if action.prioritized else context.priority for k in range(len(action.steps))]
+        if not any(self._has_loop(step, context.path) for step in action.steps):
+            self._groups += 1
+            inside = replace(context, groups=(*context.groups, self._groups))
+            for step, rank in zip(reversed(action.steps), reversed(ranks), strict=True):
+                switches = self._place(context, step, successors=[following], breaks=True)
+                following = self._action(step, replace(inside, priority=rank), switches)
+            return following
+        started: list[Thread] = []
+        for step, rank in zip(action.steps, ranks, strict=True):
+            thread = Thread(self._named(step, context.path), rank)
+            inner = _Context(thread, context.path, rank, stated=context.stated)
+            thread.entry = self._action(step, inner, self._place(inner, step))
+            started.append(thread)
+        context.thread.forks.append(started)
+        joins = self._place(context, action)
+        context.thread.places[joins].offers = [Offer("join", following, action.span)]
+        return joins
+
+    def _named(self, step: Action, path: str) -> str:
+        match step:
+            case RunInstance():
+                return f"{path}.{step.instance}"
+            case Group():
+                return f"{path}.{step.label}"
+            case _:
+                runs = [part for part in parts(step) if isinstance(part, RunInstance)]
+                return f"{path}.{runs[0].instance}" if runs else path
+
+    def _has_loop(self, action: Action, path: str) -> bool:
+        for part in parts(action):
+            if isinstance(part, Repeat | WhileLoop):
+                return True
+            if isinstance(part, RunInstance) and self._class_has_loop(
+                self.instances[f"{path}.{part.instance}"].class_name
+            ):
+                return True
+        return False
+
+    def _class_has_loop(self, name: str) -> bool:
+        entry = self.classes[name]
+        if isinstance(entry, SubmodelClass):
+            return False
+        if entry.body is None:
+            return True
+        inside = {instance.name: instance.class_name for instance in entry.instances}
+        return any(
+            isinstance(part, Repeat | WhileLoop)
+            or (isinstance(part, RunInstance) and self._class_has_loop(inside[part.instance]))
+            for part in parts(entry.body)
+        )
