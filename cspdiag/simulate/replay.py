@@ -19,6 +19,7 @@ from cspdiag.runtime.scheduler import Task, scheduler
 from cspdiag.simulate.package import LoadedPackage
 from cspdiag.simulate.replay_decisions import Decisions
 from cspdiag.simulate.replay_gates import Gate, Interruption, Option, conductor
+from cspdiag.simulate.replay_memory import memory
 from cspdiag.simulate.replay_runtime import replaying_runtime
 from cspdiag.simulate.replay_trace import Trace, TraceStep
 from cspdiag.simulate.replay_values import Values, numbers_of
@@ -102,9 +103,15 @@ class _Attempt:
         deadlock, divergence = None, None
         try:
             self._settle()
-            for step in (*self._trace.steps, *self._trace.cycle):
+            for step in self._trace.steps:
                 self._perform(step)
                 done += 1
+            before = memory(network.process)
+            for step in self._trace.cycle:
+                self._perform(step)
+                done += 1
+            if self._trace.cycle and not self._trace.exact:
+                self._require_same(before, memory(network.process))
             deadlock = self._conclude(root)
         except _DivergenceError as problem:
             divergence = str(problem)
@@ -270,6 +277,13 @@ class _Attempt:
             and any((entry.action, entry.channel) == (opposite, option.channel) for entry in other.options)
             for other in conductor.halted.values()
         )
+
+    def _require_same(self, before: Mapping[str, object], after: Mapping[str, object]) -> None:
+        """What was done once can be done for ever where it leaves everything as it was."""
+        changed = [name for name, value in before.items() if after.get(name) != value]
+        if changed:
+            named = ", ".join(f"`{name}`" for name in changed[:3])
+            raise _DivergenceError(f"each time round, {named} changes, so that this may come to an end")
 
     def _conclude(self, root: Task) -> DeadlockReport | None:
         """What was refuted is the case now."""

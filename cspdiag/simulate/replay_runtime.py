@@ -169,7 +169,9 @@ class _Alternative(Alternative):
 
 def _option(guard: Guard, index: int) -> Option:
     match guard:
-        case Input(end=Constant() | Variable()) | Ready(end=Constant() | Variable()) | Output(end=Discard() | Variable()):
+        case (
+            Input(end=Constant() | Variable()) | Ready(end=Constant() | Variable()) | Output(end=Discard() | Variable())
+        ):
             return Option("skip", "", index)
         case Input(end=end):
             return Option("read", end.name, index)

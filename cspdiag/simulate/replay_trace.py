@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -29,7 +29,10 @@ class TraceStep:
 
 @dataclass(frozen=True)
 class Trace:
-    """A counterexample of ``process``, compiled with ``settings``; ``stuck`` are paths of the processes that never go on after it."""
+    """A counterexample of ``process``, compiled with ``settings``.
+
+    ``stuck`` are paths of the processes that never go on after it. ``exact``: the proof left nothing open, so that what was done once can be done again and again.
+    """
 
     process: str
     settings: Mapping[str, str]
@@ -38,15 +41,23 @@ class Trace:
     steps: tuple[TraceStep, ...]
     cycle: tuple[TraceStep, ...]
     stuck: tuple[str, ...]
+    exact: bool
 
 
-def trace_text(counterexample: Mapping[str, Any], process: str, assertion: str, settings: Mapping[str, str]) -> str:
-    """The file of a counterexample (see ``analyses.counterexamples.encode``)."""
+def trace_text(
+    counterexample: Mapping[str, Any],
+    process: str,
+    assertion: str,
+    settings: Mapping[str, str],
+    left_open: Sequence[str],
+) -> str:
+    """The file of a counterexample (see ``analyses.counterexamples.encode``); ``left_open`` is what the proof leaves open."""
     whole = {
         "format": FORMAT,
         "process": process,
         "assertion": assertion,
         "settings": dict(settings),
+        "left_open": list(left_open),
         **counterexample,
     }
     return json.dumps(whole, indent=2) + "\n"
@@ -68,6 +79,7 @@ def read_trace(text: str) -> Trace:
             failure=_text(whole["failure"]),
             steps=tuple(map(_step, whole["steps"])),
             cycle=tuple(map(_step, whole["cycle"])),
+            exact=not whole["left_open"],
             stuck=tuple(_text(entry["path"]) for entry in whole["waiting"]),
         )
     except (KeyError, TypeError, AttributeError) as problem:

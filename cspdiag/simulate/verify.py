@@ -23,7 +23,9 @@ from cspdiag.simulate.replay_trace import Trace, read_trace, trace_text
 def trace_of(answer: Answer, settings: Mapping[str, str]) -> str:
     """The text of the file that ``run --replay`` takes; the answer has a counterexample."""
     assert answer.counterexample is not None
-    return trace_text(encoded(answer.counterexample), answer.question.process, answer.question.text, settings)
+    left_open = list(dict.fromkeys(abstraction.what for abstraction in answer.abstractions))
+    counterexample = encoded(answer.counterexample)
+    return trace_text(counterexample, answer.question.process, answer.question.text, settings, left_open)
 
 
 def replayed(network: Network, trace: Trace, read: pipeline.Reader) -> Replay:
