@@ -12,7 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from cspdiag.analyses.proofs import breadth_first, livelock, stubborn, termination
+from cspdiag.analyses.proofs import breadth_first, livelock, minimization, stubborn, termination
 from cspdiag.analyses.proofs.verdict import Limits, Proved, Refuted, Unknown, Verdict
 from cspdiag.analyses.transitions.system import System
 from tests.analyses.proofs import naive
@@ -36,7 +36,11 @@ QUESTIONS = (
     Question(
         "deadlock",
         naive.deadlocked,
-        {"breadth-first": breadth_first.deadlock_free, "stubborn": stubborn.deadlock_free},
+        {
+            "breadth-first": breadth_first.deadlock_free,
+            "stubborn": stubborn.deadlock_free,
+            "minimization": minimization.deadlock_free,
+        },
         {},
     ),
     Question(

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import pytest
 
-from cspdiag.analyses.proofs import breadth_first, cycles, livelock, stubborn, termination
+from cspdiag.analyses.proofs import breadth_first, cycles, livelock, minimization, stubborn, termination
 from cspdiag.analyses.proofs.verdict import Limits, Proved, Refuted, Verdict
 from cspdiag.analyses.transitions.system import System
 from tests.analyses.proofs import naive
@@ -40,6 +40,7 @@ def check(system: System, verdict: Verdict, holds: Callable[[System, naive.State
         (breadth_first.deadlock_free, naive.deadlocked, True),
         (breadth_first.knot_free, naive.knotted, True),
         (stubborn.deadlock_free, naive.deadlocked, False),
+        (minimization.deadlock_free, naive.deadlocked, False),
         (stubborn.knot_free, naive.knotted, False),
     ],
 )

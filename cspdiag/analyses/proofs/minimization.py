@@ -1,0 +1,107 @@
+"""Compositional minimization: processes are put together two by two, what happens between them is hidden, and each result is made as small as possible.
+
+The pair that promises the smallest result comes next (Graf and Steffen, "Compositional minimization of finite state systems", 1990; Crouzen and Lang, "Smart
+reduction", 2011). Identical pairs are made once. Only whether there is a deadlock can be seen in the last machine: a trace to it is searched.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from heapq import heapify, heappop, heappush
+
+from cspdiag.analyses.proofs import stubborn
+from cspdiag.analyses.proofs.parallel_machines import Pairs, Part, part_of
+from cspdiag.analyses.proofs.verdict import LimitError, Limits, Proved, Refuted, Unknown, Verdict
+from cspdiag.analyses.transitions.system import System
+
+
+def deadlock_free(system: System, limits: Limits) -> Verdict:
+    """Whether no state is reachable in which nothing is possible and a process has not ended."""
+    try:
+        reduction = _Reduction(system, limits)
+        remaining = list(reduction.remaining())
+    except LimitError as stop:
+        return Unknown("minimization", str(stop))
+    if not _stands_still(remaining):
+        reason = (
+            f"put together two by two and made minimal, the processes never had more than {reduction.largest} states"
+        )
+        return Proved("minimization", f"{reason}, and at last none stands still", reduction.largest)
+    found = stubborn.deadlock_free(system, limits)
+    if isinstance(found, Refuted):
+        return found
+    return Unknown("minimization", "there is a deadlock, but the search for a trace to it reached a limit")
+
+
+def _stands_still(parts: list[Part]) -> bool:
+    """Whether all parts, which have nothing in common, can stand still at once, with a process that has not ended."""
+    ways = [
+        {ended for ended, edges in zip(part.machine.ended, part.machine.edges, strict=True) if not edges}
+        for part in parts
+    ]
+    return all(ways) and any(False in ended for ended in ways)
+
+
+class _Reduction:
+    """Parts by number, and how many of an event's parties are still apart."""
+
+    def __init__(self, system: System, limits: Limits) -> None:
+        self._limits = limits
+        self._pairs = Pairs(limits)
+        self.largest = 1
+        alphabets: list[set[int]] = [set() for _ in system.components]
+        for event, known in enumerate(system.events):
+            for party in known.parties:
+                alphabets[party].add(event)
+        alone = {event for event, known in enumerate(system.events) if len(known.parties) == 1}
+        self._parts = {
+            at: self._pairs.minimal(part_of(component, alphabets[at], alone))
+            for at, component in enumerate(system.components)
+        }
+        self._members: dict[int, set[int]] = {
+            event: set(known.parties) for event, known in enumerate(system.events) if event not in alone
+        }
+        self._queue = [self._ranked(one, other) for one, other in sorted(self._neighbours())]
+        heapify(self._queue)
+
+    def remaining(self) -> Iterator[Part]:
+        """The parts that are left when no two have an event in common. Raises LimitError."""
+        number = len(self._parts)
+        while self._queue:
+            _, one, other = heappop(self._queue)
+            if one not in self._parts or other not in self._parts:
+                continue
+            self._limits.check()
+            self._put_together(one, other, number)
+            number += 1
+        yield from self._parts.values()
+
+    def _put_together(self, one: int, other: int, number: int) -> None:
+        first, second = self._parts.pop(one), self._parts.pop(other)
+        inside = set()
+        for event in {*first.events, *second.events}:
+            members = self._members[event]
+            members -= {one, other}
+            if members:
+                members.add(number)
+            else:
+                inside.add(event)
+        part = self._pairs.together(first, second, inside)
+        self._parts[number] = part
+        self.largest = max(self.largest, len(part.machine.edges))
+        for neighbour in {member for event in part.events for member in self._members[event]} - {number}:
+            heappush(self._queue, self._ranked(neighbour, number))
+
+    def _neighbours(self) -> set[tuple[int, int]]:
+        return {
+            (one, other) for members in self._members.values() for one in members for other in members if one < other
+        }
+
+    def _ranked(self, one: int, other: int) -> tuple[tuple[float, int], int, int]:
+        """How much a pair promises: few states, and many events that only they have in common."""
+        first, second = self._parts[one], self._parts[other]
+        shared = set(first.events) & set(second.events)
+        hidden = sum(self._members[event] <= {one, other} for event in shared)
+        events = len(first.events) + len(second.events) - len(shared)
+        states = len(first.machine.edges) * len(second.machine.edges)
+        return (states * (1 - hidden / (events + 1)), events), one, other

@@ -1,0 +1,136 @@
+"""Two machines in parallel, as one: what becomes internal, and the same pair only once.
+
+A machine numbers its events in the order in which it comes to them, so that instances of one process have equal machines, and the machine of a pair is
+looked up before it is made.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from cspdiag.analyses.proofs.branching_bisimulation import Machine, minimized
+from cspdiag.analyses.proofs.verdict import LimitError, Limits
+from cspdiag.analyses.transitions.system import INTERNAL, Component, Edge
+
+MOST_STATES = 50_000
+"""A pair with more states is given up: to minimize it would take too long."""
+
+Renamed: TypeAlias = dict[int, int]
+"""The numbers of a machine's events in the machine of a pair; INTERNAL for those that become internal."""
+
+
+@dataclass(frozen=True)
+class Part:
+    """A machine, and which event of the system each of its events is, also of those that it never offers."""
+
+    machine: Machine
+    events: tuple[int, ...]
+
+
+def part_of(component: Component, alphabet: Iterable[int], hidden: Collection[int]) -> Part:
+    """A component that is party to the events of an alphabet; those that are hidden are internal."""
+    numbers = {component.initial: 0}
+    pending = [component.initial]
+    events: dict[int, int] = {}
+    edges: list[tuple[Edge, ...]] = []
+    for state in pending:
+        found: dict[Edge, None] = {}
+        for event, target in component.edges[state]:
+            if target not in numbers:
+                numbers[target] = len(pending)
+                pending.append(target)
+            known = INTERNAL if event == INTERNAL or event in hidden else events.setdefault(event, len(events))
+            found[known, numbers[target]] = None
+        edges.append(tuple(found))
+    for event in sorted(set(alphabet).difference(hidden)):
+        events.setdefault(event, len(events))
+    ended = tuple(not component.process or state in component.terminal for state in pending)
+    return Part(Machine(tuple(edges), ended), tuple(events))
+
+
+class Pairs:
+    """Machines of pairs, each made once."""
+
+    def __init__(self, limits: Limits) -> None:
+        self._limits = limits
+        self._known: dict[Machine, Machine] = {}
+        self._minimal: dict[int, Machine] = {}
+        self._made: dict[tuple[int, int, tuple[tuple[int, int], ...], frozenset[int]], Machine] = {}
+
+    def minimal(self, part: Part) -> Part:
+        """The smallest equivalent part."""
+        machine = self._same(part.machine)
+        if id(machine) not in self._minimal:
+            self._minimal[id(machine)] = self._same(minimized(machine))
+        return Part(self._minimal[id(machine)], part.events)
+
+    def together(self, one: Part, other: Part, hidden: Collection[int]) -> Part:
+        """Both in parallel, made minimal; the hidden events become internal. Raises LimitError."""
+        place = {event: at for at, event in enumerate(one.events)}
+        joints = tuple((place[event], at) for at, event in enumerate(other.events) if event in place)
+        events = [*one.events, *(event for event in other.events if event not in place)]
+        inside = frozenset(at for at, event in enumerate(events) if event in hidden)
+        kept = [at for at in range(len(events)) if at not in inside]
+        key = (id(one.machine), id(other.machine), joints, inside)
+        if key not in self._made:
+            final = {at: new for new, at in enumerate(kept)}
+            mine = {at: final.get(at, INTERNAL) for at in range(len(one.events))}
+            number = {event: at for at, event in enumerate(events)}
+            its = {at: final.get(number[event], INTERNAL) for at, event in enumerate(other.events)}
+            self._made[key] = self._same(
+                minimized(_product(one.machine, other.machine, joints, mine, its, self._limits))
+            )
+        return Part(self._made[key], tuple(events[at] for at in kept))
+
+    def _same(self, machine: Machine) -> Machine:
+        """The one machine that is kept of equal ones: keys hold its identity."""
+        return self._known.setdefault(machine, machine)
+
+
+def _product(
+    one: Machine,
+    other: Machine,
+    joints: Iterable[tuple[int, int]],
+    mine: Renamed,
+    its: Renamed,
+    limits: Limits,
+) -> Machine:
+    """The states of two machines that are reached together; ``joints`` are pairs of events that are the same."""
+    partner = dict(joints)
+    alone = set(its).difference(partner.values())
+    numbers = {(0, 0): 0}
+    pending = [(0, 0)]
+    edges: list[tuple[Edge, ...]] = []
+    offers = [_by_event(offered) for offered in other.edges]
+    for left, right in pending:
+        found: dict[tuple[int, tuple[int, int]], None] = {}
+        for event, target in one.edges[left]:
+            if event == INTERNAL:
+                found[INTERNAL, (target, right)] = None
+            elif event not in partner:
+                found[mine[event], (target, right)] = None
+            else:
+                for its_target in offers[right].get(partner[event], ()):
+                    found[mine[event], (target, its_target)] = None
+        for event, target in other.edges[right]:
+            if event == INTERNAL or event in alone:
+                found[its.get(event, INTERNAL), (left, target)] = None
+        for _, after in found:
+            if after not in numbers:
+                numbers[after] = len(pending)
+                pending.append(after)
+        edges.append(tuple((event, numbers[after]) for event, after in found))
+        if len(edges) % 1024 == 0:
+            limits.check(len(pending) * 1000)
+            if len(pending) > MOST_STATES:
+                raise LimitError(f"two parts together have more than {MOST_STATES} states")
+    return Machine(tuple(edges), tuple(one.ended[left] and other.ended[right] for left, right in pending))
+
+
+def _by_event(edges: Iterable[Edge]) -> dict[int, list[int]]:
+    found: dict[int, list[int]] = {}
+    for event, target in edges:
+        found.setdefault(event, []).append(target)
+    return found
