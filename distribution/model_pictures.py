@@ -85,7 +85,7 @@ def _difference() -> Scene:
     before, after = _checked("jiwy/jiwy").program, _checked("jiwy/jiwy", *CHANGES).program
     assert before is not None
     assert after is not None
-    return pictures_of(differences(before, after), before, after)[0]
+    return pictures_of(differences(before, after))[0]
 
 
 PICTURES: dict[str, Callable[[], Scene]] = {

@@ -66,7 +66,7 @@ def run(arguments: Namespace) -> int:
 
         sys.stdout.write(render(found.changes, colour=wants_colour(arguments.color, sys.stdout)))
     if arguments.output is not None:
-        _draw(arguments, found, before, after)
+        _draw(arguments, found)
     return UNSUCCESSFUL if found.changes and not arguments.exit_zero else FINE
 
 
@@ -104,7 +104,7 @@ def _program(revision: str | None, path: str, arguments: Namespace) -> Program:
     return checked.program
 
 
-def _draw(arguments: Namespace, found: Difference, before: Program, after: Program) -> None:
+def _draw(arguments: Namespace, found: Difference) -> None:
     from cspdiag.draw.differences.picture import pictures_of
     from cspdiag.draw.layout.graph import LayoutError
     from cspdiag.draw.missing import MissingToolError
@@ -112,7 +112,7 @@ def _draw(arguments: Namespace, found: Difference, before: Program, after: Progr
     from cspdiag.simulate.files import write_whole
 
     try:
-        scenes = pictures_of(found, before, after)
+        scenes = pictures_of(found)
         data = rendered(scenes, arguments.output.suffix.removeprefix(".").lower(), arguments.scheme)
     except MissingToolError as problem:
         raise UsageError(str(problem)) from None

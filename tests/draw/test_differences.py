@@ -96,7 +96,7 @@ def told(*replacements: tuple[str, str]) -> list[str]:
         (
             "mu (x ? v ; y ! v)",
             "mu (x ? v ; y ! v ; y ! v)",
-            ["process Reader", "~ composition", "- mu (x ? v ; y ! v)", "+ mu (x ? v ; y ! v ; y ! v)"],
+            ["process Reader", "~ composition: mu (x ? v ; y ! v) → mu (x ? v ; y ! v ; y ! v)"],
         ),
         ("assert Top deadlock free", "", ["- assert Top deadlock free"]),
         ("submodel Law(kp: double<V>)", "submodel Law(kp: double<V> = 1<V>)", ["submodel Law", "~ parameter kp: default none → 1<V>"]),
@@ -126,6 +126,15 @@ def test_a_period_that_follows_from_a_constant_is_told_where_it_is_used() -> Non
 def test_a_composition_that_changes_what_a_channel_is_says_so() -> None:
     lines = told(("composition { reader || writer }", "composition { reader ; writer }"))
     assert "~ connection value: inferred kind rendezvous → variable" in lines
+
+
+def test_a_long_composition_is_told_by_its_steps_and_a_short_one_as_a_whole() -> None:
+    steps = " ; ".join(["x ? v ; y ! v"] * 12)
+    before = PROGRAM.replace("mu (x ? v ; y ! v)", f"mu ({steps})")
+    after = before.replace("mu (x ? v", "mu (wait 1 ms ; x ? v")
+    found = differences(program(before), program(after)).changes
+    assert render(found).splitlines() == ["  process Reader", "    + composition: process wait 1 ms"]
+    assert [change.name for change in found] == ["", "process"]
 
 
 def test_renamed_elements_are_recognized_and_cause_no_further_changes() -> None:

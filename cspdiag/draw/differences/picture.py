@@ -11,15 +11,11 @@ from cspdiag.draw.communication import draw_communication
 from cspdiag.draw.composition import draw_composition
 from cspdiag.draw.differences.change import Action, Change
 from cspdiag.draw.differences.programs import Difference, Pair
-from cspdiag.draw.differences.render_text import sentence
-from cspdiag.draw.elements.composition import CompositionDiagram
+from cspdiag.draw.differences.render_text import sentence, told
 from cspdiag.draw.elements.diagram import Arrow, Box, CommunicationDiagram, Element
 from cspdiag.draw.elements.marks import Mark, MarkKind
-from cspdiag.draw.elements.read_composition import composition_diagram
-from cspdiag.draw.scene import Face, Group, Ink, Item, Run, Scene
-from cspdiag.draw.scene_geometry import MARGIN, bounds, fitted, moved, stacked
-from cspdiag.model.program import Program
-from cspdiag.syntax import ast
+from cspdiag.draw.scene import Face, Group, Item, Run, Scene
+from cspdiag.draw.scene_geometry import bounds, fitted, moved, stacked
 
 _MARKS: dict[Action, MarkKind] = {"added": "added", "removed": "removed", "changed": "changed", "renamed": "changed"}
 _GAP = 14.0
@@ -28,7 +24,7 @@ GAINED = " (after)"
 """End the keys of the arrows that stand for ends that a relationship has lost, or gained."""
 
 
-def pictures_of(difference: Difference, before: Program, after: Program) -> list[Scene]:
+def pictures_of(difference: Difference) -> list[Scene]:
     """A picture for each definition whose diagrams changed, and one that lists the changes of all others.
 
     Raises what ``lay_out`` raises.
@@ -38,7 +34,7 @@ def pictures_of(difference: Difference, before: Program, after: Program) -> list
         for pair in difference.diagrams
         if any(change.action != "renamed" or change.subject for change in pair.changes)
     ]
-    scenes = [_picture(pair, before, after) for pair in pairs]
+    scenes = [_picture(pair) for pair in pairs]
     drawn = {(change.kind, change.definition) for pair in pairs for change in pair.changes}
     others = [change for change in difference.changes if (change.kind, change.definition) not in drawn]
     if others or not scenes:
@@ -123,42 +119,20 @@ def _keys(diagram: CommunicationDiagram | None) -> list[str]:
     return [*(element.key for element in diagram.elements()), *ports]
 
 
-def _picture(pair: Pair, before: Program, after: Program) -> Scene:
+def _picture(pair: Pair) -> Scene:
     scenes = [draw_communication(union(pair.before, pair.after), marks=marks(pair))]
-    old = _composition(before, pair.definition_before)
-    new = _composition(after, pair.definition_after)
-    if any(change.subject == "composition" for change in pair.changes):
-        scenes += [_version(each, word) for each, word in ((old, "before"), (new, "after")) if each is not None]
-    elif old is None or new is None:
-        scenes += [_version(each, "") for each in (old, new) if each is not None]
+    if pair.composition is not None and pair.composition.marks:
+        scenes.append(draw_composition(pair.composition.diagram, marks=pair.composition.marks))
     listed = _listed(pair.changes)
     if listed is not None:
         scenes.append(fitted([listed]))
     return stacked(scenes)
 
 
-def _composition(program: Program, definition: ast.Definition | None) -> CompositionDiagram | None:
-    if not isinstance(definition, ast.ProcessDefinition) or definition.composition is None:
-        return None
-    return composition_diagram(program.definitions, definition)
-
-
-def _version(diagram: CompositionDiagram, word: str) -> Scene:
-    title = (
-        Run("composition of ", ink=Ink.FAINT),
-        Run(diagram.key, Face.BOLD),
-        Run(f" {word}".rstrip(), ink=Ink.FAINT),
-    )
-    above = heading(title, None)
-    picture = draw_composition(diagram, is_headed=False)
-    below = bounds(above).height + _GAP - MARGIN
-    return fitted([above, *(moved(item, -MARGIN, below) for item in picture.items)])
-
-
 def _listed(changes: Iterable[Change], *, name_definitions: bool = False) -> Group | None:
     """The changes below each other; None for none."""
     rows = []
-    for change in changes:
+    for change in told(changes):
         of = f"{change.kind} {change.definition}: " if name_definitions and (change.subject or change.aspect) else ""
         rows.append(Note(Mark(_MARKS[change.action]), "", f"{of}{sentence(change)}", ""))
     return notes(rows, 0) if rows else None

@@ -11,7 +11,10 @@ from cspdiag.draw.differences.parts import KINDS, definition_parts, diagram_part
 from cspdiag.draw.differences.renames import pairs, renamed, vertex_renames, with_matched_arrows
 from cspdiag.draw.elements import texts
 from cspdiag.draw.elements.communication import Drawn
+from cspdiag.draw.elements.compare_compositions import Compared, compared
+from cspdiag.draw.elements.composition import CompositionDiagram
 from cspdiag.draw.elements.diagram import CommunicationDiagram
+from cspdiag.draw.elements.read_composition import composition_diagram
 from cspdiag.draw.pictures import Pictures
 from cspdiag.model.program import Program
 from cspdiag.syntax import ast
@@ -24,14 +27,14 @@ ALIKE = 0.6
 class Pair:
     """A definition with a diagram in both versions; None where it is new or gone.
 
-    ``before`` has the names of ``after`` for what was renamed. ``changes`` are those within the definition.
+    ``before`` has the names of ``after`` for what was renamed. ``changes`` are those within the definition, ``composition`` the composition of both versions, None
+    where neither has one.
     """
 
     name: str
-    definition_before: Drawn | None
-    definition_after: Drawn | None
     before: CommunicationDiagram | None
     after: CommunicationDiagram | None
+    composition: Compared | None
     changes: tuple[Change, ...]
 
 
@@ -107,27 +110,29 @@ class _Comparison:
             found.append(replaced(whole, action="renamed", before=old.name.text, after=name))
         first = self._diagram(self.before, old)
         second = self._diagram(self.after, new)
+        names: dict[str, str] = {}
         if old is not None and new is not None:
             own_before, own_after = definition_parts(old), definition_parts(new)
             if first is not None and second is not None:
-                first, renames = self._aligned(first, second, kind, name)
+                first, names, renames = self._aligned(first, second, kind, name)
                 found += renames
                 own_before |= diagram_parts(first, _parameters(self.before.program, self.names))
                 own_after |= diagram_parts(second, _parameters(self.after.program))
             found += compare(kind, name, own_before, own_after)
-            found += self._composition(old, new, whole)
+        composition = self._composition(old, new, names)
+        if composition is not None and old is not None and new is not None:
+            found += _composition_changes(composition, old, new, whole)
         changes += found
         if found and (first is not None or second is not None):
-            drawn = [each if isinstance(each, Drawn) else None for each in (old, new)]
-            diagrams.append(Pair(name, drawn[0], drawn[1], first, second, tuple(found)))
+            diagrams.append(Pair(name, first, second, composition, tuple(found)))
 
     def _diagram(self, pictures: Pictures, definition: ast.Definition | None) -> CommunicationDiagram | None:
         return pictures.communication(definition) if isinstance(definition, Drawn) else None
 
     def _aligned(
         self, before: CommunicationDiagram, after: CommunicationDiagram, kind: str, definition: str
-    ) -> tuple[CommunicationDiagram, list[Change]]:
-        """The earlier diagram under the names of the later one, and the changes of names that this takes."""
+    ) -> tuple[CommunicationDiagram, dict[str, str], list[Change]]:
+        """The earlier diagram under the names of the later one, these names, and the changes that they are."""
         before = renamed(before, {}, self.names)
         names = vertex_renames(before, after)
         spans = {vertex.key: vertex.spans for vertex in (*before.vertices, *after.vertices)}
@@ -146,24 +151,22 @@ class _Comparison:
             )
             for old, new in names.items()
         ]
-        return with_matched_arrows(renamed(before, names, {}), after), changes
+        return with_matched_arrows(renamed(before, names, {}), after), names, changes
 
-    def _composition(self, old: ast.Definition, new: ast.Definition, whole: Change) -> list[Change]:
-        if not isinstance(old, ast.ProcessDefinition) or not isinstance(new, ast.ProcessDefinition):
-            return []
-        before, after = texts.optional(old.composition), texts.optional(new.composition)
-        if before == after or _same(old.composition, new.composition):
-            return []
-        return [
-            replaced(
-                whole,
-                subject="composition",
-                before=before,
-                after=after,
-                span_before=old.composition_span,
-                span_after=new.composition_span,
-            )
-        ]
+    def _composition(
+        self, old: ast.Definition | None, new: ast.Definition | None, names: Mapping[str, str]
+    ) -> Compared | None:
+        before, after = (
+            composition_diagram(pictures.program.definitions, each)
+            if isinstance(each, ast.ProcessDefinition) and each.composition is not None
+            else None
+            for pictures, each in ((self.before, old), (self.after, new))
+        )
+        shown = after or before
+        if shown is None:
+            return None
+        empty = CompositionDiagram(key=shown.key, root=None)
+        return compared(before or empty, after or empty, names)
 
     def _assertions(self) -> list[Change]:
         before = {_assertion(item): item for item in self.before.program.assertions}
@@ -209,8 +212,34 @@ class _Comparison:
         return frozenset(found)
 
 
-def _same(one: ast.Composition | None, other: ast.Composition | None) -> bool:
-    return one is not None and other is not None and ast.same_tree(one, other)
+def _composition_changes(
+    composition: Compared, old: ast.Definition, new: ast.Definition, whole: Change
+) -> list[Change]:
+    """The change of the whole composition, and each of its steps; nothing where the two are the same."""
+    if (
+        not composition.changes
+        or not isinstance(old, ast.ProcessDefinition)
+        or not isinstance(new, ast.ProcessDefinition)
+    ):
+        return []
+    before, after = texts.optional(old.composition), texts.optional(new.composition)
+    places = (old.composition_span, new.composition_span)
+    spans = {"span_before": places[0], "span_after": places[1]}
+    found = [replaced(whole, subject="composition", before=before, after=after, **spans)]
+    for step in composition.changes:
+        found.append(
+            replaced(
+                whole,
+                action=step.action,
+                subject="composition",
+                name=step.subject,
+                before=step.before,
+                after=step.after,
+                span_before=step.span_before,
+                span_after=step.span_after,
+            )
+        )
+    return found
 
 
 def _subject(diagram: CommunicationDiagram, key: str) -> str:

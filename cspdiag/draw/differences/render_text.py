@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 
 from cspdiag.draw.differences.change import Action, Change
 
 SIGNS: dict[Action, str] = {"added": "+", "removed": "-", "changed": "~", "renamed": "~"}
 _COLOURS: dict[Action, str] = {"added": "32", "removed": "31", "changed": "33", "renamed": "33"}
 
+WHOLE = 160
+"""Characters of the compositions before and after that are told together."""
 LONGEST = 60
 """Characters of the name of a changed connection that are shown."""
 
@@ -17,7 +19,7 @@ def render(changes: Iterable[Change], *, colour: bool = False) -> str:
     """All changes, grouped by definition; an empty text for none."""
     lines: list[str] = []
     heading = ""
-    for change in changes:
+    for change in told(changes):
         of = f"{change.kind} {change.definition}"
         if change.subject == "" and change.action != "changed":
             lines.append(_painted(f"{SIGNS[change.action]} {_whole(change)}", change, colour))
@@ -26,43 +28,57 @@ def render(changes: Iterable[Change], *, colour: bool = False) -> str:
         if of != heading:
             lines.append(f"  {of}")
             heading = of
-        lines += [_painted(f"{'    '}{line}", change, colour) for line in sentence_lines(change)]
+        lines.append(_painted(f"    {sentence_line(change)}", change, colour))
     return "".join(f"{line}\n" for line in lines)
+
+
+def told(changes: Iterable[Change]) -> list[Change]:
+    """The changes without those that others say as well: a short composition is told as a whole, a long one by its steps."""
+    given = list(changes)
+    short = {
+        change.definition
+        for change in given
+        if _is_whole_composition(change) and len(change.before or "") + len(change.after or "") <= WHOLE
+    }
+    return [
+        change
+        for change in given
+        if change.subject != "composition" or _is_whole_composition(change) == (change.definition in short)
+    ]
+
+
+def _is_whole_composition(change: Change) -> bool:
+    return change.subject == "composition" and not change.name
 
 
 def sentence(change: Change) -> str:
     """A change in one line without its sign, as it stands below a picture."""
     if change.subject == "" and change.action != "changed":
         return _whole(change)
-    if change.action == "changed" and change.subject == "composition":
-        return f"composition {change.before or 'none'} → {change.after or 'none'}"
-    return " ".join(line.strip() for line in sentence_lines(change))[2:]
+    return sentence_line(change)[2:]
 
 
-def sentence_lines(change: Change) -> Iterator[str]:
-    """The lines for a change within a definition, the first with its sign."""
+def sentence_line(change: Change) -> str:
+    """The line for a change within a definition, with its sign."""
     sign = SIGNS[change.action]
     subject = f"{change.subject} " if change.subject else ""
+    if change.subject == "composition":
+        subject = f"composition: {change.name} " if change.name else "composition: "
     match change.action:
         case "added":
-            yield f"{sign} {subject}{change.after}"
+            return f"{sign} {subject}{change.after}"
         case "removed":
-            yield f"{sign} {subject}{change.before}"
+            return f"{sign} {subject}{change.before}"
         case "renamed":
-            yield f"{sign} {subject}{change.before} is now called {change.after}"
-        case "changed" if change.subject == "composition":
-            yield f"{sign} composition"
-            yield f"    - {change.before}"
-            yield f"    + {change.after}"
+            return f"{sign} {subject}{change.before} is now called {change.after}"
         case "changed" if change.aspect in ("from", "to"):
-            words = "from" if change.aspect == "from" else "to"
-            ends = [f"no longer {words} {change.before}"] if change.before else []
-            ends += [f"now {words} {change.after}"] if change.after else []
-            yield f"{sign} {subject}{_short(change.name)}: {', '.join(ends)}"
+            ends = [f"no longer {change.aspect} {change.before}"] if change.before else []
+            ends += [f"now {change.aspect} {change.after}"] if change.after else []
+            return f"{sign} {subject}{_short(change.name)}: {', '.join(ends)}"
         case "changed":
-            name = f"{_short(change.name)}: " if change.name else ""
+            name = f"{_short(change.name)}: " if change.name and change.subject != "composition" else ""
             aspect = f"{change.aspect} " if change.aspect else ""
-            yield f"{sign} {subject}{name}{aspect}{change.before or 'none'} → {change.after or 'none'}"
+            return f"{sign} {subject}{name}{aspect}{change.before or 'none'} → {change.after or 'none'}"
 
 
 def _short(name: str) -> str:
