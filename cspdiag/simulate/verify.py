@@ -14,6 +14,7 @@ from cspdiag.analyses.transitions.system import System
 from cspdiag.analyses.verification.answer import Answer
 from cspdiag.analyses.verification.prove import answered, not_replayed, prove
 from cspdiag.analyses.verification.question import Question
+from cspdiag.analyses.verification.schedulable import schedulable
 from cspdiag.network.ir import Network
 from cspdiag.simulate import spin
 from cspdiag.simulate.replay import Replay, replay
@@ -51,6 +52,10 @@ class Verifier:
 
     def answer(self, question: Question, limits: Limits) -> Answer:
         """The answer to one of the questions."""
+        if question.claim == "schedulable":
+            network = self._asked.network(question.process)
+            assert network is not None, "asked for a process with errors"
+            return schedulable(question, network)
         if self._spin and question.claim == "deadlock free":
             answer = self._asked_spin(question, limits)
         else:

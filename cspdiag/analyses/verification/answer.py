@@ -10,6 +10,7 @@ from cspdiag.analyses.counterexamples.suggestion import Suggestion
 from cspdiag.analyses.proofs.verdict import Method
 from cspdiag.analyses.transitions.system import Abstraction
 from cspdiag.analyses.verification.question import Question
+from cspdiag.diagnostics import Diagnostic
 
 Outcome: TypeAlias = Literal["proved", "refuted", "unknown"]
 
@@ -33,3 +34,5 @@ class Answer:
     abstractions: tuple[Abstraction, ...] = ()
     suggestions: tuple[Suggestion, ...] = ()
     replayed: bool = False
+    found: Diagnostic | None = None
+    """What is wrong, where an analysis without states has said so."""

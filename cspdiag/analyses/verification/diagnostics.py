@@ -33,6 +33,8 @@ def diagnostic_of(answer: Answer) -> Diagnostic | None:
     question = answer.question
     if answer.outcome == "proved":
         return None
+    if answer.found is not None:
+        return answer.found
     if answer.counterexample is None:
         return NotProved(question.span, question.text, answer.reason, answer.candidate)
     found = answer.counterexample
