@@ -120,9 +120,19 @@ class _Formatter(CommunicationFormatter, CompositionFormatter):
         if self.writer.next == "in" and node.model == "failures":
             self.token(" ")
             self.token(" ")
-        for position in range(len(node.hidden)):
-            self.token(" " if position == 0 else "")
-            self.token(" ")
+        if node.hidden:
+            self._hidden(len(node.hidden))
+
+    def _hidden(self, number: int) -> None:
+        """``hide`` with so many ports, on a line of its own where the assertion is too long."""
+        with self.writer.group(), self.writer.indented():
+            self.token(SPACE)
+            with self.writer.group(), self.writer.indented():
+                for position in range(number):
+                    if position:
+                        self.token()
+                    self.token(SPACE if position else " ")
+                self.writer.comments()
 
     def _head(self, parameters: Sequence[ast.Parameter]) -> None:
         """Up to the opening brace."""
