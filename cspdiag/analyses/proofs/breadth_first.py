@@ -71,14 +71,14 @@ def _search(system: System, limits: Limits, condition: type[Deadlocks | Knots], 
 
 def explore(packing: Packing, limits: Limits, seen: Seen) -> Exploration:
     """Reach all states, or those up to the first that is looked for. Raises LimitError."""
-    search = Exploration(packing, StateTable(packing.words))
+    search = Exploration(packing, StateTable(packing.words, limits))
     search.table.add(packing.pack([packing.system.initial]))
     first, last = 0, 1
     while first < last:
         for start in range(first, last, CHUNK):
             limits.check(search.table.bytes)
             here = [word.copy() for word in search.table.states(start, min(start + CHUNK, last))]
-            goes_on = _take_steps(packing, search.table, here)
+            goes_on = _take_steps(packing, search.table, here, limits)
             hits = seen(here, goes_on)
             if hits is not None:
                 search.found = start + int(np.flatnonzero(hits)[0])
@@ -103,16 +103,19 @@ def count(system: System, limits: Limits) -> tuple[int, int]:
     return search.states, deadlocks
 
 
-def _take_steps(packing: Packing, table: StateTable, here: Words) -> Flags:
+def _take_steps(packing: Packing, table: StateTable, here: Words, limits: Limits) -> Flags:
     """Add to the table the states after every step from these. Returns which of these have a step."""
     goes_on = np.zeros(len(here[0]), np.bool_)
     after: list[Words] = []
+    pending = 0
     for step in packing.steps:
         enabled = step.enabled(here)
         at = np.flatnonzero(enabled)
         if len(at):
             goes_on |= enabled
             after.append(step.after(here, at))
+            pending += len(at) * packing.words * 8
+            limits.check(table.bytes + pending)
     if after:
         table.add([np.concatenate(parts) for parts in zip(*after, strict=True)])
     return goes_on

@@ -11,16 +11,19 @@ import numpy as np
 import numpy.typing as npt
 
 from cspdiag.analyses.proofs.packing import Flags, Indices, Words
+from cspdiag.analyses.proofs.verdict import Limits
 
 _MULTIPLIERS = (0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9, 0x27D4EB2F165667C5)
 _SMALLEST = 1 << 12
+_FILLED_AT_ONCE = 1 << 18
 
 
 class StateTable:
-    """States by number, and numbers by state. ``words`` is the number of words of a state."""
+    """States by number, and numbers by state. ``words`` is the number of words of a state; what would take more memory than allowed raises LimitError."""
 
-    def __init__(self, words: int) -> None:
+    def __init__(self, words: int, limits: Limits) -> None:
         self.count = 0
+        self._limits = limits
         self._store = [np.zeros(_SMALLEST, np.int64) for _ in range(words)]
         self._table = np.zeros(2 * _SMALLEST, np.int32)
 
@@ -96,23 +99,30 @@ class StateTable:
     def _reserve(self, more: int) -> None:
         """Make room for so many more states, so that the table stays at most half full."""
         needed = self.count + more
-        if needed > len(self._store[0]):
-            size = max(needed, 2 * len(self._store[0]))
-            self._store = [_longer(word, size) for word in self._store]
+        size = len(self._store[0])
+        if needed > size:
+            size = max(needed, size + size // 2)
+            self._limits.check(self._table.nbytes + 8 * size * len(self._store) + 8 * size)
+            for at, word in enumerate(self._store):
+                self._store[at] = _longer(word, size)
         if 2 * needed > len(self._table):
-            self._table = np.zeros(1 << (2 * needed - 1).bit_length(), np.int32)
+            slots = 1 << (2 * needed - 1).bit_length()
+            self._limits.check(self.bytes + 4 * slots)
+            self._table = np.zeros(slots, np.int32)
             self._fill()
 
     def _fill(self) -> None:
         """Enter all states into an empty table."""
-        slots = self._slots(self.states(0, self.count))
-        numbers = np.arange(1, self.count + 1, dtype=np.int32)
-        while len(slots):
-            free = self._table.take(slots) == 0
-            self._table[slots[free]] = numbers[free]
-            left = self._table.take(slots) != numbers
-            slots, numbers = slots[left] + 1, numbers[left]
-            slots &= len(self._table) - 1
+        for first in range(0, self.count, _FILLED_AT_ONCE):
+            last = min(first + _FILLED_AT_ONCE, self.count)
+            slots = self._slots(self.states(first, last))
+            numbers = np.arange(first + 1, last + 1, dtype=np.int32)
+            while len(slots):
+                free = self._table.take(slots) == 0
+                self._table[slots[free]] = numbers[free]
+                left = self._table.take(slots) != numbers
+                slots, numbers = slots[left] + 1, numbers[left]
+                slots &= len(self._table) - 1
 
 
 def _longer(word: npt.NDArray[np.int64], size: int) -> npt.NDArray[np.int64]:

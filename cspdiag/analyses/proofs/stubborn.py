@@ -20,8 +20,8 @@ from cspdiag.analyses.transitions.system import System
 
 State: TypeAlias = tuple[int, ...]
 
-_BYTES_PER_STATE = 400
-"""A tuple of some tens of small numbers, its parent, its place in a dictionary, and its edges."""
+_BYTES_PER_STATE = 500
+"""A parent with its move, a place in a dictionary, and edges; the tuple of the components' states comes to it."""
 
 
 @dataclass
@@ -99,8 +99,7 @@ def _follow(graph: _Graph, sets: ClosedSets, limits: Limits) -> Iterator[int]:
     """Follow the steps of a closed set from every state that was reached and not looked at; yields their numbers."""
     while len(graph.after) < len(graph.states):
         number = len(graph.after)
-        if number % 256 == 0:
-            limits.check(number * _BYTES_PER_STATE)
+        limits.check(len(graph.states) * (_BYTES_PER_STATE + 8 * len(graph.states[0])))
         graph.after.append([])
         graph.taken.append(set())
         _take(graph, sets, number, sets.smallest(graph.states[number]))
