@@ -121,7 +121,8 @@ class _Drawer:
             case Guarded():
                 return self._guarded(element, limit)
             case Loop():
-                return relations.loop(self.operand(element.process, limit - 90), element.form, element.condition)
+                body = self.operand(element.process, limit - 90)
+                return relations.loop(body, element.form, element.condition, step_tooltip(element))
             case Choice():
                 return self._choice(element, limit)
             case Watched():

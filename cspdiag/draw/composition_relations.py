@@ -219,7 +219,7 @@ def guarded(guard: Block, process: Block) -> Block:
     return replace(whole, spine=guard.spine, top=first.y, bottom=first.bottom)
 
 
-def loop(body: Block, form: str, condition: str | None) -> Block:
+def loop(body: Block, form: str, condition: str | None, tooltip: str) -> Block:
     """The sign of the μ-process, an arrow to its body, and a line back; the condition stands where it is tested."""
     before = lines_of(f"while {condition}") if form == "while" else []
     after = lines_of(f"until {condition}", 300) if form == "mu" and condition is not None else []
@@ -245,7 +245,7 @@ def loop(body: Block, form: str, condition: str | None) -> Block:
         *above(after, Point(centre.x + 10, back)),
         *above(before, Point(_MU + 8, axis)),
     ]
-    relation = Group("relation loop", (*sign, there, again, *words), title="μ-process" if form == "mu" else "while")
+    relation = Group("relation loop", (*sign, there, again, *words), title=tooltip)
     return _whole([part], [relation], axis, right + 1)
 
 
