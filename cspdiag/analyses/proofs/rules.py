@@ -68,9 +68,11 @@ def _judged(question: Question, run: Run) -> Verdict:
 
 
 def _order_in_words(question: Question) -> str:
-    structure, order = question.structure, question.waiting.order
-    if len(order) < len(structure.shapes):
-        processes = [at for at in order if question.system.components[at].process]
+    structure = question.structure
+    order = [at for at in question.waiting.order if structure.neighbours[at]]
+    settled = set(order)
+    if any(shape.asking and at not in settled for at, shape in enumerate(structure.shapes) if structure.neighbours[at]):
+        processes = [at for at in question.waiting.order if structure.shapes[at].process]
         if question.together and processes:
             return f"{_names(question, processes)} can always go on"
         return "no process waits in a circle with others"
@@ -80,6 +82,8 @@ def _order_in_words(question: Question) -> str:
     servers = rules_forms.client_server_order(structure)
     if servers is not None:
         return f"a client-server network without circles{_listed(question, servers)}"
+    if not order:
+        return "no process ever waits for another"
     return f"everybody waits only for those before, in the order{_listed(question, order)}"
 
 

@@ -73,7 +73,8 @@ def _is_resource(shape: Shape) -> bool:
     free = shape.edges[shape.initial]
     taken = [after for _, after in free]
     return (
-        len(shape.reachable) == len(free) + 1 == len(set(taken)) + 1
+        bool(free)
+        and len(shape.reachable) == len(free) + 1 == len(set(taken)) + 1
         and shape.initial not in taken
         and all([after for _, after in shape.edges[state]] == [shape.initial] for state in taken)
     )
@@ -92,7 +93,8 @@ def client_server_order(structure: Structure) -> list[int] | None:
                 if client is None:
                     return None
                 servers[client].add(component + neighbour.component - client)
-    return _sorted(servers)
+    order = _sorted(servers)
+    return order and [component for component in order if structure.neighbours[component]]
 
 
 def _client(structure: Structure, one: int, two: int) -> int | None:
