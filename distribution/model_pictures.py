@@ -12,12 +12,18 @@ from functools import cache
 from pathlib import Path
 
 from cspdiag.diagnostics import SourceFile
+from cspdiag.draw.deadlock import draw_deadlock
 from cspdiag.draw.differences.picture import pictures_of
 from cspdiag.draw.differences.programs import differences
+from cspdiag.draw.elements.diagram import Arrow, Box, BoxKind, FlowKind, Sink, Store, Vertex
+from cspdiag.draw.legend import legend
 from cspdiag.draw.pictures import Pictures, Which, Wish
 from cspdiag.draw.scene import Scene
+from cspdiag.draw.scene_geometry import fitted
 from cspdiag.draw.svg import render_svg
-from cspdiag.pipeline import Checked, check
+from cspdiag.pipeline import Checked, build, check, generate
+from cspdiag.simulate.deadlock_picture import deadlock_of
+from cspdiag.simulate.execute import simulate
 from cspdiag.sources import read_source
 
 ROOT = Path(__file__).parent.parent
@@ -88,6 +94,33 @@ def _difference() -> Scene:
     return pictures_of(differences(before, after))[0]
 
 
+def _symbols() -> Scene:
+    """Everything that a legend can explain."""
+    kinds: tuple[FlowKind, ...] = ("sync", "var", "broadcast", "any", "buffer", "overwrite", "sampled", "event")
+    arrows = [Arrow(key=kind, sources=(), sinks=(), kinds=(kind,)) for kind in kinds]
+    arrows.append(Arrow(key="itself", sources=(), sinks=(), by_composition=True))
+    boxes: tuple[BoxKind, ...] = ("process", "submodel", "driver", "unknown")
+    vertices: list[Vertex] = [Box(key=kind, kind=kind, definition="") for kind in boxes]
+    vertices += [
+        Box(key="hand-written", kind="process", definition="", language="c"),
+        Store(key="variable", form="variable", type=""),
+        Store(key="channel", form="channel", type=""),
+        Sink(key="sink"),
+    ]
+    explained = legend(vertices, arrows, 640)
+    assert explained is not None
+    return fitted([explained], title="symbols", name="symbols")
+
+
+def _deadlock() -> Scene:
+    path = "models/dining/deadlock.csp"
+    built = build(SourceFile(name=path, text=(ROOT / path).read_text(encoding="utf-8")), _read)
+    assert built.network is not None
+    run = simulate(built.network, generate(built.network, _read))
+    assert run.outcome.deadlock is not None
+    return draw_deadlock(deadlock_of(run.outcome.deadlock, built.network.top), built.checked.program)
+
+
 PICTURES: dict[str, Callable[[], Scene]] = {
     "jiwy/figure-3a": Picture("jiwy/jiwy", "JointControl", "communication").scene,
     "jiwy/figure-3b": Picture("jiwy/jiwy", "JointControl", "composition").scene,
@@ -104,8 +137,10 @@ PICTURES: dict[str, Callable[[], Scene]] = {
     "emergency": Picture("emergency/emergency", "Spindle").scene,
     "ring": Picture("ring/ring", "Ring").scene,
     "watchdog": Picture("watchdog/watchdog", "Oven").scene,
+    "symbols": _symbols,
     "check": _review,
     "diff": _difference,
+    "deadlock": _deadlock,
 }
 
 
