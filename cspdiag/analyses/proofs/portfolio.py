@@ -1,7 +1,7 @@
 """The methods of proof in their order, the cheapest first: the first that knows answers.
 
 Tier 0 are the design rules, tier 1 SAT, tier 2 SAT with invariants; they prove without search, and what they cannot exclude guides a search to a trace. Then come the
-searches: with stubborn sets, and breadth-first over all states.
+searches: stubborn sets, compositional minimization, and breadth-first over all states.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from cspdiag.analyses.proofs.question import Question
 from cspdiag.analyses.proofs.verdict import Limits, Method, Proved, Refuted, Unknown, Verdict
 from cspdiag.analyses.transitions.system import System
 
-DEADLOCK_METHODS: tuple[Method, ...] = ("rules", "sat", "invariants", "stubborn", "breadth-first")
+DEADLOCK_METHODS: tuple[Method, ...] = ("rules", "sat", "invariants", "stubborn", "minimization", "breadth-first")
 """The methods that decide freedom from deadlock, in their order."""
 
 KNOT_METHODS: tuple[Method, ...] = ("rules", "sat", "invariants", "stubborn", "breadth-first")
@@ -130,6 +130,14 @@ def _by_stubborn_sets(question: Question, limits: Limits) -> Verdict:
     return search(question.system, limits)
 
 
+def _by_minimization(question: Question, limits: Limits) -> Verdict:
+    from cspdiag.analyses.proofs import minimization
+
+    if not question.together:
+        return Unknown("minimization", "what is minimal does not tell who is stuck")
+    return minimization.deadlock_free(question.system, limits)
+
+
 def _by_breadth_first(question: Question, limits: Limits) -> Verdict:
     from cspdiag.analyses.proofs import breadth_first
 
@@ -142,5 +150,6 @@ _ENGINES: dict[Method, Engine] = {
     "sat": _by_sat,
     "invariants": _by_invariants,
     "stubborn": _by_stubborn_sets,
+    "minimization": _by_minimization,
     "breadth-first": _by_breadth_first,
 }

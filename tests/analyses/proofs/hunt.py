@@ -8,14 +8,16 @@ from __future__ import annotations
 import argparse
 import sys
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
 from cspdiag.analyses.proofs import breadth_first, livelock, minimization, stubborn, termination
-from cspdiag.analyses.proofs.verdict import Limits, Proved, Refuted, Unknown, Verdict
+from cspdiag.analyses.proofs.portfolio import prove_deadlock_free, prove_knot_free
+from cspdiag.analyses.proofs.verdict import Limits, Method, Proved, Refuted, Unknown, Verdict
 from cspdiag.analyses.transitions.system import System
 from tests.analyses.proofs import naive
+from tests.analyses.proofs.random_networks import FORMS, plain_knot, random_network
 from tests.analyses.proofs.random_systems import random_system
 
 Engine: TypeAlias = Callable[[System, Limits], Verdict]
@@ -32,6 +34,11 @@ class Question:
     partial: dict[str, Engine]
 
 
+def asked(prove: Callable[[System, Limits, Sequence[Method]], Verdict], *methods: Method) -> Engine:
+    """The engine that uses some methods of the portfolio only."""
+    return lambda system, limits: prove(system, limits, methods)
+
+
 QUESTIONS = (
     Question(
         "deadlock",
@@ -40,14 +47,15 @@ QUESTIONS = (
             "breadth-first": breadth_first.deadlock_free,
             "stubborn": stubborn.deadlock_free,
             "minimization": minimization.deadlock_free,
+            "portfolio": prove_deadlock_free,
         },
-        {},
+        {"rules": asked(prove_deadlock_free, "rules"), "sat": asked(prove_deadlock_free, "rules", "sat")},
     ),
     Question(
         "knots",
-        naive.knotted,
-        {"breadth-first": breadth_first.knot_free, "stubborn": stubborn.knot_free},
-        {},
+        lambda system, state: bool(plain_knot(system, state)),
+        {"breadth-first": breadth_first.knot_free, "stubborn": stubborn.knot_free, "portfolio": prove_knot_free},
+        {"rules": asked(prove_knot_free, "rules"), "sat": asked(prove_knot_free, "rules", "sat")},
     ),
     Question("livelock", naive.livelocked, {"livelock": livelock.livelock_free}, {}),
     Question("termination", naive.never_ends, {"termination": termination.terminates}, {}),
@@ -74,12 +82,18 @@ def wrong(question: Question, system: System, holds: bool, verdict: Verdict, *, 
             return f"{verdict.method} does not know: {verdict.reason}" if exact else None
 
 
+def system_of(seed: int) -> System:
+    """Plain random systems and networks of each of the forms in turn."""
+    form = (None, *FORMS)[seed % (1 + len(FORMS))]
+    return random_system(seed) if form is None else random_network(seed, form=form)
+
+
 def hunt(first: int, count: int) -> tuple[list[str], Counter[tuple[str, str, str]]]:
     """Ask every method about systems with seeds from ``first``. Returns the wrong answers, and how often who said what."""
     found: list[str] = []
     said: Counter[tuple[str, str, str]] = Counter()
     for seed in range(first, first + count):
-        system = random_system(seed)
+        system = system_of(seed)
         states = [state for layer in naive.layers(system) for state in layer]
         for question in QUESTIONS:
             holds = not any(question.refuted_by(system, state) for state in states)
@@ -104,6 +118,9 @@ def main() -> int:
         print(mistake)
     for (question, name, answer), times in sorted(said.items()):
         print(f"{question:10} {name:14} {answer:8} {times:7}")
+    for question in ("deadlock", "knots"):
+        free, proved = said[question, "truth", "Proved"], said[question, "sat", "Proved"]
+        print(f"{question}: {proved} of {free} systems without are proved without search ({proved / max(1, free):.2%})")
     print(f"{len(found)} wrong answers in {given.random} random systems")
     return 1 if found else 0
 
