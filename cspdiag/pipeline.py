@@ -17,6 +17,7 @@ from cspdiag.syntax.nesting import room_to_recurse
 if TYPE_CHECKING:
     from cspdiag.analyses.verification.question import Question
     from cspdiag.model.program import Program, Value
+    from cspdiag.network.analyse import Analysis
     from cspdiag.network.ir import Network
     from cspdiag.settings import Overrides
 
@@ -34,6 +35,8 @@ class Checked:
     program: Program | None
     report: Report
     readable: Program | None = None
+    analysis: Analysis | None = None
+    """What the checks have found out that lowering needs too."""
 
 
 @node
@@ -89,12 +92,12 @@ def check(main: SourceFile, read: Reader, overrides: Mapping[str, Value] | None 
         return Checked(program=None, report=report, readable=readable)
     program = resolve(trees, overrides or {}, report)
     check_model(program, report)
-    check_network(program, report)
+    analysis = check_network(program, report)
     if not report.has_errors:
         from cspdiag.analyses import analyse
 
         analyse(program, report)
-    return Checked(program=program, report=report, readable=program)
+    return Checked(program=program, report=report, readable=program, analysis=analysis)
 
 
 @room_to_recurse()
@@ -114,7 +117,7 @@ def compile_network(
 
     if checked.program is None or checked.report.has_errors:
         return None
-    network = lower(checked.program, top, environment, overrides or {}, checked.report)
+    network = lower(checked.program, top, environment, overrides or {}, checked.report, checked=checked.analysis)
     return None if checked.report.has_errors else network
 
 

@@ -70,6 +70,11 @@ class Analysis:
             self._roots.append((shape, is_open))
         return shape
 
+    def known_root(self, definition: ast.ProcessDefinition, values: Mapping[str, Value]) -> tuple[Shape, Placed] | None:
+        """An outermost process that ``run`` has looked at, with such values of its parameters."""
+        shape = self.elaboration.root(definition, values, {})
+        return (shape, self.contexts.outermost(shape, False)) if (shape, False) in self._roots else None
+
     def run(self) -> list[Placed]:
         """All passes; returns the outermost processes in their contexts."""
         for shape in self.inside_out():

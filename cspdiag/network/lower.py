@@ -27,14 +27,18 @@ class SelectionError(ValueError):
     """There is no process to compile, or not all that it takes; the message is one line."""
 
 
-def check(program: Program, report: Report) -> None:
-    """Report everything that is wrong with the processes, submodels and environments of a program."""
+def check(program: Program, report: Report) -> Analysis:
+    """Report everything that is wrong with the processes, submodels and environments of a program.
+
+    Returns what ``lower`` need not find out again.
+    """
     analysis = analysed(program, report)
     check_release(program, report)
     submodels.check(program, report, analysis.law_samples())
     external_bodies.check(program, report)
     for environment in _environments(program):
         environments.check(program, environment, report)
+    return analysis
 
 
 def analysed(program: Program, report: Report) -> Analysis:
@@ -60,15 +64,22 @@ def analysed(program: Program, report: Report) -> Analysis:
 
 
 def lower(
-    program: Program, top: str | None, environment: str | None, overrides: Mapping[str, Value], report: Report
+    program: Program,
+    top: str | None,
+    environment: str | None,
+    overrides: Mapping[str, Value],
+    report: Report,
+    *,
+    checked: Analysis | None = None,
 ) -> Network | None:
     """The network of an outermost process; None where something is wrong that was reported.
 
     ``top``: its name, by default that of the process of the environment, which is by default the first of the text; without any
     environment the last process that nobody instantiates. ``overrides``: values of parameters by the path of the instance.
-    Raises SelectionError where there is no such process, or a parameter of it has no value.
+    ``checked`` is what ``check`` has found out about the same program, with the same report. Raises SelectionError where there is no such process,
+    or a parameter of it has no value.
     """
-    analysis = Analysis(program, report)
+    analysis = Analysis(program, report) if checked is None or overrides else checked
     chosen = _chosen_environment(program, top, environment)
     if environment is not None and chosen is None:
         known = [item.name.text for item in _environments(program)]
@@ -84,10 +95,15 @@ def lower(
                 f"the outermost process `{process.name.text}` has no value for its parameter `{parameter.name.text}`: "
                 f"give it a default, set it, or write an environment for `{process.name.text}(...)`"
             )
-    shape = analysis.add_root(process, arguments, _by_name(values), overrides, is_open=False)
-    (placed,) = analysis.run()
-    if report.has_errors:
-        return None
+    root = analysis.known_root(process, _by_name(values)) if analysis is checked else None
+    if root is None:
+        analysis = Analysis(program, report)
+        shape = analysis.add_root(process, arguments, _by_name(values), overrides, is_open=False)
+        (placed,) = analysis.run()
+        if report.has_errors:
+            return None
+    else:
+        shape, placed = root
     occurrences = Occurrences(program, analysis.elaboration, report)
     outermost = occurrences.outermost(placed, values)
     if report.has_errors:
