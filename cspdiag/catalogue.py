@@ -42,6 +42,7 @@ _FAMILIES = (
     ("08", "Environments, drivers and external bodies"),
     ("09", "Constants and ranges"),
     ("10", "Generating code"),
+    ("11", "Proofs"),
 )
 
 

@@ -15,7 +15,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from cspdiag import pipeline
+from cspdiag.analyses.verification.diagnostics import diagnostics_of
 from cspdiag.diagnostics import Diagnostic, SourceFile, Span
+from tests.verifying import answers_to, told
 
 CASES = Path(__file__).parent / "cases"
 MAIN = "case.csp"
@@ -50,7 +52,9 @@ class Case:
 
     @property
     def expectations(self) -> tuple[Block, ...]:
-        return tuple(block for block in self.blocks if block.language in {"diagnostics", "network", "composition"})
+        return tuple(
+            block for block in self.blocks if block.language in {"diagnostics", "network", "composition", "proofs"}
+        )
 
 
 def cases_of(path: Path) -> Iterator[Case]:
@@ -102,6 +106,9 @@ def describe(diagnostics: list[Diagnostic]) -> str:
 
 def actual(case: Case, block: Block) -> str:
     """What the compiler says now where ``block`` stands."""
+    if block.language == "proofs":
+        answers = answers_to(case.files, MAIN)
+        return "".join(f"{told(answer)}{describe(diagnostics_of([answer]))}" for answer in answers)
     checked = check_files(case.files)
     if block.language == "diagnostics":
         return describe(checked.report.diagnostics)

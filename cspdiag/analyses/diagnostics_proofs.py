@@ -189,10 +189,10 @@ class CanLivelock(Refutation):
 
 @record
 class MayNotTerminate(Refutation):
-    """A process can come to a state from which it cannot end any more.
+    """A process can go on for ever, or stop before it has ended.
 
-    That a process terminates means: whatever has happened, its end can still be reached, so that it does end if everything that can happen again and again
-    happens at last.
+    That a process terminates means that it comes to its end, whatever its environment does: nothing in it can be repeated for ever, and nothing waits for
+    what never comes.
 
     Refused::
 
@@ -201,7 +201,7 @@ class MayNotTerminate(Refutation):
 
           communication { var value : bool }
 
-          composition { go ? value ; if value then stop }
+          composition { mu go ? value until value }
         }
 
         assert Ends terminates
@@ -213,7 +213,7 @@ class MayNotTerminate(Refutation):
 
           communication { var value : bool }
 
-          composition { go ? value ; if value then skip }
+          composition { go ? value ; if not value then go ? value }
         }
 
         assert Ends terminates
@@ -286,8 +286,7 @@ class NotProved(Diagnostic):
     Refused::
 
         process Waits {
-          in  level : int
-          out alarm : int
+          in level : int
 
           communication {
             var value : int
@@ -308,8 +307,7 @@ class NotProved(Diagnostic):
     Mended::
 
         process Waits {
-          in  level : int
-          out alarm : int
+          in level : int
 
           communication {
             var value : int
@@ -320,8 +318,7 @@ class NotProved(Diagnostic):
             mu (
               level ? value ;
               count := count + value * value
-            ) until count < 0 ;
-            alarm ! count
+            ) until count < 0
           }
         }
 

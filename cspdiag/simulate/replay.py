@@ -285,6 +285,17 @@ class _Attempt:
             named = ", ".join(f"`{name}`" for name in changed[:3])
             raise _DivergenceError(f"each time round, {named} changes, so that this may come to an end")
 
+    def _require_stuck(self, stuck: list[Gate]) -> None:
+        """Nobody among ``stuck`` can go on by himself, with the environment, or with those who go on."""
+        moving = [gate for gate in conductor.halted.values() if gate not in stuck]
+        offered = {(option.action, option.channel) for gate in moving for option in gate.options}
+        for gate in stuck:
+            for option in gate.options:
+                can_come = option.action in {"wait", "skip"} or option.channel in self._ports
+                opposite = "read" if option.action == "write" else "write"
+                if can_come or (opposite, option.channel) in offered:
+                    raise _DivergenceError(f"`{gate.path}` can still go on{_with(option)}")
+
     def _conclude(self, root: Task) -> DeadlockReport | None:
         """What was refuted is the case now."""
         if self._trace.failure not in {"deadlock", "knot"}:
@@ -297,6 +308,7 @@ class _Attempt:
             for gate in conductor.halted.values()
             if self._trace.failure == "deadlock" or any(_belongs(gate.path, path) for path in self._trace.stuck)
         ]
+        self._require_stuck(stuck)
         conductor.go_free()
         for gate in stuck:
             conductor.release(gate, None)
@@ -305,6 +317,10 @@ class _Attempt:
             channel, _ = self._communications[before]
             raise _DivergenceError(f"it goes on with `{channel}`")
         return report_deadlock(root, scheduler.now)
+
+
+def _with(option: Option) -> str:
+    return f" with `{option.channel}`" if option.channel else ""
 
 
 class _Undriven(dict[str, None]):

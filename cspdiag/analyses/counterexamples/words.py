@@ -42,6 +42,8 @@ def headline(found: Counterexample) -> str:
         case "livelock":
             return f"can livelock: {when}, it can go on for ever without a communication that anybody sees"
         case "no termination":
-            return f"does not always end: {when}, its end cannot be reached any more"
+            if found.cycle:
+                return f"does not always end: {when}, it can repeat for ever what follows"
+            return f"does not always end: {when}, {'a process waits' if stuck == 1 else f'{stuck} processes wait'} for what never comes"
         case "refinement":
             return f"does more than it may: {found.reason or when}"

@@ -1,0 +1,40 @@
+"""Programs as text, with what ``verify`` answers."""
+
+from __future__ import annotations
+
+from cspdiag import pipeline
+from cspdiag.analyses.counterexamples.table import table
+from cspdiag.analyses.counterexamples.words import waiting_lines
+from cspdiag.analyses.proofs.verdict import Limits
+from cspdiag.analyses.verification.answer import Answer
+from cspdiag.diagnostics import SourceFile
+from cspdiag.simulate.verify import Verifier
+
+
+def answers_to(files: dict[str, str], main: str = "case.csp", *, process: str | None = None) -> list[Answer]:
+    """The answers to the assertions of a program without errors, or to what is expected of it."""
+
+    def read(path: str) -> SourceFile:
+        if path not in files:
+            raise FileNotFoundError(2, "No such file or directory", path)
+        return SourceFile(name=path, text=files[path])
+
+    asked = pipeline.ask(read(main), read, process=process)
+    assert not asked.checked.report.has_errors, asked.checked.report.diagnostics
+    verifier = Verifier(asked, read)
+    return [verifier.answer(question, Limits(20.0)) for question in asked.questions]
+
+
+def told(answer: Answer) -> str:
+    """An answer without times, as literate cases have it, below its diagnostic."""
+    head = f"{answer.outcome.upper()} {answer.question.text}"
+    if answer.outcome == "proved":
+        how = "" if answer.method is None else f"{answer.method}: "
+        return f"{head} ({how}{answer.reason})\n"
+    lines = [head]
+    if answer.counterexample is not None:
+        lines += table(answer.counterexample).splitlines()
+        lines += waiting_lines(answer.counterexample)
+        lines += ["replayed"] * answer.replayed
+    lines += [f"left open: {abstraction.what}" for abstraction in answer.abstractions]
+    return "\n  ".join(lines) + "\n"
