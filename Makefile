@@ -6,10 +6,10 @@ BIN    := $(VENV)/bin
 MODEL  := models/jiwy/jiwy.csp
 
 .DEFAULT_GOAL := help
-.PHONY: help setup run test check bench fmt docs cases clean
+.PHONY: help setup run test check bench fmt docs pictures cases clean
 
 help: ## Show this list
-	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-7s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-8s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 
 setup: $(VENV)/.stamp-dev ## Create .venv with cspdiag (editable) and the developer's tools
 
@@ -42,6 +42,10 @@ fmt: $(VENV)/.stamp-dev ## Format the Python and the .csp files
 docs: $(VENV)/.stamp-dev ## Write the generated documentation
 	$(BIN)/cspdiag explain --markdown > build-diagnostics.tmp
 	mv build-diagnostics.tmp docs/diagnostics.md
+
+pictures: $(VENV)/.stamp-dev ## Draw the pictures of the documentation and the models
+	PYTHONPATH=. $(BIN)/python distribution/notation_pictures.py
+	PYTHONPATH=. $(BIN)/python distribution/model_pictures.py
 
 cases: $(VENV)/.stamp-dev ## Rewrite the expectations of the literate cases; read the difference
 	$(BIN)/pytest tests/test_cases.py --update-cases

@@ -98,6 +98,7 @@ def _symbols() -> Scene:
     """Everything that a legend can explain."""
     kinds: tuple[FlowKind, ...] = ("sync", "var", "broadcast", "any", "buffer", "overwrite", "sampled", "event")
     arrows = [Arrow(key=kind, sources=(), sinks=(), kinds=(kind,)) for kind in kinds]
+    arrows.append(Arrow(key="several", sources=(), sinks=(), kinds=("sync", "var")))
     arrows.append(Arrow(key="itself", sources=(), sinks=(), by_composition=True))
     boxes: tuple[BoxKind, ...] = ("process", "submodel", "driver", "unknown")
     vertices: list[Vertex] = [Box(key=kind, kind=kind, definition="") for kind in boxes]

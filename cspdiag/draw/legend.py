@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 from typing import TypeAlias
 
 from cspdiag.draw import symbols
-from cspdiag.draw.elements.diagram import Arrow, Box, FlowKind, Sink, Store, Vertex
+from cspdiag.draw.elements.diagram import Arrow, Box, Sink, Store, Vertex
 from cspdiag.draw.geometry import Point, Rectangle
 from cspdiag.draw.scene import Dash, Group, Head, Ink, Item, Line, Run, Text
 from cspdiag.draw.scene_geometry import moved
@@ -21,7 +21,7 @@ SPACE = 22.0
 
 Entry: TypeAlias = "tuple[str, tuple[Item, ...]]"
 
-_KINDS: tuple[tuple[FlowKind, str], ...] = (
+_KINDS: tuple[tuple[symbols.Symbol, str], ...] = (
     ("sync", "rendezvous"),
     ("var", "variable: the last value written"),
     ("broadcast", "broadcast: each reader gets every value"),
@@ -30,6 +30,7 @@ _KINDS: tuple[tuple[FlowKind, str], ...] = (
     ("overwrite", "overwriting buffer"),
     ("sampled", "sampled at the period @"),
     ("event", "event from or to the environment"),
+    ("several", "another kind in each instance"),
 )
 
 

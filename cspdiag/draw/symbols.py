@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from typing import Literal, TypeAlias
+
 from cspdiag.draw.elements.diagram import Arrow, FlowKind, Store
 from cspdiag.draw.elements.diagram import Box as InstanceBox
 from cspdiag.draw.elements.marks import Mark, MarkKind
 from cspdiag.draw.geometry import Point, Rectangle
 from cspdiag.draw.scene import Box, Dash, Ellipse, Ink, Item, Line
+
+Symbol: TypeAlias = FlowKind | Literal["several"]
+"""What an arrow begins with; ``several`` where instances of the process differ in the kind of channel."""
 
 INKS: dict[MarkKind, tuple[Ink, Ink]] = {
     "error": (Ink.ERROR, Ink.ERROR_FILL),
@@ -132,16 +137,18 @@ def port(at: Point, mark: Mark | None = None, *, is_connected: bool = True, inwa
     return Box(Rectangle(left, at.y - size / 2, size, size), fill, stroke, 0, min(width, 1.2))
 
 
-def symbol_of(arrow: Arrow) -> FlowKind | None:
-    """The kind whose symbol an arrow begins with: an event that all or one of several readers get is shown as that; None for several kinds."""
-    if len(arrow.kinds) != 1:
+def symbol_of(arrow: Arrow) -> Symbol | None:
+    """The symbol that an arrow begins with: an event that all or one of several readers get is shown as that; None where nothing is known."""
+    if not arrow.kinds:
         return None
+    if len(arrow.kinds) > 1:
+        return "several"
     if arrow.kinds[0] == "event" and arrow.asked in ("broadcast", "any"):
         return "broadcast" if arrow.asked == "broadcast" else "any"
     return arrow.kinds[0]
 
 
-def kind_symbol(kind: FlowKind, begin: Point, towards: Point, ink: Ink = Ink.LINE) -> tuple[Item, ...]:
+def kind_symbol(symbol: Symbol, begin: Point, towards: Point, ink: Ink = Ink.LINE) -> tuple[Item, ...]:
     """The symbol of a kind of channel on the first part of an arrow, none for a rendezvous."""
     length = abs(towards.x - begin.x) + abs(towards.y - begin.y)
     if length == 0:
@@ -149,7 +156,7 @@ def kind_symbol(kind: FlowKind, begin: Point, towards: Point, ink: Ink = Ink.LIN
     distance = SYMBOL_DISTANCE if length > SYMBOL_DISTANCE + 4 else length / 2
     dx, dy = (towards.x - begin.x) / length, (towards.y - begin.y) / length
     centre = begin.moved(dx * distance, dy * distance)
-    match kind:
+    match symbol:
         case "var":
             return (Box(_around(centre, 3.5), Ink.PAPER, ink),)
         case "broadcast":
@@ -163,8 +170,12 @@ def kind_symbol(kind: FlowKind, begin: Point, towards: Point, ink: Ink = Ink.LIN
         case "buffer":
             return _cells(centre, ink)
         case "overwrite":
-            cells = _cells(centre, ink)
-            return (*cells, Line((centre.moved(-7, 6), centre.moved(7, -6)), ink, 1))
+            return (*_cells(centre, ink), Line((centre.moved(-7, 6), centre.moved(7, -6)), ink, 1))
+        case "several":
+            return (
+                Line((centre.moved(-4, -4), centre.moved(4, 4)), ink),
+                Line((centre.moved(-4, 4), centre.moved(4, -4)), ink),
+            )
         case "sync" | "constant" | "discard":
             return ()
 

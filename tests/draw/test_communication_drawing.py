@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from pathlib import Path
+from typing import get_args
 
 import pytest
 
@@ -12,7 +13,7 @@ from cspdiag.diagnostics import SourceFile
 from cspdiag.draw import symbols
 from cspdiag.draw.communication import draw_communication
 from cspdiag.draw.elements.diagram import Box as InstanceBox
-from cspdiag.draw.elements.diagram import BoxKind, CommunicationDiagram, FlowKind, Store
+from cspdiag.draw.elements.diagram import BoxKind, CommunicationDiagram, Store
 from cspdiag.draw.elements.marks import Mark, MarkKind
 from cspdiag.draw.geometry import Point, Rectangle
 from cspdiag.draw.hiding import ALL_LABELS, NOTHING_HIDDEN, Hidden
@@ -118,8 +119,10 @@ def test_instances_and_variables_differ_in_shape_not_only_in_colour() -> None:
 
 
 def test_kinds_of_channels_differ_in_the_shape_of_their_symbols() -> None:
-    kinds: tuple[FlowKind, ...] = ("sync", "var", "broadcast", "any", "buffer", "overwrite", "sampled", "event")
+    without = {"constant", "discard"}
+    kinds = [kind for alias in get_args(symbols.Symbol) for kind in get_args(alias) if kind not in without]
     shapes = [outline(symbols.kind_symbol(kind, Point(0, 0), Point(60, 0))) for kind in kinds]
+    assert len(shapes) == 9
     assert len(set(shapes)) == len(shapes)
 
 
