@@ -10,9 +10,12 @@ from collections.abc import Iterator
 from heapq import heapify, heappop, heappush
 
 from cspdiag.analyses.proofs import stubborn
-from cspdiag.analyses.proofs.parallel_machines import Pairs, Part, part_of
+from cspdiag.analyses.proofs.parallel_machines import MOST_STATES, Pairs, Part, TooLargeError, part_of
 from cspdiag.analyses.proofs.verdict import LimitError, Limits, Proved, Refuted, Unknown, Verdict
 from cspdiag.analyses.transitions.system import System
+
+_MOST_GIVEN_UP = 10
+"""Pairs that were too large, after which no further pair is tried."""
 
 
 def deadlock_free(system: System, limits: Limits) -> Verdict:
@@ -22,6 +25,10 @@ def deadlock_free(system: System, limits: Limits) -> Verdict:
         remaining = list(reduction.remaining())
     except LimitError as stop:
         return Unknown("minimization", str(stop))
+    if reduction.too_large:
+        return Unknown(
+            "minimization", f"no two of the last {len(remaining)} parts have at most {MOST_STATES} states together"
+        )
     if not _stands_still(remaining):
         reason = (
             f"put together two by two and made minimal, the processes never had more than {reduction.largest} states"
@@ -49,6 +56,8 @@ class _Reduction:
         self._limits = limits
         self._pairs = Pairs(limits)
         self.largest = 1
+        self.too_large = False
+        """Whether parts that have events in common are left, because no two can be put together."""
         alphabets: list[set[int]] = [set() for _ in system.components]
         for event, known in enumerate(system.events):
             for party in known.parties:
@@ -65,28 +74,33 @@ class _Reduction:
         heapify(self._queue)
 
     def remaining(self) -> Iterator[Part]:
-        """The parts that are left when no two have an event in common. Raises LimitError."""
+        """The parts that are left when no two have an event in common, or are worth putting together. Raises LimitError."""
         number = len(self._parts)
-        while self._queue:
+        given_up: set[tuple[int, int]] = set()
+        while self._queue and len(given_up) < _MOST_GIVEN_UP:
             _, one, other = heappop(self._queue)
             if one not in self._parts or other not in self._parts:
                 continue
             self._limits.check()
-            self._put_together(one, other, number)
+            try:
+                self._put_together(one, other, number)
+            except TooLargeError:
+                given_up.add((one, other))
             number += 1
+        self.too_large = any(len(members) > 1 for members in self._members.values())
         yield from self._parts.values()
 
     def _put_together(self, one: int, other: int, number: int) -> None:
-        first, second = self._parts.pop(one), self._parts.pop(other)
-        inside = set()
-        for event in {*first.events, *second.events}:
-            members = self._members[event]
-            members -= {one, other}
-            if members:
-                members.add(number)
-            else:
-                inside.add(event)
+        first, second = self._parts[one], self._parts[other]
+        events = {*first.events, *second.events}
+        inside = {event for event in events if self._members[event] <= {one, other}}
         part = self._pairs.together(first, second, inside)
+        del self._parts[one], self._parts[other]
+        for event in inside:
+            self._members[event].clear()
+        for event in events - inside:
+            self._members[event] -= {one, other}
+            self._members[event].add(number)
         self._parts[number] = part
         self.largest = max(self.largest, len(part.machine.edges))
         for neighbour in {member for event in part.events for member in self._members[event]} - {number}:

@@ -11,11 +11,16 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from cspdiag.analyses.proofs.branching_bisimulation import Machine, minimized
-from cspdiag.analyses.proofs.verdict import LimitError, Limits
+from cspdiag.analyses.proofs.verdict import Limits
 from cspdiag.analyses.transitions.system import INTERNAL, Component, Edge
 
 MOST_STATES = 50_000
 """A pair with more states is given up: to minimize it would take too long."""
+
+
+class TooLargeError(Exception):
+    """A pair has more states than are worth while."""
+
 
 Renamed: TypeAlias = dict[int, int]
 """The numbers of a machine's events in the machine of a pair; INTERNAL for those that become internal."""
@@ -67,7 +72,7 @@ class Pairs:
         return Part(self._minimal[id(machine)], part.events)
 
     def together(self, one: Part, other: Part, hidden: Collection[int]) -> Part:
-        """Both in parallel, made minimal; the hidden events become internal. Raises LimitError."""
+        """Both in parallel, made minimal; the hidden events become internal. Raises LimitError and TooLargeError."""
         place = {event: at for at, event in enumerate(one.events)}
         joints = tuple((place[event], at) for at, event in enumerate(other.events) if event in place)
         events = [*one.events, *(event for event in other.events if event not in place)]
@@ -125,7 +130,7 @@ def _product(
         if len(edges) % 1024 == 0:
             limits.check(len(pending) * 1000)
             if len(pending) > MOST_STATES:
-                raise LimitError(f"two parts together have more than {MOST_STATES} states")
+                raise TooLargeError
     return Machine(tuple(edges), tuple(one.ended[left] and other.ended[right] for left, right in pending))
 
 

@@ -107,6 +107,7 @@ def test_a_limit_leaves_the_question_open(monkeypatch: pytest.MonkeyPatch) -> No
     assert isinstance(verdict, Unknown)
     assert "time limit" in verdict.reason
     monkeypatch.setattr(parallel_machines, "MOST_STATES", 100)
+    monkeypatch.setattr(minimization, "MOST_STATES", 100)
     verdict = minimization.deadlock_free(known.token_ring(600), Limits())
     assert isinstance(verdict, Unknown)
-    assert "more than 100 states" in verdict.reason
+    assert "at most 100 states together" in verdict.reason
