@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 EXAMPLE = """cspdiag draw models/jiwy/jiwy.csp
 cspdiag draw models/jiwy/jiwy.csp --process JointControl --diagram communication -o joint.pdf
 cspdiag draw models/jiwy/jiwy.csp --all -o diagrams --hide-labels
+cspdiag draw models/jiwy/jiwy.csp --book jiwy.html
 cspdiag draw controller.csp --check -o review.svg"""
 FORMATS = ("svg", "png", "pdf")
 
@@ -48,6 +49,11 @@ def add_arguments(parser: ArgumentParser) -> None:
         "--all",
         action="store_true",
         help="every process and environment of the file: a file each, or the pages of a PDF",
+    )
+    what.add_argument(
+        "--book",
+        metavar="OUT.html",
+        help="one page, complete in itself: every process with its diagrams, its text and its ports, and links between them",
     )
     parser.add_argument(
         "--diagram",
@@ -112,6 +118,8 @@ def _refuse_senseless(arguments: Namespace) -> None:
     if not 0.1 <= arguments.scale <= 20:
         raise UsageError("--scale is between 0.1 and 20")
     output = arguments.output
+    if arguments.book is not None:
+        _refuse_book(arguments)
     if output is None or output == STANDARD_INPUT:
         return
     suffix = Path(output).suffix.removeprefix(".").lower()
@@ -124,7 +132,29 @@ def _refuse_senseless(arguments: Namespace) -> None:
         raise UsageError(f"-o {output}: there is no folder {folder}")
 
 
+def _refuse_book(arguments: Namespace) -> None:
+    if arguments.output is not None or arguments.format is not None:
+        raise UsageError("--book is a page, which -o and --format say nothing about")
+    folder = os.path.dirname(arguments.book)
+    if folder and not os.path.isdir(folder):
+        raise UsageError(f"--book {arguments.book}: there is no folder {folder}")
+
+
+def _write_book(arguments: Namespace, pictures: Pictures) -> None:
+    from cspdiag.draw.book.page import book
+
+    page = book(pictures).encode()
+    if arguments.book == STANDARD_INPUT:
+        sys.stdout.buffer.write(page)
+        return
+    _write(Path(arguments.book), page)
+    sys.stderr.write(f"wrote {arguments.book}\n")
+
+
 def _draw(arguments: Namespace, pictures: Pictures) -> None:
+    if arguments.book is not None:
+        _write_book(arguments, pictures)
+        return
     definitions = _chosen(arguments, pictures)
     wish = _wish(arguments, pictures, definitions)
     scenes = {definition.name.text: pictures.scene(definition, wish) for definition in definitions}

@@ -38,7 +38,7 @@ _UNPRINTABLE = re.compile(r"[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010fff
 
 def render_svg(scene: Scene, scheme: Scheme = Scheme.AUTO) -> str:
     """The drawing as a document of its own, ending in a newline."""
-    writer = _Writer(scheme, scene.name)
+    writer = _Writer(scheme, scene.name, f"cspdiag {scheme.value}")
     inks = sorted({ink for item in every(scene.items) for ink in _inks(item)} | {Ink.PAPER}, key=lambda ink: ink.value)
     body = [*writer.opening(scene), _style(inks, scheme), writer.background(scene)]
     for item in scene.items:
@@ -84,11 +84,12 @@ def _style(inks: list[Ink], scheme: Scheme) -> str:
     def definitions(table: dict[Ink, str]) -> str:
         return " ".join(f"--{ink.value}: {table[ink]};" for ink in inks)
 
-    lines = [f".cspdiag {{ {definitions(colours(scheme))} }}"]
+    # Drawings of several schemes may stand in one page, where the rules of each hold for all.
+    drawing = f".cspdiag.{scheme.value}"
+    lines = [f"{drawing} {{ {definitions(colours(scheme))} }}"]
     if scheme is Scheme.AUTO:
-        lines = [f".cspdiag {{ color-scheme: light dark; {definitions(LIGHT)} }}"]
-        lines.append(f"@media (prefers-color-scheme: dark) {{ .cspdiag {{ {definitions(DARK)} }} }}")
-        lines.append(f"@media print {{ .cspdiag {{ {definitions(LIGHT)} }} }}")
+        lines.append(f"@media (prefers-color-scheme: dark) {{ {drawing} {{ {definitions(DARK)} }} }}")
+        lines.append(f"@media print {{ {drawing} {{ {definitions(LIGHT)} }} }}")
     inside = "\n".join(f"    {line}" for line in (*lines, *_rules(inks)))
     return f"  <style>\n{inside}\n  </style>"
 
@@ -120,7 +121,8 @@ def _number(value: float) -> str:
 class _Writer:
     """Writes items line by line; keeps identifiers valid and different."""
 
-    def __init__(self, scheme: Scheme, name: str) -> None:
+    def __init__(self, scheme: Scheme, name: str, look: str = "cspdiag") -> None:
+        self._classes = look
         self._colours = colours(scheme)
         self._name = name
         self._given: set[str] = set()
@@ -130,7 +132,7 @@ class _Writer:
         view = f'viewBox="0 0 {_number(scene.width)} {_number(scene.height)}"'
         identity = f' id="{self._identifier("")}"' if self._name else ""
         lines = [
-            f'<svg xmlns="http://www.w3.org/2000/svg" class="cspdiag"{identity} {size} {view} role="img" '
+            f'<svg xmlns="http://www.w3.org/2000/svg" class="{self._classes}"{identity} {size} {view} role="img" '
             f'font-family="{SANS}" stroke-linejoin="round">'
         ]
         if scene.title:
