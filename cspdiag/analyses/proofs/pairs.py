@@ -7,12 +7,14 @@ differ only in the names of their events have the same **shape**, and pairs of t
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TypeAlias
+from typing import Any, TypeAlias, TypeVar
 
 from cspdiag.analyses.transitions.system import INTERNAL, Component, Edge, System
+
+T = TypeVar("T")
 
 Link: TypeAlias = tuple[int, int, bool]
 """An event that two shapes share: its number in either, and whether the two are its only parties."""
@@ -181,6 +183,7 @@ class Structure:
 
     def __init__(self, system: System) -> None:
         self.system = system
+        self._remembered: dict[str, Any] = {}
         self.shapes: list[Shape] = []
         self.events: list[tuple[int, ...]] = []
         alone = bytearray(len(event.parties) == 1 for event in system.events)
@@ -193,6 +196,13 @@ class Structure:
             shape, events = _shape(component, expected, alone, known)
             self.shapes.append(shape)
             self.events.append(events)
+
+    def remembered(self, what: str, find: Callable[[], T]) -> T:
+        """What ``find`` returned when it was first asked for: it depends on the system alone."""
+        if what not in self._remembered:
+            self._remembered[what] = find()
+        found: T = self._remembered[what]
+        return found
 
     @cached_property
     def neighbours(self) -> list[list[Neighbour]]:

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 from cspdiag.analyses.proofs import rules_forms
 from cspdiag.analyses.proofs.question import Question
-from cspdiag.analyses.proofs.rules_runs import Run, the_run, unsteady
+from cspdiag.analyses.proofs.rules_runs import Run, moves_of, the_run, unsteady
 from cspdiag.analyses.proofs.stuck_sets import Offers
 from cspdiag.analyses.proofs.verdict import LimitError, Limits, Proved, Refuted, Unknown, Verdict
 
@@ -30,7 +30,7 @@ def by_rules(question: Question, limits: Limits) -> Verdict:
         if chooses is not None:
             name = question.system.components[chooses].name
             return Unknown("rules", f"`{name}` chooses, and there are circles of waiting")
-        run = the_run(question.structure, limits, MOST_MOVES)
+        run = question.structure.remembered("run", lambda: the_run(question.structure, limits, MOST_MOVES))
         if run is None:
             return Unknown("rules", f"the run did not come round within {MOST_MOVES} communications")
         return _judged(question, run)
@@ -57,14 +57,14 @@ def _judged(question: Question, run: Run) -> Verdict:
     else:
         stuck = Offers(question.system).knot(run.state)
     if stuck:
-        return Refuted("rules", run.moves, tuple(stuck))
+        return Refuted("rules", moves_of(question.structure, run), tuple(stuck))
     if rules_forms.is_io_par(question.structure):
         return Proved("rules", "every process shares all its events once a round, in any order: an I/O-PAR network")
     if not run.period:
         return Proved(
-            "rules", f"no process chooses, and the only run ends after {len(run.moves)} steps with all processes"
+            "rules", f"no process chooses, and the only run ends after {len(run.taken)} steps with all processes"
         )
-    return Proved("rules", f"no process chooses, and the only run comes round after {len(run.moves)} steps")
+    return Proved("rules", f"no process chooses, and the only run comes round after {len(run.taken)} steps")
 
 
 def _order_in_words(question: Question) -> str:

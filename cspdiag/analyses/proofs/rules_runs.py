@@ -10,6 +10,7 @@ deadlock (Welch, Justo and Willcock, 1993) and that of circles of I/O-SEQ ones w
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TypeAlias
 
 from cspdiag.analyses.proofs.pairs import Shape, Structure
 from cspdiag.analyses.proofs.verdict import Limits, Move
@@ -18,12 +19,14 @@ from cspdiag.analyses.transitions.system import INTERNAL
 
 @dataclass(frozen=True)
 class Run:
-    """The run until it comes round or ends: the moves to where it has been ``period`` moves before, or to where nothing is possible."""
+    """The run until it comes round or ends: what was taken, to where it has been ``period`` steps before, or to where nothing is possible.
 
-    moves: tuple[Move, ...]
+    An event is taken by all its parties; the complement ``~i`` stands for an internal step of component ``i``. ``period`` is 0 if the run ends.
+    """
+
+    taken: list[int]
     state: tuple[int, ...]
     period: int
-    """The number of moves of a round, 0 if the run ends."""
 
 
 def is_steady(shape: Shape) -> bool:
@@ -67,75 +70,102 @@ def the_run(structure: Structure, limits: Limits, most_moves: int) -> Run | None
         limits.check()
         run.step()
         if run.differing == 0:
-            return Run(tuple(run.moves), tuple(run.state), len(run.moves) - marked_at)
-        if len(run.moves) > most_moves:
+            return Run(run.taken, tuple(run.state), len(run.taken) - marked_at)
+        if len(run.taken) > most_moves:
             return None
         # The comparison point of Brent ("An improved Monte Carlo factorization algorithm", 1980) moves on in doubling distances.
-        if len(run.moves) - marked_at >= distance:
-            marked_at, distance = len(run.moves), 2 * distance
+        if len(run.taken) - marked_at >= distance:
+            marked_at, distance = len(run.taken), 2 * distance
             run.mark()
-    return Run(tuple(run.moves), tuple(run.state), 0)
+    return Run(run.taken, tuple(run.state), 0)
+
+
+def moves_of(structure: Structure, run: Run) -> tuple[Move, ...]:
+    """The moves of a run."""
+    state = [shape.initial for shape in structure.shapes]
+    moves = []
+    for taken in run.taken:
+        event = taken if taken >= 0 else INTERNAL
+        parties = structure.system.events[event].parties if taken >= 0 else (~taken,)
+        targets = [dict(structure.system.components[party].edges[state[party]])[event] for party in parties]
+        for party, after in zip(parties, targets, strict=True):
+            state[party] = after
+        moves.append(Move(event, tuple(zip(parties, targets, strict=True))))
+    return tuple(moves)
+
+
+Step: TypeAlias = tuple[int, tuple[int, ...]]
+"""The state after an edge, and the events (of the shape) that it offers and the state before did not, or that were just taken."""
 
 
 class _Running:
-    """A run under way: ``possible`` are the events, and the components with an internal step, that can happen now."""
+    """A run under way. ``possible`` are the events that can happen now, and the complements of components with an internal step.
+
+    Nothing that is possible becomes impossible but by happening, because the components are steady.
+    """
 
     def __init__(self, structure: Structure) -> None:
-        self.structure = structure
+        tables = {id(shape): _steps(shape) for shape in {id(shape): shape for shape in structure.shapes}.values()}
+        self._steps = [tables[id(shape)] for shape in structure.shapes]
+        self._events = structure.events
+        self._parties: list[list[tuple[int, int]]] = [[] for _ in structure.system.events]
+        for component, events in enumerate(structure.events):
+            for number, event in enumerate(events):
+                self._parties[event].append((component, number))
+        self._willing = [0] * len(self._parties)
         self.state = [shape.initial for shape in structure.shapes]
-        self.moves: list[Move] = []
-        self.parties = [event.parties for event in structure.system.events]
-        self.willing = [0] * len(self.parties)
-        self.possible: dict[tuple[int, int], None] = {}
+        self._marked = self.state.copy()
         self.differing = 0
-        self._marked: list[int] = self.state.copy()
-        for component in range(len(self.state)):
-            self._offer(component)
+        self.taken: list[int] = []
+        self.possible: list[int] = []
+        for component, shape in enumerate(structure.shapes):
+            self._offer(component, tuple(number for number, _ in shape.edges[shape.initial]))
 
     def mark(self) -> None:
         """Remember the present state: ``differing`` counts the components that are in another one."""
         self._marked = self.state.copy()
         self.differing = 0
 
-    def _offer(self, component: int) -> None:
-        shape, events = self.structure.shapes[component], self.structure.events[component]
-        for number, _ in shape.edges[self.state[component]]:
+    def _offer(self, component: int, numbers: tuple[int, ...]) -> None:
+        events = self._events[component]
+        for number in numbers:
             if number == INTERNAL:
-                self.possible[(INTERNAL, component)] = None
+                self.possible.append(~component)
                 continue
             event = events[number]
-            self.willing[event] += 1
-            if self.willing[event] == len(self.parties[event]):
-                self.possible[(event, 0)] = None
-
-    def _withdraw(self, component: int) -> None:
-        shape, events = self.structure.shapes[component], self.structure.events[component]
-        for number, _ in shape.edges[self.state[component]]:
-            if number == INTERNAL:
-                self.possible.pop((INTERNAL, component), None)
-            else:
-                event = events[number]
-                self.willing[event] -= 1
-                self.possible.pop((event, 0), None)
+            self._willing[event] += 1
+            if self._willing[event] == len(self._parties[event]):
+                self.possible.append(event)
 
     def step(self) -> None:
         """Let everything happen that is possible now, each once."""
-        for event, component in list(self.possible):
-            parties = (component,) if event == INTERNAL else self.parties[event]
-            targets = [self._target(party, event) for party in parties]
-            for party in parties:
-                self._withdraw(party)
-            for party, after in zip(parties, targets, strict=True):
-                self.differing += (after != self._marked[party]) - (self.state[party] != self._marked[party])
-                self.state[party] = after
-            for party in parties:
-                self._offer(party)
-            self.moves.append(Move(event, tuple(zip(parties, targets, strict=True))))
+        now, self.possible = self.possible, []
+        state, marked = self.state, self._marked
+        for taken in now:
+            if taken >= 0:
+                self._willing[taken] = 0
+                parties = self._parties[taken]
+            else:
+                parties = [(~taken, INTERNAL)]
+            for component, number in parties:
+                before = state[component]
+                after, offered = self._steps[component][before][number]
+                self.differing += (before == marked[component]) - (after == marked[component])
+                state[component] = after
+                if offered:
+                    self._offer(component, offered)
+        self.taken += now
 
-    def _target(self, component: int, event: int) -> int:
-        events = self.structure.events[component]
-        return next(
-            after
-            for number, after in self.structure.shapes[component].edges[self.state[component]]
-            if (events[number] if number != INTERNAL else INTERNAL) == event
-        )
+
+def _steps(shape: Shape) -> list[dict[int, Step]]:
+    """For each state and event the step."""
+    return [
+        {
+            event: (
+                after,
+                tuple(offered for offered, _ in shape.edges[after] if offered == event or offered not in dict(edges)),
+            )
+            for event, after in edges
+        }
+        for edges in shape.edges
+    ]
