@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from cspdiag.analyses.transitions.follow import Follower
+from cspdiag.analyses.transitions.minimal import minimized
 from cspdiag.analyses.transitions.occurrences import Occurrence
 from cspdiag.analyses.transitions.offers import Offers
 from cspdiag.analyses.transitions.program import Node
@@ -66,7 +67,7 @@ def _explored(thread: Thread) -> Template:
         ):
             template.terminal.add(number)
     _tell_what_was_widened(thread)
-    return template
+    return minimized(template)
 
 
 def _give_up_a_variable(thread: Thread, order: list[Configuration]) -> None:
