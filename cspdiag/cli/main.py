@@ -31,6 +31,7 @@ VERBS = {
     "compile": "generate a controller package",
     "run": "run a program against an environment",
     "verify": "prove what programs assert, or show how it fails",
+    "margins": "tell the gain, phase and delay margins of the loops through the plant",
     "draw": "draw communication and composition diagrams",
     "diff": "tell what changed between two versions of a program",
     "fmt": "format programs",

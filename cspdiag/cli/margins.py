@@ -1,0 +1,217 @@
+"""``cspdiag margins``: stability and margins of the loops through the plant, under the program's own timing."""
+
+from __future__ import annotations
+
+import sys
+from argparse import ArgumentParser, Namespace
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from cspdiag.cli.failure import FINE, UNSUCCESSFUL, NoResultError, UsageError
+from cspdiag.cli.terminal import show_diagnostics
+from cspdiag.sources import read_source
+
+if TYPE_CHECKING:
+    from cspdiag.analyses.margins.loops import AnalysedLoop, LoopReport
+    from cspdiag.analyses.margins.margin import Margins
+    from cspdiag.analyses.margins.period import Wanted
+    from cspdiag.network.ir import Environment, Network
+
+EXAMPLE = (
+    "cspdiag margins models/jiwy/jiwy.csp --loop servo\n"
+    "cspdiag margins models/jiwy/jiwy.csp --set Tsh=10ms --set Tsv=10ms --plot bode.svg\n"
+    "cspdiag margins models/jiwy/jiwy.csp --loop motionControl --largest-period 30deg"
+)
+
+_KINDS = (".svg", ".png", ".pdf")
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Declare the options."""
+    parser.add_argument("file", metavar="FILE", help="a program; - reads standard input")
+    parser.add_argument("--environment", metavar="NAME", help="whose plant closes the loops (default: the first)")
+    parser.add_argument("--loop", metavar="PART", help="only loops of laws with this in their path")
+    parser.add_argument(
+        "--set", action="append", default=[], metavar="NAME=VALUE", dest="settings",
+        help="a constant (Tsh=10ms) or an instance's parameter (pan.inertia=2e-3); may be given again",
+    )  # fmt: skip
+    parser.add_argument(
+        "--at", action="append", default=[], metavar="NAME=VALUE", dest="point",
+        help="a state of the plant at the operating point (pan.speed=0.5); may be given again",
+    )  # fmt: skip
+    parser.add_argument(
+        "--largest-period", metavar="MARGIN",
+        help="the largest sample period that leaves 30deg, 6dB, a factor of gain, a delay of 5ms, or stable",
+    )  # fmt: skip
+    parser.add_argument("--plot", type=Path, metavar="FILE", help="a Bode picture, as .svg, .png or .pdf")
+    parser.add_argument("--format", choices=("text", "json"), default="text", help="how to tell it (default: text)")
+
+
+def run(arguments: Namespace) -> int:
+    """Linearize, measure, tell; fine where there are loops and all of them are stable."""
+    from cspdiag.analyses.margins.linear import NotLinearError
+    from cspdiag.analyses.margins.period import wanted
+
+    _check_plot(arguments.plot)
+    try:
+        margin = None if arguments.largest_period is None else wanted(arguments.largest_period)
+    except ValueError as problem:
+        raise UsageError(f"--largest-period: {problem}") from None
+    network = _network(arguments, {})
+    if network is None:
+        return UNSUCCESSFUL
+    environment = _environment(network, arguments.environment)
+    try:
+        report = _analysed(arguments, network, environment)
+    except NotLinearError as problem:
+        place = (
+            "" if problem.span is None else f"{problem.span.source.name}:{problem.span.line}:{problem.span.column}: "
+        )
+        raise NoResultError(
+            f"{place}{problem.reason}, so that no loop through `{environment.name}` has margins"
+        ) from None
+    periods = {} if margin is None else _periods(arguments, network, report, margin)
+    _write_plot(arguments.plot, report)
+    _tell(arguments, report, periods)
+    return FINE if report.loops and all(loop.margins.is_stable for loop in report.loops) else UNSUCCESSFUL
+
+
+def _check_plot(path: Path | None) -> None:
+    """Refuse a picture that could not be made before the work, not after it."""
+    from importlib.util import find_spec
+
+    if path is None:
+        return
+    if path.suffix not in _KINDS:
+        raise UsageError(f"--plot {path}: the name must end in {' or '.join(_KINDS)}")
+    if path.is_dir() or not path.parent.is_dir():
+        raise UsageError(f"--plot {path}: {'is a directory' if path.is_dir() else f'there is no folder {path.parent}'}")
+    if find_spec("matplotlib") is None:
+        raise UsageError('--plot needs matplotlib: pip install "cspdiag[plot]"')
+
+
+def _network(arguments: Namespace, further: Mapping[str, str], *, told: bool = True) -> Network | None:
+    from cspdiag import pipeline
+    from cspdiag.network.lower import SelectionError
+    from cspdiag.settings import SettingError, split_setting
+
+    try:
+        settings = {**dict(split_setting(setting) for setting in arguments.settings), **further}
+        built = pipeline.build(
+            read_source(arguments.file), read_source, environment=arguments.environment, settings=settings
+        )
+    except (SettingError, SelectionError) as problem:
+        raise UsageError(str(problem)) from None
+    if told:
+        show_diagnostics(built.checked.report.diagnostics, arguments.color)
+    return built.network
+
+
+def _environment(network: Network, name: str | None) -> Environment:
+    for environment in network.environments:
+        if name is None or environment.name == name:
+            return environment
+    raise UsageError(f"`{network.top}` has no environment, and so no plant that would close its loops")
+
+
+def _analysed(arguments: Namespace, network: Network, environment: Environment) -> LoopReport:
+    from cspdiag.analyses.margins.loops import analyse_loops
+
+    return analyse_loops(network, environment, point=_point(arguments, environment), only=arguments.loop)
+
+
+def _point(arguments: Namespace, environment: Environment) -> dict[str, float]:
+    from cspdiag.settings import SettingError, split_setting
+
+    states = () if environment.system is None else tuple(state.name for state in environment.system.states)
+    point: dict[str, float] = {}
+    for entry in arguments.point:
+        try:
+            name, value = split_setting(entry)
+            point[name] = float(value)
+        except (SettingError, ValueError):
+            raise UsageError(
+                f"--at {entry}: NAME=VALUE is wanted, the value a number in the unit of the state"
+            ) from None
+        if name not in states:
+            raise UsageError(
+                f"--at {entry}: `{environment.name}` has no state {name} (it has: {', '.join(states) or 'none'})"
+            )
+    return point
+
+
+def _periods(
+    arguments: Namespace, network: Network, report: LoopReport, margin: Wanted
+) -> dict[str, tuple[int | None, str]]:
+    """For each loop whose period is a constant of the text, the largest one, with the name of the constant."""
+    from cspdiag.analyses.margins.period import largest_period, period_constants
+
+    search = _Search(arguments)
+    found: dict[str, tuple[int | None, str]] = {}
+    known: dict[tuple[object, ...], int | None] = {}
+    for loop in report.loops:
+        constants = period_constants(network, loop.opened)
+        if not constants:
+            raise UsageError(
+                f"--largest-period: the period of `{loop.opened.cut.name}` is a number in the text; let it be a `const`, which can be changed"
+            )
+        # Loops that are equal now are equal at every period.
+        key = (tuple(constants.items()), loop.margins)
+        if key not in known:
+            known[key] = largest_period(search.measure(loop), constants, margin)
+        found[loop.opened.cut.name] = known[key], ", ".join(constants)
+    return found
+
+
+class _Search:
+    """Compiles the program for the periods that are looked at, each once."""
+
+    def __init__(self, arguments: Namespace) -> None:
+        self.arguments = arguments
+        self.networks: dict[tuple[tuple[str, int], ...], Network | None] = {}
+
+    def measure(self, loop: AnalysedLoop) -> Callable[[Mapping[str, int]], Margins | None]:
+        """The margins of one loop with constants set."""
+        from cspdiag.analyses.margins.linear import NotLinearError
+        from cspdiag.analyses.margins.loops import analyse_loops
+
+        def measured(constants: Mapping[str, int]) -> Margins | None:
+            key = tuple(constants.items())
+            if key not in self.networks:
+                settings = {name: f"{value} ns" for name, value in constants.items()}
+                self.networks[key] = _network(self.arguments, settings, told=False)
+            network = self.networks[key]
+            if network is None:
+                return None
+            environment = _environment(network, self.arguments.environment)
+            point = _point(self.arguments, environment) or dict(loop.point)
+            try:
+                report = analyse_loops(network, environment, point=point, only=loop.opened.cut.law)
+            except NotLinearError:
+                return None
+            return next((other.margins for other in report.loops if other.opened.cut == loop.opened.cut), None)
+
+        return measured
+
+
+def _write_plot(path: Path | None, report: LoopReport) -> None:
+    if path is None or not report.loops:
+        return
+    from cspdiag.analyses.margins.bode import bode
+    from cspdiag.simulate.files import write_whole
+
+    write_whole(path, bode(report.loops, path.suffix.removeprefix(".")))
+
+
+def _tell(arguments: Namespace, report: LoopReport, periods: Mapping[str, tuple[int | None, str]]) -> None:
+    if arguments.format == "json":
+        from cspdiag.analyses.margins.render_json import render
+
+        sys.stdout.write(render(report, periods))
+        return
+    from cspdiag.analyses.margins.render_text import table
+
+    sys.stdout.write(table(report, periods))
+    if arguments.plot is not None and report.loops:
+        sys.stderr.write(f"wrote {arguments.plot}\n")
