@@ -141,7 +141,8 @@ def _answers(asked: Asked, arguments: Namespace, read: Reader) -> list[Answer]:
     from cspdiag.simulate.verify import Verifier
 
     memory = int(arguments.memory_limit * 1e6)
-    verifier = Verifier(asked, read, arguments.method, spin=arguments.engine == "spin")
+    spin = arguments.engine == "spin"
+    verifier = Verifier(asked, read, arguments.method, spin=spin, settings=_settings(arguments))
     try:
         return [verifier.answer(question, Limits(arguments.time_limit, memory)) for question in asked.questions]
     except (TransitionError, SpinError) as problem:

@@ -5,20 +5,33 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping
 from dataclasses import replace
+from itertools import islice
 
 from cspdiag import pipeline
 from cspdiag.analyses.counterexamples.encode import encoded
+from cspdiag.analyses.counterexamples.suggestion import Suggestion, suggestions
 from cspdiag.analyses.proofs.verdict import Limits, Method
 from cspdiag.analyses.transitions import transition_system
+from cspdiag.analyses.transitions.explore import TransitionError
 from cspdiag.analyses.transitions.system import System
 from cspdiag.analyses.verification.answer import Answer
 from cspdiag.analyses.verification.prove import answered, not_replayed, prove
 from cspdiag.analyses.verification.question import Question
 from cspdiag.analyses.verification.schedulable import schedulable
+from cspdiag.diagnostics import SourceFile
 from cspdiag.network.ir import Network
+from cspdiag.network.lower import SelectionError
+from cspdiag.settings import SettingError
 from cspdiag.simulate import spin
 from cspdiag.simulate.replay import Replay, replay
 from cspdiag.simulate.replay_trace import Trace, read_trace, trace_text
+
+MOST_SUGGESTIONS = 3
+MOST_TRIED = 24
+SUGGESTION_SECONDS = 3.0
+"""All changes together may be tried so long."""
+MOST_INSTANCES = 300
+"""Larger programs are not changed and proved again."""
 
 
 def trace_of(answer: Answer, settings: Mapping[str, str]) -> str:
@@ -37,17 +50,24 @@ def replayed(network: Network, trace: Trace, read: pipeline.Reader) -> Replay:
 class Verifier:
     """Answers what was asked of a program, with counterexamples that its code was stepped through.
 
-    ``method`` is the only method of proof to be used; with ``spin``, SPIN looks for deadlocks. Its methods raise TransitionError, where a process has too
+    ``settings`` are those with which it was asked. ``method`` is the only method of proof to be used; with ``spin``, SPIN looks for deadlocks. Its methods raise TransitionError, where a process has too
     many states of its own, and SpinError.
     """
 
     def __init__(
-        self, asked: pipeline.Asked, read: pipeline.Reader, method: Method | None = None, *, spin: bool = False
+        self,
+        asked: pipeline.Asked,
+        read: pipeline.Reader,
+        method: Method | None = None,
+        *,
+        spin: bool = False,
+        settings: Mapping[str, str] | None = None,
     ) -> None:
         self._asked = asked
         self._read = read
         self._method = method
         self._spin = spin
+        self._settings = settings
         self._systems: dict[str, System] = {}
 
     def answer(self, question: Question, limits: Limits) -> Answer:
@@ -59,10 +79,11 @@ class Verifier:
         if self._spin and question.claim == "deadlock free":
             answer = self._asked_spin(question, limits)
         else:
-            answer = prove(question, self._system, limits, self._method)
+            answer = prove(question, self.system, limits, self._method)
         return self._confirmed(answer)
 
-    def _system(self, process: str) -> System:
+    def system(self, process: str) -> System:
+        """The transition system of a process of the program."""
         if process not in self._systems:
             network = self._asked.network(process)
             assert network is not None, "asked for a process with errors"
@@ -71,7 +92,7 @@ class Verifier:
 
     def _asked_spin(self, question: Question, limits: Limits) -> Answer:
         began = time.monotonic()
-        system = self._system(question.process)
+        system = self.system(question.process)
         return answered(question, system, spin.deadlock_free(system, limits), "deadlock", time.monotonic() - began)
 
     def _confirmed(self, answer: Answer) -> Answer:
@@ -83,4 +104,40 @@ class Verifier:
         result = replayed(network, read_trace(trace_of(answer, {})), self._read)
         if result.divergence is not None:
             return not_replayed(answer, result.divergence)
-        return replace(answer, replayed=True)
+        return replace(answer, replayed=True, suggestions=self._suggestions(answer))
+
+    def _suggestions(self, answer: Answer) -> tuple[Suggestion, ...]:
+        """Changes of the text after which the property was proved."""
+        found, program = answer.counterexample, self._asked.checked.program
+        network = self._asked.network(answer.question.process)
+        if found is None or not found.waiting or program is None or network is None:
+            return ()
+        if len(network.instances) > MOST_INSTANCES:
+            return ()
+        limits = Limits(SUGGESTION_SECONDS)
+        helping: list[Suggestion] = []
+        for suggestion in islice(suggestions(found, program, network), MOST_TRIED):
+            if limits.remaining <= 0 or len(helping) == MOST_SUGGESTIONS:
+                break
+            if self._helps(suggestion, answer.question, limits):
+                helping.append(suggestion)
+        return tuple(helping)
+
+    def _helps(self, suggestion: Suggestion, question: Question, limits: Limits) -> bool:
+        """Whether a question can be answered by a proof once the text is changed."""
+        assert self._asked.checked.program is not None
+        main, changed = self._asked.checked.program.main.source, suggestion.span.source
+
+        def read(path: str) -> SourceFile:
+            return SourceFile(name=path, text=suggestion.text) if path == changed.name else self._read(path)
+
+        try:
+            source = read(main.name) if main is changed else main
+            asked = pipeline.ask(source, read, process=question.process, settings=self._settings)
+            same = next((other for other in asked.questions if other.text == question.text), None)
+            if same is None or asked.checked.report.has_errors:
+                return False
+            remaining = Limits(limits.remaining, limits.memory)
+            return prove(same, Verifier(asked, read).system, remaining).outcome == "proved"
+        except (SettingError, SelectionError, TransitionError):
+            return False

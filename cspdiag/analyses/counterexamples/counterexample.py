@@ -43,12 +43,13 @@ class Step:
 
 @dataclass(frozen=True)
 class Waiting:
-    """A process that never goes on, what it waits for, and the processes (by name) that would have to come."""
+    """A process that never goes on, what it waits for (also by the hierarchical names of channels), and the processes, by name, that would have to come."""
 
     name: str
     path: str
     words: str
     span: Span | None
+    channels: tuple[str, ...]
     partners: tuple[str, ...]
 
 
@@ -124,8 +125,12 @@ class _Teller:
                 for other in self._system.events[event].parties
                 if event not in offered[other]
             )
+            channels = dict.fromkeys(
+                self._system.events[event].channel for event in sorted(offered[index] - {INTERNAL})
+            )
             party = self._party(index, state[index])
-            yield Waiting(party.name, party.path, party.words or "waits", party.span, tuple(absent))
+            words = party.words or "waits"
+            yield Waiting(party.name, party.path, words, party.span, tuple(channels), tuple(absent))
 
 
 def ring(waiting: tuple[Waiting, ...]) -> tuple[str, ...]:

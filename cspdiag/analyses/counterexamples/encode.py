@@ -20,6 +20,7 @@ def encoded(found: Counterexample) -> dict[str, Any]:
                 "process": entry.name,
                 "path": entry.path,
                 "waits": entry.words,
+                "channels": list(entry.channels),
                 "for": list(entry.partners),
                 **place(entry.span),
             }

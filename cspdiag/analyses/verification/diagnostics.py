@@ -38,7 +38,7 @@ def diagnostic_of(answer: Answer) -> Diagnostic | None:
     if answer.counterexample is None:
         return NotProved(question.span, question.text, answer.reason, answer.candidate)
     found = answer.counterexample
-    advice = "\n".join(suggestion.words for suggestion in answer.suggestions) or None
+    advice = _advice(answer)
     return _KINDS[found.failure](question.span, question.process, headline(found), _places(found), advice)
 
 
@@ -65,3 +65,10 @@ def _said(names: list[str], words: str) -> str:
 def diagnostics_of(answers: Iterable[Answer]) -> list[Diagnostic]:
     """What is wrong with all that was asked."""
     return [found for answer in answers if (found := diagnostic_of(answer)) is not None]
+
+
+def _advice(answer: Answer) -> str | None:
+    """The changes that were proved to help, the least first."""
+    if not answer.suggestions:
+        return None
+    return "\n".join(("proved after one of these changes:", *(entry.words for entry in answer.suggestions)))
