@@ -124,7 +124,7 @@ def _deadlock() -> Scene:
 
 PICTURES: dict[str, Callable[[], Scene]] = {
     "jiwy/figure-3a": Picture("jiwy/jiwy", "JointControl", "communication").scene,
-    "jiwy/figure-3b": Picture("jiwy/jiwy", "JointControl", "composition").scene,
+    "jiwy/figure-3b": Picture("jiwy/jiwy", "Jiwy", "composition", depth=2).scene,
     "jiwy/figure-4": Picture("jiwy/jiwy", "MotionControl").scene,
     "jiwy/figure-7": Picture("jiwy/jiwy", "Align").scene,
     "jiwy/figure-10": Picture("jiwy/jiwy", "Homing").scene,

@@ -8,6 +8,7 @@ from __future__ import annotations
 import re
 import sys
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
 from cspdiag.diagnostics import Report, SourceFile
@@ -22,36 +23,51 @@ DOCS = Path(__file__).parent.parent / "docs"
 PAGE = DOCS / "notation.md"
 _PROGRAM = re.compile(r"^```csp\n(?P<text>.*?)^```$", re.MULTILINE | re.DOTALL)
 _EXAMPLE = re.compile(
-    r"^```composition\n(?P<text>.*?)^```\n\n!\[[^\]]+\]\((?P<picture>[\w/]+\.svg)\)$", re.MULTILINE | re.DOTALL
+    r"^```composition(?P<inside> inside)?\n(?P<text>.*?)^```\n\n!\[[^\]]+\]\((?P<picture>[\w/]+\.svg)\)$",
+    re.MULTILINE | re.DOTALL,
 )
-_LAW = "submodel Law { in x : double out y : double y = x }\nprocess Mode { composition { skip } }\n"
+_DEFINITIONS = """
+submodel Law { in x : double out y : double y = x }
+process Mode { in angle : double out voltage : double
+  communication { var x : double = 0 }
+  composition { mu (angle ? x ; voltage ! x) }
+}
+"""
 
 
-def examples(page: str) -> dict[str, str]:
+@dataclass(frozen=True)
+class Example:
+    """A composition, and how many levels of it are drawn."""
+
+    text: str
+    depth: int
+
+
+def examples(page: str) -> dict[str, Example]:
     """The compositions of the page by the path of their picture, relative to the page."""
-    return {match["picture"]: match["text"] for match in _EXAMPLE.finditer(page)}
+    return {match["picture"]: Example(match["text"], 2 if match["inside"] else 1) for match in _EXAMPLE.finditer(page)}
 
 
-def example_diagram(page: str, composition: str) -> CompositionDiagram:
+def example_diagram(page: str, example: Example) -> CompositionDiagram:
     """The diagram of a composition of the page's process. Raises ValueError if it cannot be read."""
     match = _PROGRAM.search(page)
     assert match is not None
-    text = _LAW + match["text"].replace("composition { skip }", f"composition {{ {composition} }}")
+    text = _DEFINITIONS + match["text"].replace("composition { skip }", f"composition {{ {example.text} }}")
     report = Report()
     tree = parse(SourceFile("notation.md", text), report)
     if tree is None or report.diagnostics:
-        raise ValueError(f"cannot read `{composition.strip()}`: {[each.message for each in report.diagnostics]}")
+        raise ValueError(f"cannot read `{example.text.strip()}`: {[each.message for each in report.diagnostics]}")
     definitions = {item.name.text: item for item in tree.items if not isinstance(item, ast.Import | ast.Assertion)}
     process = definitions["Joint"]
     assert isinstance(process, ast.ProcessDefinition)
-    return composition_diagram(definitions, process)
+    return composition_diagram(definitions, process, example.depth)
 
 
 def pictures() -> Iterator[tuple[Path, str]]:
     """The path and the text of each picture."""
     page = PAGE.read_text(encoding="utf-8")
-    for path, composition in examples(page).items():
-        yield DOCS / path, render_svg(draw_composition(example_diagram(page, composition), is_headed=False))
+    for path, example in examples(page).items():
+        yield DOCS / path, render_svg(draw_composition(example_diagram(page, example), is_headed=False))
 
 
 def main(arguments: list[str]) -> int:

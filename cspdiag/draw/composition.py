@@ -29,6 +29,7 @@ from cspdiag.draw.elements.composition import (
     CompositionDiagram,
     Guarded,
     Handler,
+    Inside,
     Loop,
     NamedGroup,
     Replication,
@@ -38,6 +39,7 @@ from cspdiag.draw.elements.marks import Marks
 from cspdiag.draw.geometry import Point
 from cspdiag.draw.scene import Face, Group, Head, Ink, Item, Line, Run, Scene, Text
 from cspdiag.draw.scene_geometry import bounds, fitted, moved
+from cspdiag.draw.text_metrics import runs_width
 from cspdiag.syntax.nesting import room_to_recurse
 
 WIDEST = 1000.0
@@ -98,7 +100,7 @@ class _Drawer:
 
     def operand(self, element: Composition, limit: float) -> Block:
         """An element that a relation joins: one shape, or a group."""
-        if isinstance(element, Activity | NamedGroup | Replication):
+        if isinstance(element, Activity | NamedGroup | Replication | Inside):
             return self.bare(element, limit)
         style = FrameStyle(
             f"group {type(element).__name__.lower()}",
@@ -130,11 +132,10 @@ class _Drawer:
             case Replication():
                 return self._replication(element, limit)
             case NamedGroup():
-                name = (Text(Point(0, 0), (Run(element.label, Face.BOLD),), SIZE),)
-                width = width_of([element.label], Face.BOLD)
-                mark = self._marks.get(element.key)
-                style = FrameStyle("group named", element.key, step_tooltip(element), mark, name, width)
-                return framed(self.bare(element.process, limit - 2 * PADDING), style)
+                return self._named("group named", element, (Run(element.label, Face.BOLD),), limit)
+            case Inside():
+                name = (Run(element.text, Face.BOLD), Run(f": {element.definition}"))
+                return self._named("group inside", element, name, limit)
             case _:
                 assert_never(element)
 
@@ -181,6 +182,12 @@ class _Drawer:
             guard = guard_block(handler.guard, self._marks.get(handler.guard.key, mark))
         process = self.operand(handler.process, limit - guard.width - 100)
         return relations.Watch(guard, process, handler.guard is None, look(mark, Ink.LINE, Ink.PAPER).stroke)
+
+    def _named(self, kind: str, element: NamedGroup | Inside, name: tuple[Run, ...], limit: float) -> Block:
+        text = Text(Point(0, 0), name, SIZE)
+        mark = self._marks.get(element.key)
+        style = FrameStyle(kind, element.key, step_tooltip(element), mark, (text,), runs_width(name, SIZE))
+        return framed(self.bare(element.process, limit - 2 * PADDING), style)
 
     def _replication(self, element: Replication, limit: float) -> Block:
         name: list[Item] = []

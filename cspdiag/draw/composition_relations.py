@@ -157,6 +157,8 @@ def _return(parts: Sequence[_Placed], part: _Placed, top: float) -> tuple[Point,
 
 def vertical(blocks: Sequence[Block], operator: Operator, prioritized: bool) -> Block:
     """Blocks below each other, joined by a line that carries the sign of the operator; in columns where they are many."""
+    if all(block.is_group and block.height > _TALLEST / 2 for block in blocks):
+        return _horizontal(blocks, operator, prioritized)
     spine = min(block.spine for block in blocks)
     parts: list[_Placed] = []
     relations: list[Item] = []
@@ -184,29 +186,54 @@ def vertical(blocks: Sequence[Block], operator: Operator, prioritized: bool) -> 
 def _vertical_relation(upper: _Placed, lower: _Placed, spine: float, operator: Operator, prioritized: bool) -> Group:
     start, end = upper.below(spine), lower.above(spine)
     if upper.x == lower.x:
-        before: tuple[Point, ...] = (start,)
-        after: tuple[Point, ...] = (end,)
-        centre = Point(start.x, (start.y + end.y - HEAD * prioritized + upper.block.gap - lower.block.gap) / 2)
-    else:
-        turn = lower.x - _ROWS / 2 - 2
-        before = (start, Point(start.x, upper.bottom + _TURN), Point(turn, upper.bottom + _TURN))
-        after = (Point(turn, lower.y - _TURN), Point(end.x, lower.y - _TURN), end)
-        centre = Point(turn, lower.y + 40)
-    upwards = upper.x != lower.x
-    sign, up, down = operator_sign(operator, prioritized, centre, upwards=upwards)
-    first, second = centre.moved(0, -up), centre.moved(0, down)
-    if upwards:
-        first, second = second, first
-    neutral = Block(0, 0, start, start, 0, ())
+        middle = (start.y + end.y - HEAD * prioritized + upper.block.gap - lower.block.gap) / 2
+        return _relation(operator, prioritized, (start,), Point(start.x, middle), (end,), upper.block, lower.block)
+    turn = lower.x - _ROWS / 2 - 2
+    before = (start, Point(start.x, upper.bottom + _TURN), Point(turn, upper.bottom + _TURN))
+    after = (Point(turn, lower.y - _TURN), Point(end.x, lower.y - _TURN), end)
+    return _relation(operator, prioritized, before, Point(turn, lower.y + 40), after, upper.block, lower.block)
+
+
+def _relation(
+    operator: Operator,
+    prioritized: bool,
+    before: tuple[Point, ...],
+    centre: Point,
+    after: tuple[Point, ...],
+    first: Block,
+    last: Block,
+) -> Group:
+    """A line from one block to another with the sign of the operator at ``centre``."""
+    way = _direction(before[-1], centre)
+    sign, back, on = operator_sign(operator, prioritized, centre, way)
+    neutral = Block(0, 0, centre, centre, 0, ())
+    into, out = centre.moved(-way[0] * back, -way[1] * back), centre.moved(way[0] * on, way[1] * on)
     return Group(
         f"relation {operator}{' prioritized' if prioritized else ''}",
         (
-            *_join("line", (*before, first), upper.block, neutral).items,
-            *_join("line", (second, *after), neutral, lower.block).items,
+            *_join("line", (*before, into), first, neutral).items,
+            *_join("line", (out, *after), neutral, last).items,
             *sign,
         ),
         title=chain_words(operator, prioritized),
     )
+
+
+def _horizontal(blocks: Sequence[Block], operator: Operator, prioritized: bool) -> Block:
+    """Tall groups beside each other, joined by a line through their upper parts."""
+    parts: list[_Placed] = []
+    relations: list[Item] = []
+    y = min(80, *(block.height / 2 for block in blocks))
+    x = 0.0
+    for block in blocks:
+        part = _Placed(block, x, 0)
+        if parts:
+            start, end = Point(parts[-1].right, y), Point(part.x, y)
+            centre = Point((start.x + end.x - HEAD * prioritized) / 2, y)
+            relations.append(_relation(operator, prioritized, (start,), centre, (end,), parts[-1].block, block))
+        parts.append(part)
+        x = part.right + BELOW + HEAD * prioritized + 2 * PARENTHESIS
+    return _whole(parts, relations, max(part.bottom for part in parts) / 2)
 
 
 def guarded(guard: Block, process: Block) -> Block:

@@ -253,24 +253,24 @@ def condition_block(case: Case, mark: Mark | None, *, is_first: bool) -> Block:
 
 
 def operator_sign(
-    operator: str, prioritized: bool, centre: Point, *, upwards: bool = False
+    operator: str, prioritized: bool, centre: Point, way: tuple[int, int] = (0, 1)
 ) -> tuple[list[Item], float, float]:
-    """The sign of a vertical relation around a point, and how far it reaches above and below it.
+    """The sign of a relation around a point of its line, which leads ``way``; how far it reaches back and on along that line.
 
-    The arrow head of priority points from the higher to the lower: down, or up where the line goes ``upwards``.
+    The arrow head of priority points from the higher to the lower.
     """
     x, y = centre.x, centre.y
     items: list[Item]
     if operator == "parallel":
         items = [Line((Point(x + dx, y - 7), Point(x + dx, y + 7)), Ink.LINE, 1.8) for dx in (-3.5, 3.5)]
-        reach = 10.0
+        reach = 10.0 if way[1] else 7.0
+        base = reach
     else:
         items = [Box(Rectangle(x - 6.5, y - 6.5, 13, 13), Ink.PAPER, Ink.LINE, 0, 1.6)]
-        reach = 9.0
+        reach, base = 6.5, 9.0
     if not prioritized:
-        return items, reach if operator == "parallel" else 6.5, reach if operator == "parallel" else 6.5
-    way = -1 if upwards else 1
-    base, tip = y + way * reach, y + way * (reach + HEAD)
-    items.append(Line((Point(x - 5, base), Point(x + 5, base), Point(x, tip)), Ink.LINE, closed=True, fill=Ink.LINE))
-    before = reach if operator == "parallel" else 6.5
-    return (items, reach + HEAD, before) if upwards else (items, before, reach + HEAD)
+        return items, reach, reach
+    foot, tip = centre.moved(way[0] * base, way[1] * base), centre.moved(way[0] * (base + HEAD), way[1] * (base + HEAD))
+    head = (foot.moved(5 * way[1], 5 * way[0]), foot.moved(-5 * way[1], -5 * way[0]), tip)
+    items.append(Line(head, Ink.LINE, closed=True, fill=Ink.LINE))
+    return items, reach, base + HEAD

@@ -12,6 +12,7 @@ from cspdiag.draw.elements.composition import (
     Guard,
     Guarded,
     Handler,
+    Inside,
     Loop,
     NamedGroup,
     Operator,
@@ -75,5 +76,7 @@ def _words(element: Part) -> str:
             return f"for {element.replicator}, {chain_words(element.operator, element.prioritized)}"
         case NamedGroup():
             return f"group {element.label}"
+        case Inside():
+            return f"process {element.text} : {element.definition}"
         case _:
             assert_never(element)

@@ -110,16 +110,16 @@ class Pictures:
                 pending += [box.inside for box in diagram.boxes if box.inside is not None]
         return frozenset(found)
 
-    def composition(self, definition: Drawn) -> CompositionDiagram | None:
+    def composition(self, definition: Drawn, depth: int = 1) -> CompositionDiagram | None:
         """The elements of the composition diagram; None where there is none."""
         if not isinstance(definition, ast.ProcessDefinition) or definition.composition is None:
             return None
-        return composition_diagram(self.program.definitions, definition)
+        return composition_diagram(self.program.definitions, definition, depth)
 
     def scene(self, definition: Drawn, wish: Wish = DEFAULT, links: Mapping[str, str] | None = None) -> Scene:
         """The picture of a process or an environment. Raises what ``lay_out`` raises."""
         found = self.concerned(definition)
-        composition = None if wish.which == "communication" else self.composition(definition)
+        composition = None if wish.which == "communication" else self.composition(definition, wish.depth)
         scenes: list[Scene] = []
         if wish.which != "composition" or composition is None:
             diagram = self.communication(definition, wish.depth)

@@ -107,6 +107,50 @@ def test_every_element_is_drawn_once_under_its_key() -> None:
     assert {f"step-{key}" for key in leaves} <= set(ids)
 
 
+NESTED = """
+process Leaf { in a : int  communication { var x : int = 0 }  composition { a ? x } }
+process Middle { in a : int
+  communication { first : Leaf  second : Leaf  a -> first.a, second.a }
+  composition { first ; second }
+}
+process Top { in a : int
+  communication { one : Middle  other[2] : Middle  a -> one.a, other[0].a, other[1].a }
+  composition { one ; other[1] }
+}
+process Endless { communication { again : Endless } composition { skip ; again } }
+"""
+
+
+def test_instances_show_their_inside_as_deep_as_is_wished() -> None:
+    tree = parse(SourceFile(name="nested.csp", text=NESTED), Report())
+    assert tree is not None
+    definitions = {process.name.text: process for process in processes(tree)}
+
+    def shown(name: str, depth: int) -> list[str]:
+        found = composition_diagram(definitions, definitions[name], depth)
+        assert faults(draw_composition(found)) == []
+        return [line.strip() for line in outline(found).splitlines()]
+
+    flat = ["composition of Top", "sequence ;", "run one : Middle (process)", "run other[1] : Middle (process)"]
+    assert shown("Top", 1) == flat
+    middle = ["sequence ;", "run first : Leaf (process)", "run second : Leaf (process)"]
+    assert shown("Top", 2) == [*flat[:2], "inside one : Middle", *middle, "inside other[1] : Middle", *middle]
+    assert shown("Top", 3).count("read a ? x") == 4
+    assert shown("Top", 3) == shown("Top", 9)
+    assert shown("Endless", 9) == shown("Endless", 1)
+
+
+def test_tall_groups_stand_beside_each_other() -> None:
+    tall = " ; ".join(f"(process_number_{number} || skip || skip)" for number in range(40))
+    scene = draw_composition(diagram(f"h: ({tall}) ||> v: ({tall})"))
+    assert faults(scene) == []
+    first, second = (measured(scene).frames[f"step-1.{number}"] for number in (1, 2))
+    assert first.y == second.y
+    assert first.right < second.x
+    (head,) = signs(scene, "parallel")
+    assert head[2].x > head[0].x, "the first stands at the left"
+
+
 def signs(scene: Scene, kind: str) -> list[tuple[Point, ...]]:
     """The closed outlines among the signs of relations."""
     return [

@@ -18,6 +18,7 @@ from cspdiag.draw.elements.composition import (
     Guarded,
     GuardForm,
     Handler,
+    Inside,
     Loop,
     NamedGroup,
     Part,
@@ -31,7 +32,7 @@ TEXT = PAGE.read_text(encoding="utf-8")
 
 
 def elements() -> list[Part]:
-    return [each for text in examples(TEXT).values() for each in example_diagram(TEXT, text).elements()]
+    return [each for example in examples(TEXT).values() for each in example_diagram(TEXT, example).elements()]
 
 
 def test_every_example_has_its_picture() -> None:
@@ -52,7 +53,7 @@ def test_examples_are_drawn_without_faults(picture: str) -> None:
 
 def test_no_construct_is_left_out() -> None:
     found = elements()
-    sorts = {Activity, Chain, Guard, Guarded, Loop, Case, Choice, Handler, Watched, Replication, NamedGroup}
+    sorts = {Activity, Chain, Guard, Guarded, Loop, Case, Choice, Handler, Watched, Replication, NamedGroup, Inside}
     assert set(get_args(Part)) == sorts == {type(each) for each in found}
     assert {each.form for each in found if isinstance(each, Activity)} == set(get_args(ActivityForm))
     assert {each.form for each in found if isinstance(each, Guard)} == set(get_args(GuardForm))

@@ -19,6 +19,7 @@ from cspdiag.draw.elements.composition import (
     Guard,
     Guarded,
     Handler,
+    Inside,
     Loop,
     NamedGroup,
     Part,
@@ -111,6 +112,8 @@ def own_text(element: Part) -> str:
             return f"{OPERATORS[element.operator, element.prioritized]} for {element.replicator}"
         case NamedGroup():
             return f"{element.label}:"
+        case Inside():
+            return element.text
         case Guarded() | Choice() | Watched():
             return ""
 

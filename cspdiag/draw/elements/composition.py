@@ -118,7 +118,16 @@ class NamedGroup(Element):
     process: Composition
 
 
-Composition: TypeAlias = Activity | Chain | Guarded | Loop | Choice | Watched | Replication | NamedGroup
+@record(kw_only=True)
+class Inside(Element):
+    """An instance that shows its own composition: ``text`` is as written, ``definition`` its process."""
+
+    text: str
+    definition: str
+    process: Composition
+
+
+Composition: TypeAlias = Activity | Chain | Guarded | Loop | Choice | Watched | Replication | NamedGroup | Inside
 Part: TypeAlias = Composition | Guard | Case | Handler
 """Everything in a composition diagram that has a key."""
 
@@ -146,7 +155,7 @@ def parts(element: Part) -> tuple[Part, ...]:
             return element.parts
         case Guarded():
             return element.guard, element.process
-        case Loop() | Case() | Replication() | NamedGroup():
+        case Loop() | Case() | Replication() | NamedGroup() | Inside():
             return (element.process,)
         case Choice():
             return element.cases if element.otherwise is None else (*element.cases, element.otherwise)
@@ -164,7 +173,7 @@ def rebuilt(element: PartT, key: str, inner: Sequence[Part]) -> PartT:
             changes["parts"] = tuple(inner)
         case Guarded():
             changes["guard"], changes["process"] = inner
-        case Loop() | Case() | Replication() | NamedGroup():
+        case Loop() | Case() | Replication() | NamedGroup() | Inside():
             (changes["process"],) = inner
         case Choice():
             changes["cases"] = tuple(part for part in inner if isinstance(part, Case))
@@ -227,6 +236,8 @@ def sentence(element: Part) -> str:
             return f"replicated {OPERATORS[element.operator, element.prioritized]} {element.replicator}"
         case NamedGroup():
             return f"group {element.label}"
+        case Inside():
+            return f"inside {element.text} : {element.definition}"
 
 
 def outline(diagram: CompositionDiagram) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Literal, TypeAlias
+from typing import Literal, TypeAlias, TypeGuard
 
 from cspdiag.draw.elements.composition import (
     Activity,
@@ -17,6 +17,7 @@ from cspdiag.draw.elements.composition import (
     Guarded,
     GuardForm,
     Handler,
+    Inside,
     Loop,
     NamedGroup,
     Operator,
@@ -32,9 +33,13 @@ Definitions: TypeAlias = Mapping[str, ast.Definition]
 
 
 @room_to_recurse()
-def composition_diagram(definitions: Definitions, process: ast.ProcessDefinition) -> CompositionDiagram:
-    """The composition diagram of a process, given the definitions of its program by name."""
-    root = None if process.composition is None else _Reader(definitions, process).composition(process.composition, "1")
+def composition_diagram(definitions: Definitions, process: ast.ProcessDefinition, depth: int = 1) -> CompositionDiagram:
+    """The composition diagram of a process, given the definitions of its program by name.
+
+    ``depth`` 2 shows the compositions of its instances instead of their names, and so on.
+    """
+    reader = _Reader(definitions, process, depth, (process,))
+    root = None if process.composition is None else reader.composition(process.composition, "1")
     span = process.composition_span
     return CompositionDiagram(key=process.name.text, doc=process.doc, spans=() if span is None else (span,), root=root)
 
@@ -49,8 +54,18 @@ _REPLICATED: dict[ast.ReplicatedOperator, tuple[Operator, bool]] = {
 
 
 class _Reader:
-    def __init__(self, definitions: Definitions, process: ast.ProcessDefinition) -> None:
+    """Reads one composition; ``within`` are the processes around it, itself included."""
+
+    def __init__(
+        self,
+        definitions: Definitions,
+        process: ast.ProcessDefinition,
+        depth: int,
+        within: tuple[ast.ProcessDefinition, ...],
+    ) -> None:
         self._definitions = definitions
+        self._depth = depth
+        self._within = within
         self._instances: dict[str, ast.Instance] = {}
         if process.communication is not None:
             self._collect(process.communication.declarations)
@@ -157,7 +172,7 @@ class _Reader:
         self,
         node: ast.Run | ast.Read | ast.Write | ast.Assign | ast.Skip | ast.Stop | ast.Wait | ast.Reset | ast.Raise,
         key: str,
-    ) -> Activity:
+    ) -> Activity | Inside:
         text = _bare(node)
         if not isinstance(node, ast.Run):
             return Activity(key=key, spans=(node.span,), form=_FORMS[type(node)], text=text)
@@ -165,6 +180,16 @@ class _Reader:
         if instance is None:
             return Activity(key=key, spans=(node.span,), form="run", text=text, kind="unknown")
         definition = self._definitions.get(instance.definition.text)
+        if self._shows_inside(definition) and definition.composition is not None:
+            reader = _Reader(self._definitions, definition, self._depth - 1, (*self._within, definition))
+            return Inside(
+                key=key,
+                doc=instance.doc,
+                spans=(node.span,),
+                text=text,
+                definition=instance.definition.text,
+                process=reader.composition(definition.composition, f"{key}.1"),
+            )
         return Activity(
             key=key,
             doc=instance.doc,
@@ -176,6 +201,10 @@ class _Reader:
             language=_language(definition),
             definition_doc=None if definition is None else definition.doc,
         )
+
+    def _shows_inside(self, definition: ast.Definition | None) -> TypeGuard[ast.ProcessDefinition]:
+        is_process = isinstance(definition, ast.ProcessDefinition)
+        return is_process and self._depth > 1 and definition not in self._within
 
 
 def _bare(node: ast.Composition) -> str:
