@@ -7,9 +7,9 @@ branches share it, for a variable written in one and read in another is a race a
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import partial
-from typing import assert_never
+from typing import TypeAlias, assert_never
 
 from cspdiag.diagnostics import Report, Span
 from cspdiag.diagnostics.record import node
@@ -71,7 +71,42 @@ def check_assignment(shape: Shape, uses: UsesByKey, inside: Mapping[Shape, Flow]
         return Flow(reads={}, writes=outputs, ends=True)
     walk = _Walk(shape, uses, inside, inputs, outputs, report)
     ends = walk.action(shape.body)
-    return Flow(reads=walk.reads, writes=frozenset(walk.written & outputs) if ends else outputs, ends=ends)
+    return Flow(reads=_Reads(walk.reads), writes=frozenset(walk.written & outputs) if ends else outputs, ends=ends)
+
+
+_Chain: TypeAlias = "tuple[Key, _Chain] | None"
+"""Outputs that were written, the last one first."""
+
+
+class _Reads(Mapping[Key, frozenset[Key]]):
+    """By input, the outputs that were written before every read of it, put together when they are asked for: a process may have thousands of both."""
+
+    def __init__(self, before: Mapping[Key, list[_Chain]]) -> None:
+        self._before = before
+        self._known: dict[Key, frozenset[Key]] = {}
+
+    def __getitem__(self, key: Key) -> frozenset[Key]:
+        known = self._known.get(key)
+        if known is None:
+            known = self._known[key] = frozenset.intersection(*map(_written, self._before[key]))
+        return known
+
+    def __iter__(self) -> Iterator[Key]:
+        return iter(self._before)
+
+    def __len__(self) -> int:
+        return len(self._before)
+
+    def __contains__(self, key: object) -> bool:
+        return key in self._before
+
+
+def _written(chain: _Chain) -> frozenset[Key]:
+    found = []
+    while chain is not None:
+        key, chain = chain
+        found.append(key)
+    return frozenset(found)
 
 
 class _Walk:
@@ -90,10 +125,12 @@ class _Walk:
         self.inputs = inputs
         self.outputs = outputs
         self.report = report
-        self.reads: dict[Key, frozenset[Key]] = {}
+        self.reads: dict[Key, list[_Chain]] = {}
         self.written: set[Key] = set()
         self._trail: list[Key] = []
         """What was added to ``written``, in order, so that branches can begin again from where they part."""
+        self._chains: list[_Chain] = [None]
+        """The outputs among them, from the last one back, after each."""
 
     def action(self, action: Action) -> bool:
         """Follow an action; returns whether it can end."""
@@ -207,6 +244,7 @@ class _Walk:
     def _undo(self, start: int) -> None:
         self.written.difference_update(self._trail[start:])
         del self._trail[start:]
+        del self._chains[start + 1 :]
 
     def _run(self, instance: InstanceShape, span: Span) -> bool:
         flow = self.inside.get(instance.shape)
@@ -239,11 +277,12 @@ class _Walk:
         if key not in self.written:
             self.written.add(key)
             self._trail.append(key)
+            last = self._chains[-1]
+            self._chains.append((key, last) if key in self.outputs else last)
 
     def _read(self, key: Key, span: Span, instance: InstanceShape | None = None) -> None:
         if key in self.inputs:
-            outputs = frozenset(self.written & self.outputs)
-            self.reads[key] = self.reads.get(key, outputs) & outputs
+            self.reads.setdefault(key, []).append(self._chains[-1])
             return
         channel = self.shape.channels.get(key)
         if channel is None or channel.kind != "var" or channel.excused or channel.initial is not None:
