@@ -10,7 +10,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, TypeAlias, TypeVar
+from itertools import combinations
+from typing import Any, NamedTuple, TypeAlias, TypeVar
 
 from cspdiag.analyses.transitions.system import INTERNAL, Component, Edge, System
 
@@ -160,8 +161,7 @@ def _turned(groups: dict[int, tuple[int, ...]]) -> dict[int, tuple[int, ...]]:
     return _grouped((two, one) for one, others in groups.items() for two in others)
 
 
-@dataclass(frozen=True, slots=True)
-class Neighbour:
+class Neighbour(NamedTuple):
     """A component that shares an event with another one, seen from that one: the tables of ``Pair``, the right way round.
 
     ``asks`` are the states of that one in which it waits for the neighbour alone, ``asked`` those of the neighbour; ``hopeless`` are its waiting states
@@ -205,20 +205,33 @@ class Structure:
         return found
 
     @cached_property
+    def roles(self) -> list[list[tuple[int, int]]]:
+        """For each event its parties, in increasing order, each with the number that the event has in its shape."""
+        roles: list[list[tuple[int, int]]] = [[] for _ in self.system.events]
+        for component, events in enumerate(self.events):
+            for number, event in enumerate(events):
+                roles[event].append((component, number))
+        return roles
+
+    @cached_property
     def neighbours(self) -> list[list[Neighbour]]:
         """For each component those that it shares an event with."""
         links: dict[tuple[int, int], list[Link]] = {}
-        numbers = [{event: number for number, event in enumerate(events)} for events in self.events]
-        for event, entry in enumerate(self.system.events):
-            parties = entry.parties
-            only = len(parties) == 2
-            for position, one in enumerate(parties[:-1] if len(parties) <= LARGEST_MEETING else parties[:1]):
-                for two in parties[position + 1 :]:
-                    first, second = (one, two) if one < two else (two, one)
-                    if event in numbers[first] and event in numbers[second]:
-                        links.setdefault((first, second), []).append(
-                            (numbers[first][event], numbers[second][event], only)
-                        )
+        for roles, event in zip(self.roles, self.system.events, strict=True):
+            if len(roles) == 2:
+                (first, own), (second, other) = roles
+                links.setdefault((first, second), []).append((own, other, True))
+            elif len(roles) <= LARGEST_MEETING:
+                for (first, own), (second, other) in combinations(roles, 2):
+                    links.setdefault((first, second), []).append((own, other, False))
+            else:
+                hub = event.parties[0]
+                of_hub = dict(roles)[hub]
+                for party, number in roles:
+                    if party < hub:
+                        links.setdefault((party, hub), []).append((number, of_hub, False))
+                    elif party > hub:
+                        links.setdefault((hub, party), []).append((of_hub, number, False))
         pairs: dict[tuple[int, int, tuple[Link, ...]], Pair] = {}
         answer: list[list[Neighbour]] = [[] for _ in self.shapes]
         for (one, two), joined in links.items():

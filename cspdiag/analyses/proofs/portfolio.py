@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from math import prod
+from math import log2
 from typing import TypeAlias
 
 from cspdiag.analyses.proofs.pairs import Structure
@@ -51,7 +51,7 @@ def prove_knot_free(
 def _prove(question: Question, limits: Limits, chosen: Sequence[Method] | None, methods: Sequence[Method]) -> Verdict:
     if chosen is not None:
         methods = chosen
-    elif prod(len(shape.reachable) for shape in question.structure.shapes) <= FEW_STATES:
+    elif sum(log2(len(shape.reachable)) for shape in question.structure.shapes) <= log2(FEW_STATES):
         methods = [method for method in methods if method != "invariants"]
     unknown: list[Unknown] = []
     for at, method in enumerate(methods):

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 from cspdiag.analyses.proofs import rules_forms
 from cspdiag.analyses.proofs.question import Question
-from cspdiag.analyses.proofs.rules_runs import Run, moves_of, the_run, unsteady
+from cspdiag.analyses.proofs.rules_runs import Run, at_rest, moves_of, the_run, unsteady
 from cspdiag.analyses.proofs.stuck_sets import Offers
 from cspdiag.analyses.proofs.verdict import LimitError, Limits, Proved, Refuted, Unknown, Verdict
 
@@ -50,11 +50,11 @@ def is_settled(question: Question) -> bool:
 
 def _judged(question: Question, run: Run) -> Verdict:
     components = question.system.components
+    stuck: Sequence[int] = ()
     if question.together:
-        stuck: Sequence[int] = ()
         if not run.period:
             stuck = [at for at, part in enumerate(components) if part.process and run.state[at] not in part.terminal]
-    else:
+    elif any(run.state[at] in question.structure.shapes[at].asking for at in at_rest(question.structure, run)):
         stuck = Offers(question.system).knot(run.state)
     if stuck:
         return Refuted("rules", moves_of(question.structure, run), tuple(stuck))

@@ -80,6 +80,14 @@ def the_run(structure: Structure, limits: Limits, most_moves: int) -> Run | None
     return Run(run.taken, tuple(run.state), 0)
 
 
+def at_rest(structure: Structure, run: Run) -> set[int]:
+    """The components that take no part in the round which a run repeats."""
+    rest = set(range(len(structure.shapes)))
+    for taken in run.taken[len(run.taken) - run.period :]:
+        rest.difference_update((~taken,) if taken < 0 else structure.system.events[taken].parties)
+    return rest
+
+
 def moves_of(structure: Structure, run: Run) -> tuple[Move, ...]:
     """The moves of a run."""
     state = [shape.initial for shape in structure.shapes]
@@ -108,10 +116,7 @@ class _Running:
         tables = {id(shape): _steps(shape) for shape in {id(shape): shape for shape in structure.shapes}.values()}
         self._steps = [tables[id(shape)] for shape in structure.shapes]
         self._events = structure.events
-        self._parties: list[list[tuple[int, int]]] = [[] for _ in structure.system.events]
-        for component, events in enumerate(structure.events):
-            for number, event in enumerate(events):
-                self._parties[event].append((component, number))
+        self._parties = structure.roles
         self._willing = [0] * len(self._parties)
         self.state = [shape.initial for shape in structure.shapes]
         self._marked = self.state.copy()

@@ -69,14 +69,17 @@ class _Striking:
         self._find_meetings()
 
     def _find_meetings(self) -> None:
-        for event, entry in enumerate(self.structure.system.events):
-            if len(entry.parties) < 3:
+        counts: dict[tuple[int, int], int] = {}
+        for event, roles in enumerate(self.structure.roles):
+            if len(roles) < 3:
                 continue
             refusing = {}
-            for party in entry.parties:
-                number = self.structure.events[party].index(event)
+            for party, number in roles:
                 shape = self.structure.shapes[party]
-                refusing[party] = sum(number not in shape.offers[state] for state in shape.waiting)
+                key = (id(shape), number)
+                if key not in counts:
+                    counts[key] = sum(number not in shape.offers[state] for state in shape.waiting)
+                refusing[party] = counts[key]
                 self.meetings_of.setdefault(party, []).append((event, number))
             self.meetings[event] = _Meeting(refusing)
 

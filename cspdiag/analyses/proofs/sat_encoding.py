@@ -103,13 +103,13 @@ class Encoding:
 
     def _wait_in_meetings(self) -> None:
         """Whoever offers an event of three or more parties waits for one of them that is stuck and does not."""
-        for event, entry in enumerate(self.structure.system.events):
-            if len(entry.parties) < 3:
+        for roles in self.structure.roles:
+            if len(roles) < 3:
                 continue
             refused = self.fresh()
             refusing = [refused * -1]
-            for party in entry.parties:
-                offering, others = self._split(party, event)
+            for party, number in roles:
+                offering, others = self._split(party, number)
                 stuck = self.stuck[party]
                 if not self.together and not stuck:
                     continue
@@ -122,9 +122,8 @@ class Encoding:
                     refusing.append(refuses)
             self.clauses.append(refusing)
 
-    def _split(self, party: int, event: int) -> tuple[list[int], list[int]]:
-        """The variables of the states left to a party in which it offers an event, and of the others."""
-        number = self.structure.events[party].index(event)
+    def _split(self, party: int, number: int) -> tuple[list[int], list[int]]:
+        """The variables of the states left to a party in which it offers an event of its shape, and of the others."""
         offers, variables = self.structure.shapes[party].offers, self.variables[party]
         offering = [variables[state] for state in self.left[party] if number in offers[state]]
         return offering, [variables[state] for state in self.left[party] if number not in offers[state]]
