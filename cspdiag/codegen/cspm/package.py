@@ -18,7 +18,7 @@ def generate(network: Network) -> dict[str, str]:
     from cspdiag.analyses.transitions import transition_system
 
     text = cspm(transition_system(network), network.source)
-    return {f"{network.name}/{network.name}.csp": text}
+    return {f"{network.name}.csp": text}
 
 
 def cspm(system: System, source: str = "") -> str:

@@ -22,7 +22,7 @@ def generate(network: Network) -> dict[str, str]:
     from cspdiag.analyses.transitions import transition_system
 
     text = promela(transition_system(network), network.source)
-    return {f"{network.name}/{network.name}.pml": text}
+    return {f"{network.name}.pml": text}
 
 
 def promela(system: System, source: str = "") -> str:

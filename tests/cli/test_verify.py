@@ -1,0 +1,222 @@
+"""``cspdiag verify`` and ``cspdiag run --replay``: what is told, to whom, and with which exit code."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+
+from cspdiag.analyses.diagnostics_proofs import CanDeadlock, NotProved
+from cspdiag.diagnostics.manual import manual_page
+from tests.cli.conftest import BAD, Command
+
+PAGE = manual_page(CanDeadlock)
+
+
+@pytest.fixture(autouse=True)
+def own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """What is remembered, apart from everybody else's."""
+    cache = tmp_path / "cache"
+    monkeypatch.setenv("XDG_CACHE_HOME", str(cache))
+    return cache
+
+
+@pytest.fixture
+def refuted(tmp_path: Path) -> Path:
+    path = tmp_path / "both.csp"
+    path.write_text(PAGE.refused)
+    return path
+
+
+@pytest.fixture
+def proved(tmp_path: Path) -> Path:
+    path = tmp_path / "mended.csp"
+    path.write_text(PAGE.mended)
+    return path
+
+
+def test_a_proof_ends_with_0_and_says_how_it_was_made(cspdiag: Command, proved: Path) -> None:
+    result = cspdiag("verify", proved)
+    assert (result.code, result.out) == (0, "")
+    assert result.err.startswith("PROVED   Both deadlock free  (")
+    assert "no deadlock and no knot" in result.err
+    assert "1 assertion: 1 proved in " in result.err
+    assert cspdiag("verify", proved, "--quiet") == (0, "", "")
+
+
+def test_a_refutation_ends_with_1_and_shows_who_waits_for_whom(cspdiag: Command, refuted: Path) -> None:
+    result = cspdiag("verify", refuted)
+    assert (result.code, result.out) == (1, "")
+    assert "REFUTED  Both deadlock free" in result.err
+    assert "error[E1101]: `Both` can deadlock" in result.err
+    assert f"`first` waits to read second.reply ({refuted}:7), for `second`" in result.err
+    assert "The program itself was stepped through this." in result.err
+
+
+def test_what_nobody_knows_ends_with_1_too(cspdiag: Command, tmp_path: Path) -> None:
+    path = tmp_path / "open.csp"
+    path.write_text(manual_page(NotProved).refused)
+    result = cspdiag("verify", path)
+    assert result.code == 1
+    assert "UNKNOWN  Waits deadlock free" in result.err
+    assert "`count < 0` in `Waits` may hold or not" in result.err
+
+
+@pytest.mark.parametrize("limit", [("--time-limit", "0.000001"), ("--memory-limit", "0.000001")])
+def test_a_limit_that_is_reached_ends_honestly(cspdiag: Command, refuted: Path, limit: tuple[str, str]) -> None:
+    result = cspdiag("verify", refuted, "--method", "breadth-first", *limit)
+    assert result.code == 1
+    assert "UNKNOWN" in result.err
+    assert "limit of" in result.err
+
+
+def test_programs_with_errors_are_not_proved(cspdiag: Command, tmp_path: Path) -> None:
+    path = tmp_path / "bad.csp"
+    path.write_text(BAD)
+    result = cspdiag("verify", path)
+    assert (result.code, result.out) == (1, "")
+    assert "error[E" in result.err
+
+
+@pytest.mark.parametrize(
+    ("options", "reason"),
+    [
+        (["--process", "Nobody"], "there is no process `Nobody`"),
+        (["--time-limit", "-1"], "a positive number is wanted, not '-1'"),
+        (["--time-limit", "soon"], "a positive number is wanted, not 'soon'"),
+        (["--set", "seats"], "a setting is NAME=VALUE"),
+        (["--trace-out", "nowhere/trace.json"], "there is no folder nowhere"),
+        (["--method", "luck"], "invalid choice"),
+    ],
+)
+def test_wrong_usage_ends_with_2(cspdiag: Command, refuted: Path, options: list[str], reason: str) -> None:
+    result = cspdiag("verify", refuted, *options)
+    assert (result.code, result.out) == (2, "")
+    assert reason in result.err
+    assert result.err.count("\n") == 1
+
+
+def test_without_assertions_freedom_from_deadlock_and_livelock_is_asked(cspdiag: Command, tmp_path: Path) -> None:
+    path = tmp_path / "ticks.csp"
+    path.write_text("process Ticks {\n  out tick : bool\n\n  composition { mu (tick ! true ; wait 1 s) }\n}\n")
+    result = cspdiag("verify", path)
+    assert result.code == 0
+    assert "PROVED   Ticks deadlock free" in result.err
+    assert "PROVED   Ticks livelock free" in result.err
+    assert "2 properties: 2 proved" in result.err
+
+
+def test_only_what_is_asserted_of_a_process(cspdiag: Command, proved: Path) -> None:
+    result = cspdiag("verify", proved, "--process", "First")
+    assert "First deadlock free" in result.err
+    assert "Both" not in result.err
+
+
+def test_json_has_everything(cspdiag: Command, refuted: Path) -> None:
+    result = cspdiag("verify", refuted, "--format", "json")
+    assert result.err == ""
+    (answer,) = json.loads(result.out)
+    assert (answer["verdict"], answer["code"], answer["assertion"]) == ("refuted", "E1101", "Both deadlock free")
+    assert (answer["line"], answer["replayed"]) == (31, True)
+    assert answer["counterexample"]["ring"] == ["first", "second"]
+    assert [entry["line"] for entry in answer["counterexample"]["waiting"]] == [7, 16]
+    assert answer["suggestions"][0]["replacement"] == "ask ! 1 ; reply ? value"
+
+
+def test_junit_has_a_test_for_each_assertion(cspdiag: Command, refuted: Path, proved: Path) -> None:
+    suite = ElementTree.fromstring(cspdiag("verify", refuted, "--format", "junit").out)[0]
+    assert (suite.get("tests"), suite.get("failures"), suite.get("errors")) == ("1", "1", "0")
+    assert suite[0].get("name") == "assert Both deadlock free"
+    failure = suite[0].find("failure")
+    assert failure is not None
+    assert "`first` waits to read second.reply" in str(failure.text)
+    suite = ElementTree.fromstring(cspdiag("verify", proved, "--format", "junit").out)[0]
+    assert (suite.get("tests"), suite.get("failures")) == ("1", "0")
+
+
+def test_sarif_github_and_concise_tell_what_is_not_proved(cspdiag: Command, refuted: Path, proved: Path) -> None:
+    (run,) = json.loads(cspdiag("verify", refuted, "--format", "sarif").out)["runs"]
+    assert [result["ruleId"] for result in run["results"]] == ["E1101"]
+    assert cspdiag("verify", refuted, "--format", "github").out.startswith(f"::error file={refuted},line=31")
+    assert cspdiag("verify", refuted, "--format", "concise").err.startswith(f"{refuted}:31:1: error[E1101] `Both` can")
+    (run,) = json.loads(cspdiag("verify", proved, "--format", "sarif").out)["runs"]
+    assert run["results"] == []
+
+
+def test_an_unchanged_program_is_not_proved_again(
+    cspdiag: Command, refuted: Path, own_cache: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    first = cspdiag("verify", refuted)
+    assert len(list(own_cache.rglob("*.json"))) == 1
+    monkeypatch.setattr("cspdiag.simulate.verify.Verifier.answer", _never)
+    assert cspdiag("verify", refuted) == first
+    refuted.write_text(PAGE.refused.replace("ask ! 1", "ask ! 7"))
+    assert cspdiag("verify", refuted).code == 3
+    refuted.write_text(PAGE.refused)
+    assert cspdiag("verify", refuted, "--no-cache").code == 3
+
+
+def _never(*_: object) -> None:
+    raise AssertionError("asked again")
+
+
+def test_a_damaged_memory_is_as_none(cspdiag: Command, refuted: Path, own_cache: Path) -> None:
+    first = cspdiag("verify", refuted)
+    (kept,) = own_cache.rglob("*.json")
+    kept.write_text('{"files": [')
+    assert cspdiag("verify", refuted).code == first.code
+    kept.unlink()
+    kept.mkdir()
+    assert cspdiag("verify", refuted).code == first.code
+
+
+def test_the_trace_is_replayed_by_run(cspdiag: Command, refuted: Path, proved: Path, tmp_path: Path) -> None:
+    trace = tmp_path / "trace.json"
+    assert cspdiag("verify", refuted, "--trace-out", trace).code == 1
+    replay = cspdiag("run", refuted, "--replay", trace)
+    assert replay.code == 0
+    assert "deadlock at 0 s: 2 processes wait for each other" in replay.err
+    assert replay.err.endswith("replayed: the program did all 0 steps\n")
+    other = cspdiag("run", proved, "--replay", trace)
+    assert other.code == 1
+    assert "not replayed: after 0 of 0 steps" in other.err
+    assert cspdiag("run", proved, "--replay", trace, "--quiet") == (1, "", "")
+
+
+def test_nothing_is_written_where_nothing_was_refuted(cspdiag: Command, proved: Path, tmp_path: Path) -> None:
+    result = cspdiag("verify", proved, "--trace-out", tmp_path / "trace.json")
+    assert result.code == 0
+    assert "nothing was refuted" in result.err
+    assert not (tmp_path / "trace.json").exists()
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ("[", "no JSON"),
+        ("[]", "no trace that `cspdiag verify --trace-out` wrote"),
+        ('{"format": "cspdiag trace 1"}', "a trace that is not whole (KeyError: 'process')"),
+    ],
+)
+def test_a_file_that_is_no_trace(cspdiag: Command, refuted: Path, tmp_path: Path, text: str, reason: str) -> None:
+    trace = tmp_path / "trace.json"
+    trace.write_text(text)
+    result = cspdiag("run", refuted, "--replay", trace)
+    assert result.code == 2
+    assert reason in result.err
+
+
+def test_a_replay_goes_without_what_a_trace_decides(cspdiag: Command, refuted: Path, tmp_path: Path) -> None:
+    result = cspdiag("run", refuted, "--replay", tmp_path / "trace.json", "--for", "1s", "--plot", "a.svg")
+    assert result.code == 2
+    assert "--replay goes without --for, --plot" in result.err
+
+
+@pytest.mark.parametrize(("target", "ending"), [("promela", ".pml"), ("cspm", ".csp")])
+def test_models_for_other_tools_are_written(
+    cspdiag: Command, refuted: Path, tmp_path: Path, target: str, ending: str
+) -> None:
+    assert cspdiag("compile", refuted, "--target", target, "-o", tmp_path / "out").code == 0
+    assert (tmp_path / "out" / "both" / f"both{ending}").read_text()
