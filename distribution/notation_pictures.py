@@ -54,7 +54,7 @@ def example_diagram(page: str, example: Example) -> CompositionDiagram:
     assert match is not None
     text = _DEFINITIONS + match["text"].replace("composition { skip }", f"composition {{ {example.text} }}")
     report = Report()
-    tree = parse(SourceFile("notation.md", text), report)
+    tree = parse(SourceFile(name="notation.md", text=text), report)
     if tree is None or report.diagnostics:
         raise ValueError(f"cannot read `{example.text.strip()}`: {[each.message for each in report.diagnostics]}")
     definitions = {item.name.text: item for item in tree.items if not isinstance(item, ast.Import | ast.Assertion)}

@@ -255,7 +255,10 @@ def loop(body: Block, form: str, condition: str | None, tooltip: str) -> Block:
     axis = max(back + _TURN + body.entry.y, back + 12 + _MU / 2, len(before) * LINE + back + 14)
     part = _Placed(body, _MU + forward, axis - body.entry.y)
     centre = Point(_MU / 2, axis)
-    sign = [Ellipse(Rectangle(0, axis - _MU / 2, _MU, _MU), Ink.PAPER, Ink.LINE, 1.2), *centred(["μ"], centre, size=17)]
+    sign: list[Item] = [
+        Ellipse(Rectangle(0, axis - _MU / 2, _MU, _MU), Ink.PAPER, Ink.LINE, 1.2),
+        *centred(["μ"], centre, size=17),
+    ]
     neutral = Block(0, 0, centre, centre, 0, ())
     words_right = centre.x + 10 + (width_of(after) if after else 0)
     right = max(part.right + _TURN + body.gap, words_right + 10 if after else 0)
@@ -268,7 +271,7 @@ def loop(body: Block, form: str, condition: str | None, tooltip: str) -> Block:
         Point(centre.x, axis - _MU / 2),
     )
     again = _join("line", back_points, body, neutral, Head.OPEN_ARROW)
-    words = [
+    words: list[Item] = [
         *above(after, Point(centre.x + 10, back)),
         *above(before, Point(_MU + 8, axis)),
     ]
@@ -291,7 +294,7 @@ def choice(conditions: Sequence[Block], processes: Sequence[Block], otherwise: B
         part = _Placed(process, x + process.gap, axis - process.entry.y)
         relations.append(_join("relation then", (test.exit, part.entry), condition, process, Head.OPEN_ARROW))
         if tests:
-            points = (Point(width / 2, tests[-1].bottom), Point(width / 2, test.y))
+            points: tuple[Point, ...] = (Point(width / 2, tests[-1].bottom), Point(width / 2, test.y))
             relations.append(_join("relation else", points, condition, condition, Head.OPEN_ARROW))
         tests.append(test)
         parts += [test, part]

@@ -253,7 +253,7 @@ def condition_block(case: Case, mark: Mark | None, *, is_first: bool) -> Block:
 
 
 def operator_sign(
-    operator: str, prioritized: bool, centre: Point, way: tuple[int, int] = (0, 1)
+    operator: str, prioritized: bool, centre: Point, way: tuple[float, float] = (0, 1)
 ) -> tuple[list[Item], float, float]:
     """The sign of a relation around a point of its line, which leads ``way``; how far it reaches back and on along that line.
 
