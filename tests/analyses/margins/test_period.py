@@ -1,0 +1,72 @@
+"""The largest sample period that leaves a margin."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import pytest
+
+from cspdiag.analyses.margins.margin import Margins
+from cspdiag.analyses.margins.period import Measure, Wanted, largest_period, period_constants, wanted
+from tests.analyses.margins.programs import INTEGRATOR, only_loop, program
+
+
+def measure_of(gain: float) -> Measure:
+    loaded = program(INTEGRATOR, gain=gain, latch="")
+
+    def measure(constants: Mapping[str, int]) -> Margins:
+        network = loaded.build(set={name: f"{value} ns" for name, value in constants.items()})
+        from cspdiag.analyses.margins.loops import analyse_loops
+
+        return analyse_loops(network, network.environments[0]).loops[0].margins
+
+    return measure
+
+
+def test_the_constant_is_found() -> None:
+    loaded = program(INTEGRATOR, gain=10.0, latch="")
+    assert period_constants(loaded.network, only_loop(loaded).opened) == {"T": 10_000_000}
+
+
+def test_a_period_that_is_a_number_in_the_text_has_none() -> None:
+    text = INTEGRATOR.replace("@ T", "@ 10 ms")
+    loaded = program(text, gain=10.0, latch="")
+    assert period_constants(loaded.network, only_loop(loaded).opened) == {}
+
+
+@pytest.mark.parametrize("gain", [3.0, 400.0])
+def test_it_is_where_the_formula_says(gain: float) -> None:
+    """K T = 1 is the limit of stability, K T = 1/2 leaves a gain of 2; from shorter and from longer periods alike."""
+    present = {"T": 10_000_000}
+    stable = largest_period(measure_of(gain), present, Wanted("stable", 0))
+    halved = largest_period(measure_of(gain), present, Wanted("gain", 2.0))
+    assert stable == pytest.approx(1e9 / gain, rel=0.05)
+    assert halved == pytest.approx(0.5e9 / gain, rel=0.05)
+
+
+def test_none_where_no_period_helps() -> None:
+    assert largest_period(measure_of(-1.0), {"T": 10_000_000}, Wanted("stable", 0)) is None
+
+
+@pytest.mark.parametrize(
+    ("text", "kind", "value"),
+    [
+        ("30deg", "phase", 30),
+        ("30 deg", "phase", 30),
+        ("6dB", "gain", 10**0.3),
+        ("2", "gain", 2),
+        ("5ms", "delay", 5e-3),
+        ("stable", "stable", 0),
+    ],
+)
+def test_margins_as_they_are_written(text: str, kind: str, value: float) -> None:
+    found = wanted(text)
+    assert found.kind == kind
+    assert math.isclose(found.value, value, abs_tol=1e-12)
+
+
+@pytest.mark.parametrize("text", ["", "deg", "-3dB", "a lot", "0", "1e99deg", "nan"])
+def test_what_is_no_margin_is_refused(text: str) -> None:
+    with pytest.raises(ValueError, match="a margin is"):
+        wanted(text)
