@@ -39,6 +39,7 @@ _OPTIONS = {
     "elk.layered.considerModelOrder.strategy": "PREFER_EDGES",
     "elk.layered.cycleBreaking.strategy": "GREEDY_MODEL_ORDER",
     "elk.layered.nodePlacement.strategy": "BRANDES_KOEPF",
+    "elk.layered.nodePlacement.bk.fixedAlignment": "RIGHTDOWN",
     "elk.layered.edgeLabels.sideSelection": "ALWAYS_UP",
     "elk.layered.edgeLabels.centerLabelPlacementStrategy": "MEDIAN_LAYER",
     "elk.spacing.edgeNode": "16",
