@@ -1,7 +1,7 @@
 """Global states packed into 64-bit words, and the steps of a system as arithmetic on them.
 
 Every component has a field of bits in one word. A step replaces the fields of its parties, which is one addition, because the fields before it are known:
-so whole layers of states take a step at once (vectors of numpy). A word keeps its sign bit free.
+so whole layers of states take a step at once (vectors of numpy). A word keeps its two highest bits free, so that a state plus one is a positive number.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ Words: TypeAlias = list[npt.NDArray[np.int64]]
 Flags: TypeAlias = npt.NDArray[np.bool_]
 Indices: TypeAlias = npt.NDArray[np.intp]
 
-WORD_BITS = 63
+WORD_BITS = 62
 MOST_PATTERNS = 8
 """An event with more combinations of edges than this is looked up in tables, party by party, instead of compared."""
 
