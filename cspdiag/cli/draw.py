@@ -30,7 +30,7 @@ FORMATS = ("svg", "png", "pdf")
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Declare the options."""
-    parser.add_argument("file", metavar="FILE", help="a program; - reads standard input")
+    parser.add_argument("file", metavar="FILE", nargs="?", help="a program; - reads standard input")
     parser.add_argument(
         "-o",
         "--output",
@@ -86,6 +86,7 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 def run(arguments: Namespace) -> int:
     """Draw what was asked for; a program with errors is drawn only to show them."""
+    _find_file(arguments)
     _refuse_senseless(arguments)
     if arguments.diagram != "composition":
         from cspdiag.draw.layout import engine
@@ -110,6 +111,16 @@ def run(arguments: Namespace) -> int:
     except LayoutError as problem:
         raise NoResultError(str(problem)) from None
     return code
+
+
+def _find_file(arguments: Namespace) -> None:
+    """In ``--hide-labels FILE`` the file was meant as one, since a label has no ending."""
+    if arguments.file is not None:
+        return
+    hidden = arguments.hide_labels or [""]
+    if not hidden[-1].endswith(".csp") and hidden[-1] != STANDARD_INPUT:
+        raise UsageError("the following arguments are required: FILE (try cspdiag draw --help)")
+    arguments.file, hidden[-1] = hidden[-1], "all"
 
 
 def _refuse_senseless(arguments: Namespace) -> None:

@@ -83,6 +83,15 @@ def test_labels_are_hidden_by_name(cspdiag: Command, good: Path) -> None:
     assert refused == (2, "", "cspdiag: --hide-labels: there is no label `nothing` in what is drawn\n")
 
 
+@needs_engine
+def test_a_file_may_follow_the_wish_to_hide_all_labels(cspdiag: Command, good: Path) -> None:
+    hidden = cspdiag("draw", "-o", "-", "--diagram", "communication", "--hide-labels", good)
+    assert hidden == cspdiag("draw", good, "-o", "-", "--diagram", "communication", "--hide-labels")
+    assert hidden.code == 0
+    assert cspdiag("draw", "--hide-labels", "types").code == 2
+    assert cspdiag("draw").code == 2
+
+
 def test_a_program_with_errors_is_not_drawn(cspdiag: Command, bad: Path) -> None:
     result = cspdiag("draw", bad, "-o", bad.with_name("x.svg"))
     assert result.code == 1
