@@ -69,6 +69,18 @@ def test_the_wheel_ships_what_is_needed(wheel: Path) -> None:
     assert "License-Expression: MIT AND 0BSD" in zipfile.ZipFile(wheel).read(metadata).decode()
 
 
+def test_the_wheel_draws_without_anything_fetched(wheel: Path, installed: Installed) -> None:
+    names = set(zipfile.ZipFile(wheel).namelist())
+    if "cspdiag/_resources/third-party/elkjs/elk-worker.min.js" not in names:
+        pytest.skip("the layout engine was not fetched (make setup)")
+    assert "cspdiag/_resources/third-party/elkjs/LICENSE.md" in names
+    for output in ("jiwy.png", "jiwy.pdf"):
+        drawn = installed("cspdiag", "draw", "my models/jiwy/jiwy.csp", "-o", output)
+        assert drawn.returncode == 0, drawn.stderr
+    booked = installed("cspdiag", "draw", "my models/jiwy/jiwy.csp", "--book", "jiwy.html")
+    assert booked.returncode == 0, booked.stderr
+
+
 def test_the_installed_package_is_used(installed: Installed) -> None:
     result = installed("python", "-c", "import cspdiag, sys; print(cspdiag.__file__.startswith(sys.prefix))")
     assert result.stdout == "True\n"
