@@ -1,0 +1,52 @@
+"""Damaged programs are drawn and compared as far as they can be read."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+
+from cspdiag.diagnostics import SourceFile
+from cspdiag.draw.differences.programs import differences
+from cspdiag.draw.differences.render_json import render as render_json
+from cspdiag.draw.differences.render_text import render
+from cspdiag.draw.elements.listing import listing
+from cspdiag.draw.layout.elk import engine_available
+from cspdiag.draw.pictures import Pictures, Wish
+from cspdiag.draw.svg import render_svg
+from cspdiag.pipeline import check
+from cspdiag.sources import read_source
+from tests.robustness.damage import damaged
+
+
+def pictures(path: Path, text: str) -> Pictures | None:
+    checked = check(SourceFile(name=str(path), text=text), read_source)
+    return None if checked.readable is None else Pictures(checked.readable, checked.report.diagnostics)
+
+
+@settings(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
+@given(damaged())
+def test_elements_and_differences_are_found(program: tuple[Path, str]) -> None:
+    path, text = program
+    found = pictures(path, text)
+    if found is None:
+        return
+    for definition in found.drawn(imported=True):
+        assert listing(found.communication(definition, 2)).startswith(f"communication of {definition.name.text}")
+    whole = pictures(path, path.read_text(encoding="utf-8"))
+    assert whole is not None
+    there, back = differences(whole.program, found.program), differences(found.program, whole.program)
+    assert len(render(there.changes)) > 0 or not there.changes
+    assert bool(there.changes) == bool(back.changes)
+    assert render_json(there.changes)
+
+
+@pytest.mark.skipif(not engine_available(), reason="the layout engine is not there: make setup fetches it")
+@settings(max_examples=12, deadline=None, suppress_health_check=list(HealthCheck))
+@given(damaged())
+def test_pictures_with_marks_are_drawn(program: tuple[Path, str]) -> None:
+    found = pictures(*program)
+    for definition in [] if found is None else found.drawn()[-2:]:
+        assert found is not None
+        assert render_svg(found.scene(definition, Wish())).startswith("<")
