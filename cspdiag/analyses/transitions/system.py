@@ -25,7 +25,7 @@ Edge: TypeAlias = tuple[int, int]
 EventKind: TypeAlias = Literal[
     "communication", "take", "delivered", "external", "variable", "sample", "miss", "ready", "time", "start", "end", "cancel", "exception"
 ]  # fmt: skip
-"""``communication``: of two or more processes, or a value that enters a channel with memory, and ``take``: it leaves it; ``delivered``: all readers of a
+"""``communication``: of two or more processes, or a value that enters a channel with memory, and ``take``: it leaves it, or is written to a broadcast; ``delivered``: all readers of a
 broadcast have taken the value (which are the communications), or its writer takes it back; ``external``: with the environment; ``variable``: an access to a
 shared ``var``; ``sample`` and ``miss``: a sampled input taken, or found overwritten; ``ready``: a guard that an input from outside is ready;
 ``time``: a delay or time-out; the others belong to compositions."""

@@ -1,0 +1,323 @@
+"""What each construct of the language becomes."""
+
+from __future__ import annotations
+
+from cspdiag.analyses.transitions.system import INTERNAL
+from tests.analyses.transitions.building import component, listing, system_of
+
+WRITER = "process P { out c : int composition { c ! 1 } }\n"
+READER = "process Q { in c : int communication { var x : int } composition { c ? x } }\n"
+
+
+def main(declarations: str, composition: str, ports: str = "") -> str:
+    return f"process Main {{ {ports} communication {{ {declarations} }} composition {{ {composition} }} }}"
+
+
+def test_alternative_offers_every_enabled_guard() -> None:
+    text = main("var x : int", "mu (a ? x -> b ! x [] after 5 ms -> skip)", "in a : int out b : int")
+    assert listing(system_of(text), "Main").splitlines() == [
+        "state 0 initial",
+        "external visible Main.a -> 1",
+        "time Main: after 5 ms -> 0",
+        "state 1",
+        "external visible Main.b -> 0",
+    ]
+
+
+def test_guard_with_a_condition_that_does_not_hold_is_not_offered() -> None:
+    text = main(
+        "var x : int = 0", "(when x > 0 & a ? x -> skip [] when x == 0 & b ! 1 -> skip)", "in a : int out b : int"
+    )
+    assert [str(event) for event in system_of(text).events] == ["Main.b.1"]
+
+
+def test_alternative_without_an_enabled_guard_is_stuck() -> None:
+    text = main("var x : int = 0", "(when x > 0 & a ? x -> skip [] when x < 0 & a ? x -> skip)", "in a : int")
+    stuck = component(system_of(text), "Main")
+    assert stuck.edges == ((),)
+    assert stuck.terminal == frozenset()
+
+
+def test_values_that_conditions_depend_on_are_followed_through_channels() -> None:
+    text = (
+        "process P { out c : bool communication { var b : bool = false } composition { mu (c ! b ; b := not b) } }\n"
+        "process Q { in c : bool out d : int communication { var x : bool }"
+        " composition { mu (c ? x ; if x then d ! 1 else d ! 0) } }\n"
+        + main("p : P q : Q p.c -> q.c q.d -> d", "p || q", "out d : int")
+    )
+    system = system_of(text)
+    assert listing(system, "Main.q").splitlines() == [
+        "state 0 initial",
+        "communication Main.p.c.false with Main.p -> 1",
+        "communication Main.p.c.true with Main.p -> 2",
+        "state 1",
+        "external visible Main.d.0 -> 0",
+        "state 2",
+        "external visible Main.d.1 -> 0",
+    ]
+    assert not system.abstractions
+
+
+def test_values_that_decide_nothing_are_not_followed() -> None:
+    text = WRITER + READER + main("p : P q : Q p.c -> q.c", "p || q")
+    assert [str(event) for event in system_of(text).events if event.kind == "communication"] == ["Main.p.c"]
+
+
+def test_counter_with_too_many_values_leaves_its_condition_open() -> None:
+    text = main("var n : int = 0", "mu (b ! n ; n := n + 1) until n == 1000", "out b : int")
+    system = system_of(text)
+    assert [edge[0] for edge in system.components[0].edges[1]] == [INTERNAL, INTERNAL]
+    assert [abstraction.what for abstraction in system.abstractions] == [
+        "`n == 1000` in `Main` may hold or not",
+        "the values of `n` are not followed: there are too many",
+    ]
+    assert all(abstraction.span is not None for abstraction in system.abstractions)
+
+
+def test_bounded_counter_is_followed() -> None:
+    text = main("var n : int = 0", "mu (b ! n ; n := n + 1) until n == 3", "out b : int")
+    system = system_of(text)
+    assert [len(edges) for edges in system.components[0].edges] == [1, 1, 1, 0]
+    assert system.components[0].terminal == {3}
+
+
+def test_condition_on_what_a_law_computes_is_left_open() -> None:
+    text = "submodel Law { in x : double out high : bool high = x > 1 }\n" + main(
+        "law : Law y -> law.x law.high -> high : bool", "mu law until high", "in y : double @ 1 ms"
+    )
+    system = system_of(text)
+    assert [abstraction.what for abstraction in system.abstractions] == ["`high` in `Main` may hold or not"]
+
+
+def test_open_condition_that_is_asked_twice_is_answered_alike() -> None:
+    text = "submodel Law { in x : double out high : bool high = x > 1 }\n" + main(
+        "law : Law y -> law.x law.high -> high : bool",
+        "law ; (if high then b ! 1 else b ! 2) ; (if high then b ! 3 else b ! 4)",
+        "in y : double @ 1 ms out b : int",
+    )
+    system = system_of(text)
+    follows = {}
+    for edges in component(system, "Main").edges:
+        for event, target in edges:
+            if event != INTERNAL and system.events[event].value in ("1", "2"):
+                ((after, _),) = component(system, "Main").edges[target]
+                follows[system.events[event].value] = system.events[after].value
+    assert follows == {"1": "3", "2": "4"}
+
+
+def test_buffer_is_a_component_that_counts() -> None:
+    text = WRITER.replace("c ! 1", "mu (c ! 1)") + READER.replace("c ? x", "mu (c ? x)")
+    buffer = component(system_of(text + main("p : P q : Q p.c -> buffer 2 -> q.c", "p || q")), "Main.p.c")
+    assert [[target for _, target in edges] for edges in buffer.edges] == [[1], [2, 0], [1]]
+    assert not buffer.process
+
+
+def test_overwriting_buffer_takes_values_when_it_is_full() -> None:
+    text = WRITER.replace("c ! 1", "mu (c ! 1 ; wait 1 ms)") + READER.replace("c ? x", "mu (c ? x)")
+    buffer = component(system_of(text + main("p : P q : Q p.c -> overwrite 1 -> q.c", "p || q")), "Main.p.c")
+    assert [[target for _, target in edges] for edges in buffer.edges] == [[1], [1, 0]]
+
+
+def test_broadcast_is_delivered_when_every_end_has_taken_it() -> None:
+    text = WRITER + READER + main("p : P q[2] : Q p.c -> broadcast -> q[0].c, q[1].c", "p || q[0] || q[1]")
+    system = system_of(text)
+    assert listing(system, "Main.p").splitlines()[:4] == [
+        "state 0 initial",
+        "take Main.p.c (written) with Main.p.c to Main.q[0], Main.p.c to Main.q[1] -> 1",
+        "state 1",
+        "delivered Main.p.c (taken by all) with Main.p.c to Main.q[0], Main.p.c to Main.q[1] -> 2",
+    ]
+    assert listing(system, "Main.q[1]").splitlines()[1] == "communication Main.p.c with Main.p.c to Main.q[1] -> 1"
+
+
+def test_any_channel_joins_every_writer_with_every_reader() -> None:
+    text = WRITER + READER + main("p[2] : P q : Q p[0].c, p[1].c -> any -> q.c", "p[0] || p[1] || q")
+    system = system_of(text)
+    joined = [
+        sorted(system.components[party].name for party in event.parties)
+        for event in system.events
+        if event.kind == "communication"
+    ]
+    assert joined == [["Main.p[0]", "Main.q"], ["Main.p[1]", "Main.q"]]
+
+
+def test_first_sample_is_never_missed_and_later_ones_may_be() -> None:
+    text = main(
+        "var x : double = 0", "(mu (y ? x ; u ! x)) catch Timeout -> u ! 0", "in y : double @ 1 ms out u : double"
+    )
+    assert listing(system_of(text), "Main").splitlines() == [
+        "state 0 initial",
+        "sample visible Main.y -> 1",
+        "state 1",
+        "external visible Main.u -> 2",
+        "state 2",
+        "sample visible Main.y -> 1",
+        "miss Main.y -> 3",
+        "state 3",
+        "external visible Main.u.0.0 -> 4",
+        "state 4 terminal",
+    ]
+
+
+def test_misses_that_are_counted_raise_nothing() -> None:
+    text = (
+        main("var x : double = 0", "mu (y ? x ; u ! x)", "in y : double @ 1 ms out u : double")
+        + "\nsubmodel Plant { in u : double out y : double state s : double = 0 next s = u y = s }"
+        + "\nenvironment Bench for Main on miss count { plant : Plant u -> plant.u plant.y -> y }"
+    )
+    assert all(event.kind != "miss" for event in system_of(text).events)
+
+
+def test_exception_cancels_the_other_branches() -> None:
+    text = (
+        "exception Odd\n"
+        "process P { in a : int communication { var x : int } composition { a ? x ; raise Odd } }\n"
+        "process Q { out b : int composition { mu (b ! 1 ; wait 1 ms) } }\n"
+        + main("p : P q : Q a -> p.a q.b -> b", "(p || q) catch Odd -> b ! 0", "in a : int out b : int")
+    )
+    system = system_of(text)
+    assert listing(system, "Main").splitlines() == [
+        "state 0 initial terminal",
+        "end Main: parallel end with Main.p, Main.q -> 1",
+        "exception Main.p: Odd with Main.p -> 2",
+        "state 1 terminal",
+        "state 2 terminal",
+        "cancel Main: parallel cancel with Main.p, Main.q -> 3",
+        "state 3 terminal",
+        "end Main: parallel end with Main.p, Main.q -> 4",
+        "state 4",
+        "external visible Main.b.0 -> 1",
+    ]
+    cancels = next(number for number, event in enumerate(system.events) if event.kind == "cancel")
+    running = [edges for edges in component(system, "Main.q").edges if any(event != cancels for event, _ in edges)]
+    assert all(any(event == cancels for event, _ in edges) for edges in running[:2])
+
+
+def test_interrupt_offers_its_guard_wherever_the_body_waits() -> None:
+    text = main("var x : int", "(mu (b ! 1 ; wait 1 ms)) interrupt a ? x -> b ! 0", "in a : int out b : int")
+    assert listing(system_of(text), "Main").splitlines() == [
+        "state 0 initial",
+        "external visible Main.b.1 -> 1",
+        "external visible Main.a -> 2",
+        "state 1",
+        "time Main: wait 1 ms -> 0",
+        "external visible Main.a -> 2",
+        "state 2",
+        "external visible Main.b.0 -> 3",
+        "state 3 terminal",
+    ]
+
+
+def test_law_reads_its_inputs_in_any_order() -> None:
+    text = (
+        "submodel Law { in x, z : double out y : double y = x + z }\n"
+        "process P { out x : double composition { mu (x ! 1) } }\n"
+        + main("law : Law p : P q : P p.x -> law.x q.x -> law.z law.y -> y", "p || q || mu law", "out y : double")
+    )
+    assert listing(system_of(text), "Main.3").splitlines() == [
+        "state 0 initial",
+        "communication Main.p.x with Main.p -> 1",
+        "communication Main.q.x with Main.q -> 2",
+        "state 1",
+        "communication Main.q.x with Main.q -> 3",
+        "state 2",
+        "communication Main.p.x with Main.p -> 3",
+        "state 3",
+        "external visible Main.y -> 0",
+    ]
+
+
+def test_law_with_many_inputs_reads_each_in_a_component_of_its_own() -> None:
+    text = (
+        "submodel Law { in x[8] : double out y : double y = x[0] }\n"
+        "process P { out x : double composition { mu (x ! 1) } }\n"
+        + main(
+            "law : Law p[8] : P for i < 8 { p[i].x -> law.x[i] } law.y -> y",
+            "(par i < 8 : p[i]) || mu law",
+            "out y : double",
+        )
+    )
+    system = system_of(text)
+    assert len(system.components) == 1 + 8 + 1 + 8
+    assert max(len(one.edges) for one in system.components) < 6
+
+
+def test_variable_that_two_components_access_is_a_component() -> None:
+    text = (
+        "process P { in a : bool out v : bool communication { var x : bool } composition { a ? x ; v ! x } }\n"
+        + main(
+            "p : P var flag : bool = false a -> p.a p.v -> flag",
+            "(p || wait 1 ms) ; if flag then b ! 1 else b ! 0",
+            "in a : bool out b : int",
+        )
+    )
+    system = system_of(text)
+    flag = component(system, "Main.flag")
+    assert not flag.process
+    assert len(flag.edges) == 2
+    assert flag.initial == 0
+    assert not system.abstractions
+
+
+def test_partner_that_never_comes_is_nobody() -> None:
+    text = WRITER.replace("c ! 1", "if 1 > 2 then c ! 1 else stop") + READER + main("p : P q : Q p.c -> q.c", "p || q")
+    system = system_of(text)
+    (event,) = system.events
+    assert [system.components[party].name for party in event.parties] == ["Main.q", "nobody"]
+    assert component(system, "Main.p").edges[0] == ()
+
+
+def test_instance_that_runs_again_is_started_again() -> None:
+    text = "process Q { out b : int composition { b ! 1 || wait 1 ms } }\n" + main(
+        "q : Q q.b -> b", "q ; wait 1 ms ; q", "out b : int"
+    )
+    system = system_of(text)
+    assert listing(system, "Main.q.1").splitlines() == [
+        "state 0 initial",
+        "external visible Main.b.1 -> 1",
+        "state 1 terminal",
+        "end Main.q: parallel end with Main, Main.q.2 -> 2",
+        "state 2 terminal",
+        "start Main.q: parallel start with Main, Main.q.2 -> 0",
+    ]
+
+
+def test_process_written_by_hand_may_do_anything_on_its_ports() -> None:
+    text = 'process Hand python "hand.py:Hand" { in a : int out b : int }\n' + main(
+        "h : Hand a -> h.a h.b -> b", "h", "in a : int out b : int"
+    )
+    system = system_of(text)
+    assert sorted(str(event) for event in system.events) == ["Main.a", "Main.b"]
+    assert [edge[0] for edge in system.components[0].edges[0]] == [INTERNAL] * 3
+    (abstraction,) = system.abstractions
+    assert "`Hand` is written by hand" in abstraction.what
+
+
+def test_circle_without_communication_is_an_internal_edge_to_itself() -> None:
+    text = main("var n : int = 0", "mu (n := 1 - n) until n > 5")
+    system = system_of(text)
+    assert system.components[0].edges == (((INTERNAL, 0),),)
+
+
+def test_fault_is_left_open_only_where_it_is_caught() -> None:
+    composition = "a ? x ; (b ! 10 / x) catch Fault -> b ! -1"
+    ports = "in a : int out b : int"
+    caught = system_of(main("var x : int", composition, ports))
+    assert [abstraction.what for abstraction in caught.abstractions] == ["a computation may end in a fault or not"]
+    assert not system_of(main("var x : int", "a ? x ; b ! 10 / x", ports)).abstractions
+    assert not system_of(main("var x : int", composition.replace("10 / x", "x / 10"), ports)).abstractions
+
+
+def test_nested_parallels_are_one() -> None:
+    text = (
+        WRITER
+        + READER
+        + main("p[2] : P q[2] : Q for i < 2 { p[i].c -> q[i].c }", "(par i < 2 : p[i]) || (par i < 2 : q[i])")
+    )
+    assert [one.name for one in system_of(text).components] == [
+        "Main",
+        "Main.p[0]",
+        "Main.p[1]",
+        "Main.q[0]",
+        "Main.q[1]",
+    ]
