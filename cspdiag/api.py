@@ -50,6 +50,17 @@ class LoadedProgram:
     def __repr__(self) -> str:
         return f"LoadedProgram({self.source.name!r})"
 
+    def _repr_html_(self) -> str | None:
+        """The diagrams of all processes and environments, the outermost process unfolded, or what is wrong; None where nothing can be drawn."""
+        from cspdiag.draw.book.notebook import notebook
+        from cspdiag.draw.layout.graph import LayoutError
+        from cspdiag.draw.missing import MissingToolError
+
+        try:
+            return notebook(self._checked.readable, self._checked.report.diagnostics)
+        except (MissingToolError, LayoutError):
+            return None
+
     @cached_property
     def _checked(self) -> pipeline.Checked:
         return pipeline.check(self.source, read_source)
