@@ -228,6 +228,9 @@ class _Level:
             runs.append(Run(f": {store.type}", ink=Ink.FAINT))
         if store.initial is not None and not self.hidden.hides("types", store.key):
             runs.append(Run(f" = {store.initial}", ink=Ink.FAINT))
+        if store.asked is not None and not self.hidden.hides("kinds"):
+            kind = store.asked if store.capacity is None else f"{store.asked} {store.capacity}"
+            runs.append(Run(f" {kind}", Face.ITALIC, Ink.FAINT))
         return Caption((tuple(runs),), LABEL_SIZE)
 
     def _arrow_caption(self, arrow: Arrow) -> Caption:

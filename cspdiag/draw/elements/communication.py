@@ -10,7 +10,17 @@ from cspdiag.diagnostics.record import replaced
 from cspdiag.draw.elements import texts
 from cspdiag.draw.elements.accesses import Access, accesses
 from cspdiag.draw.elements.boxes import Boxes
-from cspdiag.draw.elements.diagram import Arrow, CommunicationDiagram, End, ParentPort, Sink, Store, Value, Vertex
+from cspdiag.draw.elements.diagram import (
+    Arrow,
+    CommunicationDiagram,
+    End,
+    FlowKind,
+    ParentPort,
+    Sink,
+    Store,
+    Value,
+    Vertex,
+)
 from cspdiag.draw.elements.facts import NOTHING, Facts, Flow
 from cspdiag.model.program import Program
 from cspdiag.network.ir import Direction
@@ -223,14 +233,20 @@ class _Extraction:
 
     def _by_composition(self, source: str, sink: str, access: Access) -> None:
         arrow = Arrow(key="", sources=(End(source),), sinks=(End(sink),), spans=(access.span,), by_composition=True)
-        flow = next(
-            (vertex.kinds for key in (source, sink) if isinstance(vertex := self.vertices.get(key), ParentPort)), ()
-        )
+        flow = next((kinds for key in (source, sink) if (kinds := self._kinds(key))), ())
         known = self.arrows.get(_key(arrow))
         if known is not None and known.by_composition:
             self.arrows[known.key] = replaced(known, spans=(*known.spans, access.span))
         else:
             self._arrow(replaced(arrow, kinds=flow))
+
+    def _kinds(self, key: str) -> tuple[FlowKind, ...]:
+        """What a communication of the process itself passes through, seen from the port or channel at one of its ends."""
+        match self.vertices.get(key):
+            case ParentPort(kinds=kinds) | Store(form="channel", kinds=kinds):
+                return kinds
+            case _:
+                return ()
 
     def _arrow(self, arrow: Arrow) -> None:
         """Adds it under its label, or its ends; a second one of the same ends gets a number."""
