@@ -31,7 +31,6 @@ _SUFFIXES = {
     "record": (".csv", ".npz"),
     "trace": (".json", ".jsonl"),
     "plot": (".svg", ".png", ".pdf"),
-    "draw_deadlock": (".svg", ".png", ".pdf"),
 }
 
 
@@ -77,7 +76,9 @@ def run(arguments: Namespace) -> int:
     if arguments.plot is not None:
         _require_matplotlib()
     if arguments.draw_deadlock is not None:
-        _require_drawing(arguments.draw_deadlock)
+        from cspdiag.cli.deadlock_picture import check_picture
+
+        check_picture("--draw-deadlock", arguments.draw_deadlock)
     from cspdiag.network.lower import SelectionError
     from cspdiag.settings import SettingError, parse_duration
 
@@ -96,13 +97,12 @@ def _check_output(option: str, path: Path | None) -> None:
     """Refuse an output that could not be written before the run, not after it."""
     if path is None:
         return
-    given = f"--{option.replace('_', '-')} {path}"
     if path.suffix not in _SUFFIXES[option]:
-        raise UsageError(f"{given}: the name must end in {' or '.join(_SUFFIXES[option])}")
+        raise UsageError(f"--{option} {path}: the name must end in {' or '.join(_SUFFIXES[option])}")
     if path.is_dir():
-        raise UsageError(f"{given}: is a directory")
+        raise UsageError(f"--{option} {path}: is a directory")
     if not path.parent.is_dir():
-        raise UsageError(f"{given}: there is no folder {path.parent}")
+        raise UsageError(f"--{option} {path}: there is no folder {path.parent}")
 
 
 def _require_matplotlib() -> None:
@@ -110,18 +110,6 @@ def _require_matplotlib() -> None:
 
     if find_spec("matplotlib") is None:
         raise UsageError('--plot needs matplotlib: pip install "cspdiag[plot]"')
-
-
-def _require_drawing(path: Path) -> None:
-    """Refuse a format that cannot be written here."""
-    from cspdiag.draw.missing import MissingToolError
-    from cspdiag.draw.output import rendered
-    from cspdiag.draw.scene import Scene
-
-    try:
-        rendered([Scene(1, 1, ())], path.suffix.removeprefix("."))
-    except MissingToolError as problem:
-        raise UsageError(f"--draw-deadlock {path}: {problem}") from None
 
 
 def _built(arguments: Namespace) -> Built:
@@ -183,6 +171,7 @@ def _simulate_in_python(
         real_time=arguments.real_time,
         recorder=recorder,
         probe_variables=arguments.plot is not None,
+        measured=_is_measured(arguments),
         on_start=progress.attach if progress is not None else None,
     )
 
@@ -203,26 +192,21 @@ def _simulate_native(
         recorder=recorder,
         on_start=progress.attach if progress is not None else None,
         observed="all" if arguments.trace is not None else "ports" if ports else "none",
+        measured=_is_measured(arguments),
     )
 
 
 def _draw_deadlock(path: Path, result: Run, program: Program | None) -> None:
-    """Write the picture of a deadlock; without a layout engine it has no communication diagram, and a line says so."""
-    from cspdiag.draw.deadlock import draw_deadlock
-    from cspdiag.draw.layout.graph import LayoutError
-    from cspdiag.draw.missing import MissingToolError
-    from cspdiag.draw.output import rendered
+    from cspdiag.cli.deadlock_picture import write_picture
     from cspdiag.simulate.deadlock_picture import deadlock_of
-    from cspdiag.simulate.files import write_whole
 
     assert result.outcome.deadlock is not None
-    deadlock = deadlock_of(result.outcome.deadlock, result.network.top)
-    try:
-        scene = draw_deadlock(deadlock, program)
-    except (MissingToolError, LayoutError) as problem:
-        sys.stderr.write(f"cspdiag: {path} has no communication diagram: {problem}\n")
-        scene = draw_deadlock(deadlock)
-    write_whole(path, rendered([scene], path.suffix.removeprefix(".")))
+    write_picture(path, deadlock_of(result.outcome.deadlock, result.network.top), program)
+
+
+def _is_measured(arguments: Namespace) -> bool:
+    """Whether execution times are wanted: traces of runs against the clock have them."""
+    return bool(arguments.real_time and arguments.trace is not None and arguments.trace.suffix == ".json")
 
 
 def _conclude(arguments: Namespace, result: Run, program: Program | None) -> int:

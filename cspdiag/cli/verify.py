@@ -21,7 +21,8 @@ if TYPE_CHECKING:
 EXAMPLE = (
     "cspdiag verify models/jiwy/jiwy.csp\n"
     "cspdiag verify models/dining/deadlock.csp --trace-out trace.json\n"
-    "cspdiag run models/dining/deadlock.csp --replay trace.json"
+    "cspdiag run models/dining/deadlock.csp --replay trace.json\n"
+    "cspdiag verify models/dining/deadlock.csp --draw deadlock.svg"
 )
 FORMATS = ("text", "concise", "json", "sarif", "github", "junit")
 METHODS = ("rules", "sat", "invariants", "stubborn", "minimization", "breadth-first")
@@ -48,6 +49,10 @@ def add_arguments(parser: ArgumentParser) -> None:
     )
     parser.add_argument("--format", choices=FORMATS, default="text", help="how to tell the answers (default: text)")
     parser.add_argument("--trace-out", type=Path, metavar="FILE", help="the first counterexample, for run --replay")
+    parser.add_argument(
+        "--draw", type=Path, metavar="FILE",
+        help="who waits for whom in the first deadlock or knot, as .svg, .png or .pdf",
+    )  # fmt: skip
     parser.add_argument(
         "--timing", action="store_true", help="print response times, latencies and advice instead of proving assertions"
     )
@@ -78,8 +83,13 @@ def run(arguments: Namespace) -> int:
     from cspdiag.cli.verify_cache import Cache, Printed
 
     _check_output(arguments.trace_out)
+    if arguments.draw is not None:
+        from cspdiag.cli.deadlock_picture import check_picture
+
+        check_picture("--draw", arguments.draw)
     cache = Cache(repr(_what_matters(arguments)))
-    is_cached = not arguments.no_cache and arguments.trace_out is None and arguments.file != "-"
+    is_cached = not arguments.no_cache and arguments.file != "-"
+    is_cached = is_cached and arguments.trace_out is None and arguments.draw is None
     printed = cache.look() if is_cached else None
     if printed is None:
         asked = _ask(arguments, cache.read)
@@ -92,6 +102,7 @@ def run(arguments: Namespace) -> int:
         code = FINE if all(answer.outcome == "proved" for answer in answers) else UNSUCCESSFUL
         printed = Printed(code, stdout, f"{warnings}{stderr}")
         _write_trace(arguments, answers)
+        _draw(arguments, answers, asked)
         if is_cached and all(answer.outcome != "unknown" for answer in answers):
             cache.keep(printed)
     sys.stdout.write(printed.stdout)
@@ -101,7 +112,7 @@ def run(arguments: Namespace) -> int:
 
 def _what_matters(arguments: Namespace) -> dict[str, object]:
     """The options that what is printed depends on."""
-    settled = {name: value for name, value in vars(arguments).items() if name not in {"no_cache", "trace_out"}}
+    settled = {name: value for name, value in vars(arguments).items() if name not in {"no_cache", "trace_out", "draw"}}
     return {**settled, "color": wants_colour(arguments.color, sys.stderr), "folder": os.getcwd()}
 
 
@@ -159,6 +170,20 @@ def _write_trace(arguments: Namespace, answers: Sequence[Answer]) -> None:
         sys.stderr.write(f"cspdiag: nothing was refuted, so {arguments.trace_out} was not written\n")
     else:
         replace_text(str(arguments.trace_out), trace_of(refuted, _settings(arguments)))
+
+
+def _draw(arguments: Namespace, answers: Sequence[Answer], asked: Asked) -> None:
+    from cspdiag.cli.deadlock_picture import write_picture
+    from cspdiag.simulate.deadlock_picture import deadlock_shown_by
+
+    if arguments.draw is None:
+        return
+    found = (answer.counterexample for answer in answers if answer.counterexample is not None)
+    deadlock = next(filter(None, map(deadlock_shown_by, found)), None)
+    if deadlock is None:
+        sys.stderr.write(f"cspdiag: no processes wait for ever, so {arguments.draw} was not written\n")
+    else:
+        write_picture(arguments.draw, deadlock, asked.checked.program)
 
 
 def _rendered(diagnostics: Sequence[Diagnostic], arguments: Namespace) -> str:

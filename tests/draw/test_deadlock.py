@@ -154,6 +154,48 @@ def test_run_draws_its_deadlock(target: str, tmp_path: Path, capsys: pytest.Capt
     assert ("Everybody takes the left fork first" in text) is engine.available()
 
 
+KNOT = """
+process Left { out a : int  in b : int
+  communication { var x : int = 0 }
+  composition { a ! 1 ; b ? x }
+}
+process Right { in a : int  out b : int
+  communication { var x : int = 0 }
+  composition { b ! 1 ; a ? x }
+}
+process Clock { in t : int  communication { var n : int = 0 }  composition { mu t ? n } }
+process Top { in t : int
+  communication {
+    left : Left  right : Right  clock : Clock
+    left.a -> ping : int -> right.a  right.b -> pong : int -> left.b  t -> clock.t
+  }
+  composition { left || right || clock }
+}
+assert Top livelock free
+assert Top deadlock free
+"""
+
+
+def test_verify_draws_the_processes_that_it_finds_stuck(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    program, picture = tmp_path / "knot.csp", tmp_path / "knot.svg"
+    program.write_text(KNOT, encoding="utf-8")
+    assert main(["verify", str(program), "--draw", str(picture)]) == 1
+    text = picture.read_text(encoding="utf-8")
+    assert ">knot after " in text
+    assert ">waits to write ping<" in text
+    assert ">waits to write pong<" in text
+    assert "was not written" not in capsys.readouterr().err
+
+
+def test_verify_draws_nothing_where_all_is_proved(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    program, picture = tmp_path / "fine.csp", tmp_path / "fine.svg"
+    program.write_text("process Fine { composition { skip } }\nassert Fine deadlock free\n", encoding="utf-8")
+    assert main(["verify", str(program), "--draw", str(picture)]) == 0
+    assert f"no processes wait for ever, so {picture} was not written" in capsys.readouterr().err
+    assert not picture.exists()
+    assert main(["verify", str(program), "--draw", str(tmp_path / "fine.txt")]) == 2
+
+
 def test_a_run_without_a_deadlock_draws_nothing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     picture = tmp_path / "deadlock.svg"
     assert main(["run", "models/dining/dining.csp", "--draw-deadlock", str(picture)]) == 0

@@ -1,0 +1,47 @@
+"""Writes pictures of deadlocks, for the verbs that find some."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from cspdiag.cli.failure import UsageError
+
+if TYPE_CHECKING:
+    from cspdiag.draw.deadlock import Deadlock
+    from cspdiag.model.program import Program
+
+
+def check_picture(option: str, path: Path) -> None:
+    """Refuse a picture that could not be written before the work, not after it."""
+    from cspdiag.draw.missing import MissingToolError
+    from cspdiag.draw.output import FORMATS, rendered
+    from cspdiag.draw.scene import Scene
+
+    if path.suffix.removeprefix(".") not in FORMATS:
+        raise UsageError(f"{option} {path}: the name must end in {' or '.join(f'.{each}' for each in FORMATS)}")
+    if path.is_dir():
+        raise UsageError(f"{option} {path}: is a directory")
+    if not path.parent.is_dir():
+        raise UsageError(f"{option} {path}: there is no folder {path.parent}")
+    try:
+        rendered([Scene(1, 1, ())], path.suffix.removeprefix("."))
+    except MissingToolError as problem:
+        raise UsageError(f"{option} {path}: {problem}") from None
+
+
+def write_picture(path: Path, deadlock: Deadlock, program: Program | None) -> None:
+    """Write the picture of a deadlock; without a layout engine it has no communication diagram, and a line says so."""
+    from cspdiag.draw.deadlock import draw_deadlock
+    from cspdiag.draw.layout.graph import LayoutError
+    from cspdiag.draw.missing import MissingToolError
+    from cspdiag.draw.output import rendered
+    from cspdiag.simulate.files import write_whole
+
+    try:
+        scene = draw_deadlock(deadlock, program)
+    except (MissingToolError, LayoutError) as problem:
+        sys.stderr.write(f"cspdiag: {path} has no communication diagram: {problem}\n")
+        scene = draw_deadlock(deadlock)
+    write_whole(path, rendered([scene], path.suffix.removeprefix(".")))
