@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from cspdiag.analyses.counterexamples.counterexample import Counterexample, Party, Step
 
-_KINDS = {"sample": "sample", "miss": "missed", "exception": "raise"}
+_KINDS = {"sample": "sample", "miss": "missed", "exception": "raise", "failure": "raise"}
 
 
 def table(found: Counterexample, width: int = 120) -> str:

@@ -50,7 +50,7 @@ class Knots:
         alone = {at for at, event in enumerate(system.events) if len(event.parties) < 2} | {INTERNAL}
         self._may_be_stuck = []
         self._wants = []
-        self._shared: list[list[tuple[Flags, list[tuple[int, Flags]]]]] = []
+        self._shared: list[list[tuple[Flags, list[tuple[int, Flags]], bool]]] = []
         for at, (field, component) in enumerate(zip(packing.fields, system.components, strict=True)):
             events = self._offers.events[at]
             self._may_be_stuck.append(_table(field, [alone.isdisjoint(offered) for offered in events]))
@@ -61,7 +61,7 @@ class Knots:
             self._wants.append(_table(field, wants))
             self._shared.append(
                 [
-                    (self._offering(event, at), self._refusals(event, at))
+                    (self._offering(event, at), self._refusals(event, at), system.events[event].kind == "failure")
                     for event in sorted(set().union(*events) - alone)
                 ]
             )
@@ -108,10 +108,11 @@ class Knots:
             if not stuck[at].any():
                 continue
             before = np.count_nonzero(stuck[at])
-            for offering, refusals in events:
+            for offering, refusals, fails in events:
                 blocked = ~offering.take(states[at])
                 for party, refuses in refusals:
-                    blocked |= stuck[party] & refuses.take(states[party])
+                    refused = refuses.take(states[party])
+                    blocked |= refused if fails else stuck[party] & refused
                 stuck[at] &= blocked
             changed |= bool(np.count_nonzero(stuck[at]) != before)
         return changed

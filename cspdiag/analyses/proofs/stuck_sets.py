@@ -1,7 +1,7 @@
 """Who is stuck in a global state: the deadlocked processes, and the largest set of components that never move again.
 
 A component is stuck with others when every event that it offers needs another stuck component that does not offer it: whatever the rest does, none of them
-moves. The union of two such sets is such a set, so there is a largest one; it is a knot if one of its processes has not ended and offers an event. Once
+moves. A failure (a missed sample, a fault) that does not happen now is no way out: whoever could only be cancelled by one is stuck. The union of two such sets is such a set, so there is a largest one; it is a knot if one of its processes has not ended and offers an event. Once
 there it stays.
 """
 
@@ -57,7 +57,8 @@ class Offers:
         return stuck
 
     def _blocked(self, event: int, at: int, offered: Sequence[frozenset[int]], stuck: set[int]) -> bool:
+        fails = self.system.events[event].kind == "failure"
         return any(
-            party != at and party in stuck and event not in offered[party]
+            party != at and (fails or party in stuck) and event not in offered[party]
             for party in self.system.events[event].parties
         )

@@ -8,6 +8,7 @@ from itertools import product
 from typing import Any, TypeAlias
 
 from cspdiag.analyses.transitions import media
+from cspdiag.analyses.transitions.facts import FAULT, TIMEOUT
 from cspdiag.analyses.transitions.occurrences import Medium
 from cspdiag.analyses.transitions.shape import Shape
 from cspdiag.analyses.transitions.system import (
@@ -310,7 +311,8 @@ class Assembly:
     def _thrown(self, parent: Strand, label: Label, branch: Strand, shapes: list[Shape]) -> None:
         throw = ("throw", label[3])
         if throw in shapes[branch.number].label_numbers:
-            event = self._event(f"{branch.name}: {label[3]}", (parent.number, branch.number), "exception")
+            kind: EventKind = "failure" if label[3] in (FAULT, TIMEOUT) else "exception"
+            event = self._event(f"{branch.name}: {label[3]}", (parent.number, branch.number), kind)
             self._for(parent, label, event)
             self._for(branch, throw, event)
 

@@ -23,12 +23,19 @@ Edge: TypeAlias = tuple[int, int]
 """An event (an index into ``System.events``, or ``INTERNAL``) and the state after it."""
 
 EventKind: TypeAlias = Literal[
-    "communication", "take", "delivered", "external", "variable", "sample", "miss", "ready", "time", "start", "end", "cancel", "exception"
+    "communication", "take", "delivered", "external", "variable", "sample", "miss", "ready", "time",
+    "start", "end", "cancel", "exception", "failure",
 ]  # fmt: skip
-"""``communication``: of two or more processes, or a value that enters a channel with memory, and ``take``: it leaves it, or is written to a broadcast; ``delivered``: all readers of a
-broadcast have taken the value (which are the communications), or its writer takes it back; ``external``: with the environment; ``variable``: an access to a
-shared ``var``; ``sample`` and ``miss``: a sampled input taken, or found overwritten; ``ready``: a guard that an input from outside is ready;
-``time``: a delay or time-out; the others belong to compositions."""
+"""Kinds of events.
+
+- ``communication``: of two or more processes, or a value that enters a channel with memory; ``take``: it leaves it, or is written to a broadcast; ``delivered``:
+  all readers of a broadcast have taken the value (these are the communications), or its writer takes it back
+- ``external``: with the environment; ``sample`` and ``miss``: a sampled input taken, or found overwritten; ``ready``: a guard that an input from outside is
+  ready; ``time``: a delay or time-out
+- ``variable``: an access to a shared ``var``
+- ``start``, ``end`` and ``cancel``: of a parallel composition, all branches at once
+- ``exception``: a branch ends its parallel by ``raise``; ``failure``: by Timeout or Fault, which is no way out for processes that wait for each other
+"""
 
 
 @dataclass(frozen=True, slots=True)
