@@ -35,15 +35,15 @@ def heading(runs: Sequence[Run], doc: str | None) -> Group:
     items: list[Item] = [Text(Point(0, ASCENT * HEADING_SIZE), tuple(runs), HEADING_SIZE)]
     if doc:
         y = line_height(HEADING_SIZE) + 4
-        for line in wrapped(first_sentence(doc), NOTE_SIZE, 720):
-            items.append(Text(Point(0, y + ASCENT * NOTE_SIZE), (Run(line, ink=Ink.FAINT),), NOTE_SIZE))
+        for line in typeset(first_sentence(doc), NOTE_SIZE, 720, Ink.FAINT):
+            items.append(Text(Point(0, y + ASCENT * NOTE_SIZE), line, NOTE_SIZE))
             y += line_height(NOTE_SIZE)
     return Group("heading", tuple(items))
 
 
 def first_sentence(doc: str) -> str:
     """The beginning of a doc comment, on one line."""
-    text = " ".join(doc.replace("`", "").split())
+    text = " ".join(doc.split())
     end = text.find(". ")
     return text if end < 0 else text[: end + 1]
 
@@ -57,6 +57,39 @@ def wrapped(text: str, size: float, width: float, face: Face = Face.SANS) -> lis
         else:
             lines.append(word)
     return lines
+
+
+def typeset(text: str, size: float, width: float, ink: Ink = Ink.TEXT) -> list[tuple[Run, ...]]:
+    """Lines no wider than ``width`` pixels, but for single words; what stands between backticks is set as code, without them."""
+    words: list[list[Run]] = []
+    is_apart = True
+    for position, piece in enumerate(text.split("`")):
+        face = Face.MONO if position % 2 else Face.SANS
+        for number, word in enumerate(piece.split(" ")):
+            if number > 0 or is_apart:
+                words.append([])
+            is_apart = False
+            if word:
+                words[-1].append(Run(word, face, ink))
+    lines: list[list[Run]] = []
+    for word_runs in filter(None, words):
+        extended = [*lines[-1], Run(" ", Face.SANS, ink), *word_runs] if lines else word_runs
+        if lines and runs_width(extended, size) <= width:
+            lines[-1] = extended
+        else:
+            lines.append(list(word_runs))
+    return [_merged(line) for line in lines]
+
+
+def _merged(runs: list[Run]) -> tuple[Run, ...]:
+    """Neighbours of one look as one run."""
+    merged: list[Run] = []
+    for run in runs:
+        if merged and (merged[-1].face, merged[-1].ink) == (run.face, run.ink):
+            merged[-1] = Run(merged[-1].text + run.text, run.face, run.ink)
+        else:
+            merged.append(run)
+    return tuple(merged)
 
 
 def badge(mark: Mark, centre: Point) -> Group:
@@ -105,8 +138,8 @@ def notes(rows: Iterable[Note], width: float) -> Group:
         first = indent + (runs_width((code,), NOTE_SIZE) + 6 if row.code else 0)
         if row.code:
             items.append(Text(Point(indent, y + ASCENT * NOTE_SIZE + 2), (code,), NOTE_SIZE))
-        for line in wrapped(row.text, NOTE_SIZE, max(width, SMALLEST_ROW) - first):
-            items.append(Text(Point(first, y + ASCENT * NOTE_SIZE + 2), (Run(line),), NOTE_SIZE))
+        for line in typeset(row.text, NOTE_SIZE, max(width, SMALLEST_ROW) - first):
+            items.append(Text(Point(first, y + ASCENT * NOTE_SIZE + 2), line, NOTE_SIZE))
             y += line_height(NOTE_SIZE) + 2
         if row.place:
             place = Run(row.place, Face.MONO, Ink.FAINT)
