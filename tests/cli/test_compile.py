@@ -105,6 +105,27 @@ def test_the_optimized_network_is_printed(cspdiag: Command, good: Path) -> None:
     assert result.out.splitlines()[-1].startswith("// Relay is ")
 
 
+def test_the_transition_system_is_printed(cspdiag: Command, good: Path) -> None:
+    result = cspdiag("compile", "--emit", "lts", good)
+    assert (result.code, result.err) == (0, "")
+    assert "process Relay {\n  state 0 initial // waits to read given at " in result.out
+    assert "    external visible Relay.given -> 1\n" in result.out
+
+
+def test_the_transition_system_does_not_depend_on_the_hash_seed() -> None:
+    printed = [
+        subprocess.run(
+            [sys.executable, "-m", "cspdiag", "compile", JIWY, "--emit", "lts"],
+            env={**os.environ, "PYTHONHASHSEED": seed},
+            cwd=ROOT,
+            check=True,
+            capture_output=True,
+        ).stdout
+        for seed in ("1", "2")
+    ]
+    assert printed[0] == printed[1]
+
+
 @pytest.mark.parametrize(
     ("options", "told"),
     [
