@@ -22,7 +22,19 @@ _MOMENT = 0.5
 def chrome_trace_text(run: Run) -> str:
     """The whole trace as one JSON object, an event a line."""
     events = ",\n".join(json.dumps(event) for event in _events(run))
-    return f'{{"displayTimeUnit": "ms", "traceEvents": [\n{events}\n]}}\n'
+    measured = _execution_times(run)
+    return f'{{"displayTimeUnit": "ms", {measured}"traceEvents": [\n{events}\n]}}\n'
+
+
+def _execution_times(run: Run) -> str:
+    """The longest steps that were measured, in seconds, for ``cspdiag verify --wcet-from``; viewers pass over them."""
+    if not run.execution_times:
+        return ""
+    times = {
+        path: {"longest": time.longest / 1e9, "steps": time.steps, "what": time.what}
+        for path, time in run.execution_times.items()
+    }
+    return f'"executionTimes": {json.dumps(times)},\n'
 
 
 def _events(run: Run) -> Iterator[dict[str, object]]:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from cspdiag.codegen import external_modules
 from cspdiag.network.ir import Environment, Network
+from cspdiag.simulate.measure import measure
 from cspdiag.simulate.package import LoadedPackage
 from cspdiag.simulate.probes import probe
 from cspdiag.simulate.recorder import Recorder
@@ -55,11 +56,12 @@ def simulate(
     real_time: bool = False,
     recorder: Recorder | None = None,
     probe_variables: bool = False,
+    measured: bool = False,
     on_start: Callable[[RunningNetwork], None] | None = None,
 ) -> Run:
     """Run the generated package ``files`` of ``network``.
 
-    ``until`` is a time limit in nanoseconds. ``probe_variables`` also notes the values of variables that have a unit. ``on_start`` is handed the running network, whose ``now`` is the present instant. Ctrl-C and what the
+    ``until`` is a time limit in nanoseconds. ``probe_variables`` also notes the values of variables that have a unit, ``measured`` how long laws compute. ``on_start`` is handed the running network, whose ``now`` is the present instant. Ctrl-C and what the
     program raises end the run with an outcome, not with an exception. Raises NoEnvironmentError and BodyError.
     """
     chosen = chosen_environment(network, environment)
@@ -75,6 +77,8 @@ def simulate(
             raise BodyError(_account(problem)) from problem
         if probe_variables:
             probe(running, network, recorder)
+        if measured:
+            measure(running, recorder)
         if on_start is not None:
             on_start(running)
         outcome = running.run(

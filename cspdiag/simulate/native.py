@@ -41,11 +41,12 @@ def simulate(
     on_start: Callable[[StreamReader], None] | None = None,
     observed: Observed = "all",
     fused: bool = False,
+    measured: bool = False,
     options: tuple[str, ...] = ("-O2",),
 ) -> Run:
     """Generate, build and run a program; ``until`` is a time limit in nanoseconds, ``real_time`` runs it against the clock of a POSIX system.
 
-    ``fused`` programs run processes as one where that is possible, and do not tell when each starts and ends. ``on_start`` is handed what knows the present instant as ``now``. Ctrl-C and what the program raises end the run with an outcome, not with an
+    With ``measured`` the recorder is told the longest step of each process. ``fused`` programs run processes as one where that is possible, and do not tell when each starts and ends. ``on_start`` is handed what knows the present instant as ``now``. Ctrl-C and what the program raises end the run with an outcome, not with an
     exception. Raises NoEnvironmentError, TargetError for what C cannot express, and CompilerError.
     """
     chosen = chosen_environment(network, environment)
@@ -54,13 +55,15 @@ def simulate(
     recorder = recorder if recorder is not None else Recorder()
     files = generate(network, read, "c", level, observed=not fused)
     sources = [path for path in files if path.endswith(".c")]
-    program = Build(files, _wanted(sources, real_time), (*options, "-DCSP_TRACE=1")).executable()
+    program = Build(
+        files, _wanted(sources, real_time), (*options, "-DCSP_TRACE=1", *(("-DCSP_MEASURE=1",) if measured else ()))
+    ).executable()
     command = [str(program), "--observe", observed]
     if chosen is not None:
         command += ["--environment", chosen.name]
     if until is not None:
         command += ["--for", str(until)]
-    outcome = _run(command, recorder, chosen, network, on_start, real_time=real_time)
+    outcome = _run(command, recorder, chosen, network, on_start, real_time=real_time, flattened=level > 0)
     return Run(network, chosen, outcome, recorder)
 
 
@@ -78,13 +81,14 @@ def _run(
     on_start: Callable[[StreamReader], None] | None,
     *,
     real_time: bool,
+    flattened: bool,
 ) -> Outcome:
     # A session of its own: Ctrl-C comes to us, and we hand it on once, so that outputs are released and everything is told.
     # Against the clock it tells people itself how late it met the instants.
     told = None if real_time else subprocess.PIPE
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=told, start_new_session=True) as running:
         assert running.stdout is not None
-        reader = StreamReader(running.stdout, network, recorder)
+        reader = StreamReader(running.stdout, network, recorder, flattened)
         if on_start is not None:
             on_start(reader)
         with _Interrupts(running) as interrupts:

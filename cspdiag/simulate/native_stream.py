@@ -23,6 +23,7 @@ _EVENT = struct.Struct("=qI")
 _TIME = struct.Struct("=q")
 _PAIR = struct.Struct("=II")
 _END = struct.Struct("=Bqd")
+_EXECUTION = struct.Struct("=Iqq")
 
 
 @dataclass
@@ -55,6 +56,8 @@ class StreamReader:
     stream: IO[bytes]
     network: Network
     recorder: Recorder
+    flattened: bool = False
+    """Whether processes are parts of the thread that runs them, as ``-O1`` makes them."""
     now: int = 0
     end: EndRecord | None = None
     missed: dict[str, int] = field(default_factory=dict)
@@ -73,6 +76,7 @@ class StreamReader:
         handlers: dict[int, Callable[[], None]] = {
             1: self._channel, 2: self._process, 3: self._communication, 4: self._begin, 5: self._end_of, 6: self._release,
             7: self._time, 8: self._waiting, 9: self._missed, 10: self._ended,
+            11: self._execution_time,
         }  # fmt: skip
         while self._has(1):
             kind = self._data[self._position]
@@ -148,6 +152,12 @@ class StreamReader:
     def _missed(self) -> None:
         channel, count = _PAIR.unpack(self._bytes(8))
         self.missed[self._channels[channel][0]] = count
+
+    def _execution_time(self) -> None:
+        number, longest, steps = _EXECUTION.unpack(self._bytes(20))
+        path = self._processes[number][0]
+        if path:
+            self.recorder.execution_time(path, longest, steps, "thread" if self.flattened else "process")
 
     def _ended(self) -> None:
         ending, time, duration = _END.unpack(self._bytes(17))

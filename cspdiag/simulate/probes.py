@@ -35,7 +35,14 @@ def probe(running: RunningNetwork, network: Network, recorder: Recorder) -> None
 
 
 def _variables(process: object) -> Iterator[Variable[float]]:
-    from cspdiag.runtime import Process, Routine, Variable
+    from cspdiag.runtime import Variable
+
+    return (part for part in parts_of(process) if isinstance(part, Variable))
+
+
+def parts_of(process: object) -> Iterator[object]:
+    """A process of a running network and everything that it consists of, each once."""
+    from cspdiag.runtime import Process, Routine
 
     pending: list[object] = [process]
     seen: set[int] = set()
@@ -44,9 +51,8 @@ def _variables(process: object) -> Iterator[Variable[float]]:
         if id(item) in seen:
             continue
         seen.add(id(item))
-        if isinstance(item, Variable):
-            yield item
-        elif isinstance(item, list | tuple):
+        yield item
+        if isinstance(item, list | tuple):
             pending += item
         elif isinstance(item, Process | Routine):
             pending += _attributes(item)

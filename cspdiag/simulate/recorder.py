@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 
 class Communication(NamedTuple):
@@ -25,6 +25,18 @@ class Activity(NamedTuple):
     end: int | None
 
 
+class ExecutionTime(NamedTuple):
+    """The longest step that was measured, in nanoseconds, and how many there were.
+
+    ``what`` was measured: a ``law``, of which a sample is a step; a ``process`` with its laws, or a ``thread`` with all that is flattened into it, of which a
+    step is what runs from one wait to the next.
+    """
+
+    longest: int
+    steps: int
+    what: Literal["law", "process", "thread"]
+
+
 class Recorder:
     """Observer of a run: communications, if wanted, and processes and groups, in the order in which they happen."""
 
@@ -34,6 +46,7 @@ class Recorder:
         """Five entries a communication, as ``Communication`` has them: a tuple for each would take longer to make than a process takes to communicate."""
         self.releases: list[tuple[int, str, object]] = []
         self.variables: dict[str, list[tuple[int, float]]] = {}
+        self.execution_times: dict[str, ExecutionTime] = {}
         self.activities: list[Activity] = []
         """By start; those that still run have no end."""
         self.running: dict[str, int] = {}
@@ -67,6 +80,13 @@ class Recorder:
         position = self.running.pop(path, None)
         if position is not None:
             self.activities[position] = self.activities[position]._replace(end=time)
+
+    def execution_time(
+        self, path: str, longest: int, steps: int = 1, what: Literal["law", "process", "thread"] = "law"
+    ) -> None:
+        """Steps took so long at most; those before are kept in mind."""
+        known = self.execution_times.get(path, ExecutionTime(0, 0, what))
+        self.execution_times[path] = ExecutionTime(max(known.longest, longest), known.steps + steps, what)
 
     def group_started(self, time: int, path: str) -> None:
         """A named group begins."""

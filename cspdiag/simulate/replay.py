@@ -25,7 +25,7 @@ from cspdiag.simulate.replay_trace import Trace, TraceStep
 from cspdiag.simulate.replay_values import Values, numbers_of
 
 MOST_ATTEMPTS = 400
-_SILENT = frozenset({"variable", "start", "end", "cancel", "exception", "delivered"})
+_SILENT = frozenset({"variable", "start", "end", "cancel", "exception", "failure", "delivered"})
 _WRITTEN = " (written)"
 """With this ends the name of the event in which a broadcast is begun; each of its readers takes the value in an event of its own."""
 
@@ -106,12 +106,11 @@ class _Attempt:
             for step in self._trace.steps:
                 self._perform(step)
                 done += 1
-            before = memory(network.process)
             for step in self._trace.cycle:
                 self._perform(step)
                 done += 1
             if self._trace.cycle and not self._trace.exact:
-                self._require_same(before, memory(network.process))
+                self._go_round_again(network.process)
             deadlock = self._conclude(root)
         except _DivergenceError as problem:
             divergence = str(problem)
@@ -181,12 +180,12 @@ class _Attempt:
             if option.action in actions and channel in (None, option.channel)
         ]
 
-    def _choose_silently(self, step: TraceStep) -> bool:
-        """A process takes a guard that is always ready, if it is at one; whether it did."""
+    def _choose_silently(self, step: TraceStep, *, necessary: bool = False) -> bool:
+        """A process takes a guard that is always ready, if it is at one; whether it did. ``necessary``: otherwise the step cannot come."""
         for gate in list(conductor.halted.values()):
             silent = [option for option in gate.options if option.action == "skip"]
-            if silent and gate.path in step.parties:
-                others = len(silent) < len(gate.options)
+            if silent and any(_belongs(gate.path, path) for path in step.parties):
+                others = len(silent) < len(gate.options) and not necessary
                 chosen = self._decisions.choose(len(silent) + others)
                 if chosen < len(silent):
                     self._respect_priorities(gate, silent[chosen])
@@ -221,12 +220,13 @@ class _Attempt:
     def _taking_part(self, step: TraceStep) -> Iterator[tuple[Option, Gate | Interruption]]:
         """The gates to be passed for a step, writers first, alternatives last."""
         if step.kind == "time":
-            offers = self._offers(("wait",), None)
+            time_out = step.channel.rpartition(": ")[2].startswith("after")
+            offers = self._offers(("after",) if time_out else ("wait",), None)
         else:
             offers = self._offers(("write", "read", "ready"), step.channel.removesuffix(_WRITTEN))
         found = list(self._chosen(step, offers))
         if not found:
-            if self._choose_silently(step):
+            if self._choose_silently(step, necessary=True):
                 return self._taking_part(step)
             raise _DivergenceError(f"nobody is ready for `{step}`{self._instead(step)}")
         return iter(sorted(found, key=lambda entry: _order(*entry)))
@@ -267,7 +267,7 @@ class _Attempt:
             for second in conductor.halted.values():
                 if first is not second and _meet_above(first, second, gate):
                     channel = next(o.channel for o in first.options if o.action == "write")
-                    raise _DivergenceError(f"`{channel}` comes first: its processes have a higher priority")
+                    raise _DivergenceError(f"`{channel}` comes first: each of its processes has a higher priority")
 
     def _offered_above(self, option: Option, gate: Gate) -> bool:
         """Whether a process of higher priority waits at the other side of a guard."""
@@ -278,8 +278,12 @@ class _Attempt:
             for other in conductor.halted.values()
         )
 
-    def _require_same(self, before: Mapping[str, object], after: Mapping[str, object]) -> None:
-        """What was done once can be done for ever where it leaves everything as it was."""
+    def _go_round_again(self, process: object) -> None:
+        """What leaves everything as it was can be done for ever; the first time round may still have brought it there."""
+        before = memory(process)
+        for step in self._trace.cycle:
+            self._perform(step)
+        after = memory(process)
         changed = [name for name, value in before.items() if after.get(name) != value]
         if changed:
             named = ", ".join(f"`{name}`" for name in changed[:3])
@@ -291,7 +295,7 @@ class _Attempt:
         offered = {(option.action, option.channel) for gate in moving for option in gate.options}
         for gate in stuck:
             for option in gate.options:
-                can_come = option.action in {"wait", "skip"} or option.channel in self._ports
+                can_come = option.action in {"wait", "after", "skip"} or option.channel in self._ports
                 opposite = "read" if option.action == "write" else "write"
                 if can_come or (opposite, option.channel) in offered:
                     raise _DivergenceError(f"`{gate.path}` can still go on{_with(option)}")

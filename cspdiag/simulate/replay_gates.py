@@ -14,14 +14,14 @@ from cspdiag.runtime.exceptions import Cancelled
 from cspdiag.runtime.scheduler import Party, Priority, Task, Waits, scheduler
 from cspdiag.runtime.selector import Selector
 
-Action = Literal["read", "write", "ready", "wait", "skip"]
+Action = Literal["read", "write", "ready", "wait", "after", "skip"]
 
 
 @dataclass(frozen=True)
 class Option:
     """Something that a process at a gate can go on with; ``index`` tells options of one gate apart.
 
-    ``ready`` is a guard that leaves the reading to the guarded process, ``wait`` a delay or a time-out, ``skip`` the guard that is always ready.
+    ``ready`` is a guard that leaves the reading to the guarded process, ``wait`` a delay, ``after`` a time-out, ``skip`` the guard that is always ready.
     """
 
     action: Action

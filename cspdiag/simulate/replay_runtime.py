@@ -180,7 +180,7 @@ def _option(guard: Guard, index: int) -> Option:
         case Output(end=end):
             return Option("write", end.name, index)
         case After():
-            return Option("wait", "", index)
+            return Option("after", "", index)
         case _:
             return Option("skip", "", index)
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from cspdiag.model.types import BoolType, EnumType, IntType, RealType, TimeType, Type
 from cspdiag.network.ir import Environment, Network
-from cspdiag.simulate.recorder import Activity, Communication, Recorder
+from cspdiag.simulate.recorder import Activity, Communication, ExecutionTime, Recorder
 
 if TYPE_CHECKING:
     import numpy
@@ -46,6 +46,7 @@ class Run:
         self._recorder = recorder
         self.releases: Sequence[tuple[int, str, object]] = recorder.releases
         self.activities: Sequence[Activity] = recorder.activities
+        self.execution_times: Mapping[str, ExecutionTime] = recorder.execution_times
         self.variables: Mapping[str, Sequence[tuple[int, float]]] = recorder.variables
 
     @cached_property

@@ -1,0 +1,210 @@
+"""Every refutation is one that the program itself does; a trace that it does not do is noticed."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from cspdiag import pipeline
+from cspdiag.analyses.counterexamples.counterexample import counterexample
+from cspdiag.analyses.proofs import breadth_first
+from cspdiag.analyses.proofs.verdict import Limits, Refuted
+from cspdiag.diagnostics import SourceFile
+from cspdiag.simulate.replay_trace import Trace, read_trace
+from cspdiag.simulate.verify import Verifier, replayed, trace_of
+from cspdiag.sources import read_source
+from tests.models.programs import MODELS
+from tests.properties.drawing import draw_programs
+from tests.verifying import answers_to
+
+TABLE = str(MODELS / "dining" / "deadlock.csp")
+
+
+@pytest.fixture(scope="module")
+def table() -> tuple[pipeline.Asked, Trace]:
+    """Three philosophers, and the trace to their deadlock."""
+    asked = pipeline.ask(read_source(TABLE), read_source, settings={"seats": "3"})
+    question = asked.questions[0]
+    verifier = Verifier(asked, read_source, "breadth-first")
+    answer = verifier.answer(question, Limits())
+    assert answer.replayed
+    return asked, read_trace(trace_of(answer, {}))
+
+
+def test_the_program_does_what_was_found(table: tuple[pipeline.Asked, Trace]) -> None:
+    asked, trace = table
+    network = asked.network("SymmetricTable")
+    assert network is not None
+    result = replayed(network, trace, read_source)
+    assert result.succeeded
+    communications = [step.channel for step in trace.steps if step.kind == "communication"]
+    assert [channel for channel, _ in result.communications] == communications
+    assert result.deadlock is not None
+    assert len(result.deadlock.cycle) == 6
+
+
+@pytest.mark.parametrize("changed", ["shortened", "exchanged", "unknown channel", "extended"])
+def test_a_trace_that_the_program_does_not_do_is_noticed(table: tuple[pipeline.Asked, Trace], changed: str) -> None:
+    asked, trace = table
+    network = asked.network("SymmetricTable")
+    assert network is not None
+    first, second, *others = trace.steps
+    steps = {
+        "shortened": tuple(trace.steps[:-1]),
+        "exchanged": (second, first, *others),
+        "unknown channel": (first, replace(second, channel="SymmetricTable.nothing"), *others),
+        "extended": (*trace.steps, second),
+    }[changed]
+    result = replayed(network, replace(trace, steps=steps), read_source)
+    assert not result.succeeded
+    assert result.steps < len(trace.steps) + 1
+
+
+PRIORITIES = """process Urgent {
+  out ask : int
+
+  composition { ask ! 1 }
+}
+
+process Later {
+  out tell : int
+
+  composition { tell ! 2 }
+}
+
+process Chooses {
+  in ask, tell : int
+
+  communication { var value : int }
+
+  composition {
+    ask ? value -> tell ? value
+    []>
+    tell ? value -> stop
+  }
+}
+
+process All {
+  communication {
+    urgent  : Urgent
+    chooses : Chooses
+    later   : Later
+
+    urgent.ask -> chooses.ask
+    later.tell -> chooses.tell
+  }
+
+  composition { urgent ||> chooses ||> later }
+}
+
+assert All deadlock free
+"""
+
+
+def test_what_priorities_exclude_is_no_refutation() -> None:
+    """Without priorities `tell` may be chosen, and then everything stops; with them `ask` is always there before."""
+    (answer,) = answers_to({"case.csp": PRIORITIES})
+    assert answer.outcome == "unknown"
+    assert "`All.urgent.ask` comes first" in answer.reason or "prefers" in answer.reason
+    (answer,) = answers_to({"case.csp": PRIORITIES.replace("||>", "||")})
+    assert (answer.outcome, answer.replayed) == ("refuted", True)
+
+
+COUNTED = """process Ping {
+  in  reply : int
+  out ask   : int
+
+  communication {
+    var value : int
+    var count : int = 0
+  }
+
+  composition { mu (ask ! 1 ; reply ? value ; count := count + 1) until count == 1000 }
+}
+
+process Pong {
+  in  ask   : int
+  out reply : int
+
+  communication { var value : int }
+
+  composition { mu (ask ? value ; reply ! 2) }
+}
+
+process Both {
+  communication {
+    ping : Ping
+    pong : Pong
+
+    ping.ask   -> pong.ask
+    pong.reply -> ping.reply
+  }
+
+  composition { ping || pong }
+}
+
+assert Both livelock free
+"""
+
+
+def test_a_loop_that_counts_is_no_endless_one() -> None:
+    (answer,) = answers_to({"case.csp": COUNTED})
+    assert answer.outcome == "unknown"
+    assert "each time round, `Both.ping.count` changes" in answer.reason
+    (answer,) = answers_to({"case.csp": COUNTED.replace(" until count == 1000", "")})
+    assert (answer.outcome, answer.replayed) == ("refuted", True)
+
+
+def test_values_that_the_trace_leaves_open_are_looked_for() -> None:
+    """Only the value 17 leads to where nothing happens any more; the text mentions it."""
+    text = """process Picky {
+  in key : int
+
+  communication { var value : int }
+
+  composition { key ? value ; if value == 17 then stop }
+}
+
+assert Picky deadlock free
+"""
+    (answer,) = answers_to({"case.csp": text})
+    assert (answer.outcome, answer.replayed) == ("refuted", True)
+
+
+def test_refutations_of_random_programs_replay() -> None:
+    """Where nothing was left open, and no priority excludes it, every trace that was found is one of the program."""
+    replays = 0
+
+    def read(path: str) -> SourceFile:
+        raise FileNotFoundError(path)
+
+    def look(text: str) -> None:
+        nonlocal replays
+        asked = pipeline.ask(SourceFile(name="random.csp", text=text), read)
+        question = asked.questions[0]
+        verifier = Verifier(asked, read)
+        system = verifier.system(question.process)
+        verdict = breadth_first.deadlock_free(system, Limits(0.2, 100_000_000))
+        if system.abstractions or not isinstance(verdict, Refuted):
+            return
+        found = counterexample(system, verdict, "deadlock", question.process)
+        network = asked.network(question.process)
+        assert network is not None
+        trace = _trace(found, question.process)
+        divergence = replayed(network, trace, read).divergence
+        if divergence is not None and ("has a higher priority" in divergence or "prefers" in divergence):
+            return
+        assert divergence is None, text
+        replays += 1
+
+    for start in range(100, 104):
+        draw_programs(look, 6, start, shrink=False)
+    assert replays >= 3
+
+
+def _trace(found: object, process: str) -> Trace:
+    from cspdiag.analyses.counterexamples.encode import encoded
+    from cspdiag.simulate.replay_trace import trace_text
+
+    return read_trace(trace_text(encoded(found), process, "", {}, []))  # type: ignore[arg-type]
