@@ -5,8 +5,8 @@ from __future__ import annotations
 import json
 import sys
 from argparse import Namespace
-from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Literal, cast
 
 from cspdiag.cli.failure import FINE, UNSUCCESSFUL, UsageError
 from cspdiag.cli.output import replace_text
@@ -14,6 +14,7 @@ from cspdiag.cli.terminal import show_diagnostics
 from cspdiag.sources import read_source
 
 if TYPE_CHECKING:
+    from cspdiag.analyses.timing.measured import Measured
     from cspdiag.analyses.timing.result import TimingReport
 
 
@@ -24,7 +25,7 @@ def run_timing(arguments: Namespace) -> int:
     gantt = arguments.gantt
     if gantt is not None and (gantt.suffix != ".svg" or gantt.is_dir() or not gantt.parent.is_dir()):
         raise UsageError(f"--gantt {gantt}: the name of an .svg file in a folder that exists is wanted")
-    measured = {} if arguments.wcet_from is None else measured_times(str(arguments.wcet_from))
+    measured = [] if arguments.wcet_from is None else measured_times(str(arguments.wcet_from))
     report = _report(arguments, measured)
     if report is None:
         return UNSUCCESSFUL
@@ -43,7 +44,7 @@ def run_timing(arguments: Namespace) -> int:
     return FINE if report.is_schedulable else UNSUCCESSFUL
 
 
-def _report(arguments: Namespace, measured: Mapping[str, int]) -> TimingReport | None:
+def _report(arguments: Namespace, measured: Sequence[Measured]) -> TimingReport | None:
     from cspdiag import pipeline
     from cspdiag.analyses.timing.report import timing_report
     from cspdiag.network.lower import SelectionError
@@ -57,7 +58,9 @@ def _report(arguments: Namespace, measured: Mapping[str, int]) -> TimingReport |
     show_diagnostics(built.checked.report.diagnostics, arguments.color)
     if built.network is None:
         return None
-    report = timing_report(built.network, measured)
+    from cspdiag.analyses.timing.measured import times_of_laws
+
+    report = timing_report(built.network, times_of_laws(built.network, measured))
     if measured and not report.measured:
         raise UsageError(
             f"--wcet-from {arguments.wcet_from}: none of its names is a law or process of {built.network.top}"
@@ -65,12 +68,14 @@ def _report(arguments: Namespace, measured: Mapping[str, int]) -> TimingReport |
     return report
 
 
-def measured_times(path: str) -> dict[str, int]:
-    """The longest execution time of each law and process in a trace, in nanoseconds by path.
+def measured_times(path: str) -> list[Measured]:
+    """The longest execution times in a trace.
 
     A trace is what ``run --real-time --trace out.json`` writes, or any JSON object with ``executionTimes``: an object from paths to times in seconds,
-    or to objects with ``longest``. Raises UsageError where there are none, OSError where the file cannot be read.
+    or to objects with ``longest``, and ``what`` was measured. Raises UsageError where there are none, OSError where the file cannot be read.
     """
+    from cspdiag.analyses.timing.measured import Measured
+
     try:
         with open(path, encoding="utf-8") as file:
             content = json.load(file)
@@ -78,11 +83,17 @@ def measured_times(path: str) -> dict[str, int]:
         raise UsageError(f"{path}: is no JSON ({problem})") from None
     times = content.get("executionTimes") if isinstance(content, dict) else None
     if not isinstance(times, dict) or not times:
-        raise UsageError(f"{path}: has no execution times (write it with cspdiag run --real-time --trace {path})")
-    found: dict[str, int] = {}
+        raise UsageError(
+            f"{path}: has no execution times: write it with cspdiag run --real-time --target c --trace {path}, or with -O0"
+        )
+    found: list[Measured] = []
     for name, entry in times.items():
-        seconds = entry.get("longest") if isinstance(entry, dict) else entry
+        seconds, what = (entry.get("longest"), entry.get("what")) if isinstance(entry, dict) else (entry, "law")
         if isinstance(seconds, bool) or not isinstance(seconds, int | float) or not 0 <= seconds < 1e9:
             raise UsageError(f"{path}: the execution time of {name} is no number of seconds")
-        found[name] = max(1, -(-round(seconds * 1e10) // 10))
+        if what not in ("law", "process", "thread"):
+            raise UsageError(f"{path}: what was measured of {name} is a law, a process or a thread, not {what!r}")
+        found.append(
+            Measured(name, max(1, -(-round(seconds * 1e10) // 10)), cast("Literal['law', 'process', 'thread']", what))
+        )
     return found

@@ -96,7 +96,7 @@ class Threads:
     def _begun(self, path: str, entry: ProcessClass, context: _Context, following: int) -> int:
         inner = context
         assert entry.body is not None
-        stated = self.measured.get(path, entry.wcet)
+        stated = entry.wcet
         if stated is None or context.stated is not None:
             return self._action(entry.body, inner, following)
         inner = replace(inner, stated=stated)

@@ -11,6 +11,30 @@ bool csp_run_ready(uint32_t most);
 /* Takes a party out of the ready queue. */
 void csp_unready(csp_party *party);
 
+/* ---- Execution times ---- */
+
+#ifndef CSP_MEASURE
+#define CSP_MEASURE 0 /* whether steps of processes are timed, for csp_stream.h */
+#endif
+
+#if CSP_MEASURE
+/* Around what runs from one choice of the scheduler to the next, and before each process in it. */
+void csp_measure_begin(void);
+void csp_measure_party(uint32_t number);
+void csp_measure_end(void);
+#else
+static inline void csp_measure_begin(void)
+{
+}
+static inline void csp_measure_party(uint32_t number)
+{
+    (void)number;
+}
+static inline void csp_measure_end(void)
+{
+}
+#endif
+
 /* ---- Queues of parties in channels ---- */
 
 void csp_enter_front(csp_queue *queue, csp_party *party);

@@ -25,10 +25,13 @@ bool csp_run_ready(uint32_t most)
             csp.current = NULL;
             return false;
         }
+        csp_measure_begin();
         do {
             csp.current = party;
+            csp_measure_party(party->number);
             party = party->step(party);
         } while (party != NULL);
+        csp_measure_end();
     }
     csp.current = NULL;
     return true;

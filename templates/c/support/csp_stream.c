@@ -1,10 +1,14 @@
 /* See csp_stream.h. */
+#define _POSIX_C_SOURCE 200809L /* a clock of the time that this program has used */
+
 #include "csp_stream.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <time.h>
 
 #include "csp_arithmetic.h"
+#include "csp_internal.h"
 
 enum { BUFFER = 1 << 16, TEXT = 2048, BETWEEN_TIMES = 1 << 12 };
 
@@ -12,12 +16,36 @@ static unsigned char buffer[BUFFER];
 static size_t used;
 static bool silent;
 
+#if CSP_MEASURE
+
+static int64_t telling; /* nanoseconds that went into writing records: no part of execution times */
+
+static int64_t time_used(void)
+{
+    struct timespec present;
+    (void)clock_gettime(CLOCK_THREAD_CPUTIME_ID, &present);
+    return ((int64_t)present.tv_sec * INT64_C(1000000000)) + (int64_t)present.tv_nsec;
+}
+
+static void flush(void)
+{
+    const int64_t before = time_used();
+    (void)fwrite(buffer, 1U, used, stdout);
+    (void)fflush(stdout);
+    used = 0;
+    telling += time_used() - before;
+}
+
+#else
+
 static void flush(void)
 {
     (void)fwrite(buffer, 1U, used, stdout);
     (void)fflush(stdout);
     used = 0;
 }
+
+#endif
 
 static void put(const void *data, size_t size)
 {
@@ -206,8 +234,85 @@ static void put_failure(const csp_program *program, bool failed)
     put_text(noted ? csp_fault.place : text);
 }
 
+#if CSP_MEASURE
+
+/* Of each process that ran: its longest step, and how many there were. A step is what runs from one choice of the scheduler to the
+ * next; where a process calls another, it counts for both. */
+typedef struct measured {
+    int64_t longest;
+    int64_t steps;
+} measured;
+
+enum { DEEPEST = 64 };
+
+static measured *measurements;
+static uint32_t measured_processes;
+static uint32_t running[DEEPEST];
+static uint32_t running_count;
+static int64_t began;
+
+void csp_measure_begin(void)
+{
+    running_count = 0;
+    telling = 0;
+    began = time_used();
+}
+
+void csp_measure_party(uint32_t number)
+{
+    if (running_count < (uint32_t)DEEPEST) {
+        running[running_count] = number;
+        running_count++;
+    }
+}
+
+static void make_room(uint32_t number)
+{
+    if (number >= measured_processes) {
+        const uint32_t more = (number + 1U) * 2U;
+        measured *const grown = realloc(measurements, more * sizeof *measurements);
+        if (grown == NULL) {
+            (void)fputs("no memory for execution times\n", stderr);
+            exit(EXIT_FAILURE);
+        }
+        (void)memset(&grown[measured_processes], 0, (more - measured_processes) * sizeof *grown);
+        measurements = grown;
+        measured_processes = more;
+    }
+}
+
+void csp_measure_end(void)
+{
+    const int64_t took = time_used() - began - telling;
+    for (uint32_t index = 0; index < running_count; index++) {
+        make_room(running[index]);
+        measured *const entry = &measurements[running[index]];
+        entry->steps++;
+        if (took > entry->longest) {
+            entry->longest = took;
+        }
+    }
+}
+
+static void tell_execution_times(void)
+{
+    for (uint32_t number = 1; number < measured_processes; number++) {
+        if (measurements[number].steps > 0) {
+            put_kind(11);
+            put_number(number);
+            put_time(measurements[number].longest);
+            put_time(measurements[number].steps);
+        }
+    }
+}
+
+#endif
+
 void csp_stream_end(const csp_program *program, csp_ending ending, double duration)
 {
+#if CSP_MEASURE
+    tell_execution_times();
+#endif
     if (ending == CSP_DEADLOCK) {
         csp_report_waiting(program, tell_waiting);
     }
