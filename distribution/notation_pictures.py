@@ -15,6 +15,7 @@ from cspdiag.diagnostics import Report, SourceFile
 from cspdiag.draw.composition import draw_composition
 from cspdiag.draw.elements.composition import CompositionDiagram
 from cspdiag.draw.elements.read_composition import composition_diagram
+from cspdiag.draw.hiding import hidden
 from cspdiag.draw.svg import render_svg
 from cspdiag.syntax import ast
 from cspdiag.syntax.parser import parse
@@ -67,7 +68,10 @@ def pictures() -> Iterator[tuple[Path, str]]:
     """The path and the text of each picture."""
     page = PAGE.read_text(encoding="utf-8")
     for path, example in examples(page).items():
-        yield DOCS / path, render_svg(draw_composition(example_diagram(page, example), is_headed=False))
+        yield (
+            DOCS / path,
+            render_svg(draw_composition(example_diagram(page, example), is_headed=False, hidden=hidden(["legend"]))),
+        )
 
 
 def main(arguments: list[str]) -> int:

@@ -12,6 +12,7 @@ from cspdiag.diagnostics import Diagnostic
 from cspdiag.draw import composition_relations as relations
 from cspdiag.draw.annotations import SMALLEST_ROW, heading, messages
 from cspdiag.draw.composition_blocks import PADDING, SIZE, Block, FrameStyle, framed, look, width_of
+from cspdiag.draw.composition_legend import explanations
 from cspdiag.draw.composition_shapes import (
     HEAD,
     activity_block,
@@ -37,6 +38,8 @@ from cspdiag.draw.elements.composition import (
 )
 from cspdiag.draw.elements.marks import Marks
 from cspdiag.draw.geometry import Point
+from cspdiag.draw.hiding import NOTHING_HIDDEN, Hidden
+from cspdiag.draw.legend import in_rows
 from cspdiag.draw.scene import Face, Group, Head, Ink, Item, Line, Run, Scene, Text
 from cspdiag.draw.scene_geometry import bounds, fitted, moved
 from cspdiag.draw.text_metrics import runs_width
@@ -56,9 +59,10 @@ def draw_composition(
     marks: Marks | None = None,
     diagnostics: Mapping[int, Diagnostic] | None = None,
     links: Mapping[str, str] | None = None,
+    hidden: Hidden = NOTHING_HIDDEN,
     is_headed: bool = True,
 ) -> Scene:
-    """A composition diagram with its heading and the messages that the marks refer to.
+    """A composition diagram with its heading, a legend of the signs that occur, and the messages that the marks refer to.
 
     ``marks`` are by the key of the element (``1.2``); ``links`` lead from the definition of an instance to an address. A process without a composition
     has an empty diagram.
@@ -69,8 +73,12 @@ def draw_composition(
     if diagram.root is not None:
         drawer = _Drawer(marks or {}, links or {})
         parts.append(Group("diagram", drawer.whole(diagram.root).items))
+    width = max(SMALLEST_ROW, bounds(parts[-1]).width if parts else 0)
+    explained = None if hidden.hides("legend") else in_rows(list(explanations(diagram)), width)
+    if explained is not None:
+        parts.append(explained)
     if diagnostics:
-        parts.append(messages(diagnostics.items(), max(SMALLEST_ROW, bounds(parts[-1]).width if parts else 0)))
+        parts.append(messages(diagnostics.items(), width))
     return fitted(
         _below_each_other(parts),
         title=f"composition of {diagram.key}",

@@ -1,8 +1,8 @@
-"""Explains the symbols that occur in a communication diagram, and no others."""
+"""Explains the symbols that occur in a diagram, and no others."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from typing import TypeAlias
 
 from cspdiag.draw import symbols
@@ -35,8 +35,12 @@ _KINDS: tuple[tuple[symbols.Symbol, str], ...] = (
 
 
 def legend(vertices: Iterable[Vertex], arrows: Iterable[Arrow], width: float) -> Group | None:
-    """The legend in rows not wider than ``width``, from the origin; None where nothing has to be explained."""
-    entries = [*_boxes(list(vertices)), *_lines(list(arrows))]
+    """The legend of a communication diagram."""
+    return in_rows([*_boxes(list(vertices)), *_lines(list(arrows))], width)
+
+
+def in_rows(entries: Sequence[Entry], width: float) -> Group | None:
+    """Words with samples, in rows not wider than ``width``, from the origin; None where nothing has to be explained."""
     if not entries:
         return None
     items: list[Item] = []

@@ -14,7 +14,7 @@ from cspdiag.draw.elements.communication import Drawn, communication_diagram
 from cspdiag.draw.elements.composition import CompositionDiagram
 from cspdiag.draw.elements.diagram import CommunicationDiagram
 from cspdiag.draw.elements.facts import Facts
-from cspdiag.draw.elements.marks import marks_of, numbered
+from cspdiag.draw.elements.marks import mark_of_rest, marks_of, numbered
 from cspdiag.draw.elements.read_composition import composition_diagram
 from cspdiag.draw.hiding import KINDS_OF_LABELS, NOTHING_HIDDEN, Hidden
 from cspdiag.draw.scene import Scene
@@ -120,21 +120,25 @@ class Pictures:
         """The picture of a process or an environment. Raises what ``lay_out`` raises."""
         found = self.concerned(definition)
         composition = None if wish.which == "communication" else self.composition(definition, wish.depth)
+        steps = {} if composition is None else {element.key: element.spans for element in composition.elements()}
+        step_marks = marks_of(steps, found)
         scenes: list[Scene] = []
         if wish.which != "composition" or composition is None:
             diagram = self.communication(definition, wish.depth)
+            marks = marks_of(places_of(diagram), found)
             scenes.append(
                 draw_communication(
                     diagram,
                     hidden=wish.hidden,
-                    marks=marks_of(places_of(diagram), found),
+                    marks=marks | mark_of_rest(found, (*marks.values(), *step_marks.values())),
                     diagnostics=found if composition is None else None,
                     links=links,
                 )
             )
         if composition is not None:
-            places = {element.key: element.spans for element in composition.elements()}
-            scenes.append(draw_composition(composition, marks=marks_of(places, found), diagnostics=found, links=links))
+            scenes.append(
+                draw_composition(composition, marks=step_marks, diagnostics=found, links=links, hidden=wish.hidden)
+            )
         return scenes[0] if len(scenes) == 1 else stacked(scenes)
 
 

@@ -13,10 +13,12 @@ from cspdiag import pipeline
 from cspdiag.diagnostics import Report, SourceFile
 from cspdiag.draw.composition import draw_composition
 from cspdiag.draw.composition_blocks import MOST_LINES, PARENTHESIS
+from cspdiag.draw.composition_legend import explanations
 from cspdiag.draw.elements.composition import CompositionDiagram, outline
 from cspdiag.draw.elements.marks import Mark, MarkKind
 from cspdiag.draw.elements.read_composition import composition_diagram
 from cspdiag.draw.geometry import Point
+from cspdiag.draw.hiding import hidden
 from cspdiag.draw.scene import Box, Dash, Ellipse, Group, Ink, Item, Line, Scene, Text
 from cspdiag.draw.scene_geometry import every, moved
 from cspdiag.draw.svg import render_svg
@@ -178,7 +180,7 @@ def parentheses(scene: Scene) -> int:
         isinstance(item, Ellipse) and item.place.width == PARENTHESIS
         for group in every(scene.items)
         if isinstance(group, Group) and group.kind.startswith("relation")
-        for item in group.items
+        for item in every(group.items)
     )
 
 
@@ -258,3 +260,33 @@ def test_instances_tell_what_they_are() -> None:
     assert group.kind == "process submodel"
     assert group.title == "submodel law : Law\nOf the pan joint.\nHolds its set-point.\nrandom.csp:8"
     assert group.link == "#Law"
+
+
+@pytest.mark.parametrize(
+    ("composition", "expected"),
+    [
+        ("a ; b", []),
+        ("a || b", ["parallel"]),
+        ("a ||> b", ["parallel, priority to the first"]),
+        ("par i < 3 : a", ["parallel"]),
+        ("a -> skip [] b -> skip", ["alternative"]),
+        ("a -> skip []> b -> skip", ["alternative, priority to the first"]),
+        ("a ; (b ; c)", ["parenthesis"]),
+        ("h: (b ; c)", []),
+        ("a ; h: b", ["parenthesis"]),
+        ("mu a", ["repetition"]),
+        ("while x do (a ; b)", ["parenthesis", "repetition"]),
+        ("a catch E -> b", ["exception"]),
+        ("a interrupt b -> c", ["interrupt"]),
+        ("(if x then a else b) || c", ["parallel", "parenthesis"]),
+    ],
+)
+def test_the_legend_explains_the_signs_that_occur(composition: str, expected: list[str]) -> None:
+    found = diagram(composition)
+    assert [words for words, _ in explanations(found)] == expected
+    scene = draw_composition(found)
+    assert (parentheses(scene) > 0) is ("parenthesis" in expected)
+    legends = [item for item in scene.items if isinstance(item, Group) and item.kind == "legend"]
+    assert len(legends) == bool(expected)
+    bare = draw_composition(found, hidden=hidden(["legend"]))
+    assert not any(isinstance(item, Group) and item.kind == "legend" for item in bare.items)
