@@ -24,7 +24,8 @@ if TYPE_CHECKING:
 
 EXAMPLE = (
     "cspdiag run models/jiwy/jiwy.csp --for 20s --plot jiwy.svg --record jiwy.csv\n"
-    "cspdiag run models/jiwy/jiwy.csp --set Tsh=10ms --set pan.inertia=2e-3"
+    "cspdiag run models/jiwy/jiwy.csp --set Tsh=10ms --set pan.inertia=2e-3\n"
+    "cspdiag run models/dining/deadlock.csp --replay trace.json"
 )
 
 _SUFFIXES = {

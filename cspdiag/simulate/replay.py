@@ -14,7 +14,7 @@ from typing import Any
 from cspdiag.network.ir import Network
 from cspdiag.runtime.composition import end_all, task_for
 from cspdiag.runtime.deadlock import DeadlockReport, report_deadlock
-from cspdiag.runtime.exceptions import Timeout
+from cspdiag.runtime.exceptions import Fault, ProcessError, Timeout
 from cspdiag.runtime.scheduler import Task, scheduler
 from cspdiag.simulate.package import LoadedPackage
 from cspdiag.simulate.replay_decisions import Decisions
@@ -126,7 +126,7 @@ class _Attempt:
         """Everybody goes on to a gate, or to where only others can help."""
         while scheduler.run_ready():
             pass
-        if self._failed is not None:
+        if self._failed is not None and (isinstance(self._failed, Fault) or not isinstance(self._failed, ProcessError)):
             error, self._failed = self._failed, None
             raise _DivergenceError(f"it ends with {type(error).__name__}: {error}")
 
@@ -289,6 +289,11 @@ class _Attempt:
             named = ", ".join(f"`{name}`" for name in changed[:3])
             raise _DivergenceError(f"each time round, {named} changes, so that this may come to an end")
 
+    def _is_stuck(self, gate: Gate) -> bool:
+        """Whether the trace says of a process that it never goes on; its parallel branches are told apart by where they wait."""
+        waits = {option.channel for option in gate.options if option.channel}
+        return any(_belongs(gate.path, path) and waits & channels for path, channels in self._trace.stuck)
+
     def _require_stuck(self, stuck: list[Gate]) -> None:
         """Nobody among ``stuck`` can go on by himself, with the environment, or with those who go on."""
         moving = [gate for gate in conductor.halted.values() if gate not in stuck]
@@ -308,9 +313,7 @@ class _Attempt:
             raise _DivergenceError("it ends instead of coming to a halt")
         before = len(self._communications)
         stuck = [
-            gate
-            for gate in conductor.halted.values()
-            if self._trace.failure == "deadlock" or any(_belongs(gate.path, path) for path in self._trace.stuck)
+            gate for gate in conductor.halted.values() if self._trace.failure == "deadlock" or self._is_stuck(gate)
         ]
         self._require_stuck(stuck)
         conductor.go_free()

@@ -31,7 +31,7 @@ class TraceStep:
 class Trace:
     """A counterexample of ``process``, compiled with ``settings``.
 
-    ``stuck`` are paths of the processes that never go on after it. ``exact``: the proof left nothing open, so that what was done once can be done again and again.
+    ``stuck`` are the processes that never go on after it, each with the channels at which it waits. ``exact``: the proof left nothing open, so that what was done once can be done again and again.
     """
 
     process: str
@@ -40,7 +40,7 @@ class Trace:
     failure: str
     steps: tuple[TraceStep, ...]
     cycle: tuple[TraceStep, ...]
-    stuck: tuple[str, ...]
+    stuck: tuple[tuple[str, frozenset[str]], ...]
     exact: bool
 
 
@@ -80,7 +80,7 @@ def read_trace(text: str) -> Trace:
             steps=tuple(map(_step, whole["steps"])),
             cycle=tuple(map(_step, whole["cycle"])),
             exact=not whole["left_open"],
-            stuck=tuple(_text(entry["path"]) for entry in whole["waiting"]),
+            stuck=tuple((_text(entry["path"]), frozenset(map(_text, entry["channels"]))) for entry in whole["waiting"]),
         )
     except (KeyError, TypeError, AttributeError) as problem:
         raise TraceError(f"a trace that is not whole ({type(problem).__name__}: {problem})") from None

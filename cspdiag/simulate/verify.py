@@ -6,25 +6,25 @@ import time
 from collections.abc import Mapping
 from dataclasses import replace
 from itertools import islice
+from typing import TYPE_CHECKING
 
 from cspdiag import pipeline
-from cspdiag.analyses.counterexamples.encode import encoded
-from cspdiag.analyses.counterexamples.suggestion import Suggestion, suggestions
 from cspdiag.analyses.proofs.verdict import Limits, Method
 from cspdiag.analyses.transitions import transition_system
 from cspdiag.analyses.transitions.explore import TransitionError
-from cspdiag.analyses.transitions.system import System
 from cspdiag.analyses.verification.answer import Answer
 from cspdiag.analyses.verification.prove import answered, not_replayed, prove
 from cspdiag.analyses.verification.question import Question
-from cspdiag.analyses.verification.schedulable import schedulable
 from cspdiag.diagnostics import SourceFile
-from cspdiag.network.ir import Network
 from cspdiag.network.lower import SelectionError
 from cspdiag.settings import SettingError
-from cspdiag.simulate import spin
-from cspdiag.simulate.replay import Replay, replay
-from cspdiag.simulate.replay_trace import Trace, read_trace, trace_text
+
+if TYPE_CHECKING:
+    from cspdiag.analyses.counterexamples.suggestion import Suggestion
+    from cspdiag.analyses.transitions.system import System
+    from cspdiag.network.ir import Network
+    from cspdiag.simulate.replay import Replay
+    from cspdiag.simulate.replay_trace import Trace
 
 MOST_SUGGESTIONS = 3
 MOST_TRIED = 24
@@ -36,6 +36,9 @@ MOST_INSTANCES = 300
 
 def trace_of(answer: Answer, settings: Mapping[str, str]) -> str:
     """The text of the file that ``run --replay`` takes; the answer has a counterexample."""
+    from cspdiag.analyses.counterexamples.encode import encoded
+    from cspdiag.simulate.replay_trace import trace_text
+
     assert answer.counterexample is not None
     left_open = list(dict.fromkeys(abstraction.what for abstraction in answer.abstractions))
     counterexample = encoded(answer.counterexample)
@@ -44,6 +47,8 @@ def trace_of(answer: Answer, settings: Mapping[str, str]) -> str:
 
 def replayed(network: Network, trace: Trace, read: pipeline.Reader) -> Replay:
     """The program of a network, stepped through a trace. Raises as ``pipeline.generate`` does."""
+    from cspdiag.simulate.replay import replay
+
     return replay(network, pipeline.generate(network, read, level=0), trace)
 
 
@@ -73,6 +78,8 @@ class Verifier:
     def answer(self, question: Question, limits: Limits) -> Answer:
         """The answer to one of the questions."""
         if question.claim == "schedulable":
+            from cspdiag.analyses.verification.schedulable import schedulable
+
             network = self._asked.network(question.process)
             assert network is not None, "asked for a process with errors"
             return schedulable(question, network)
@@ -91,6 +98,8 @@ class Verifier:
         return self._systems[process]
 
     def _asked_spin(self, question: Question, limits: Limits) -> Answer:
+        from cspdiag.simulate import spin
+
         began = time.monotonic()
         system = self.system(question.process)
         return answered(question, system, spin.deadlock_free(system, limits), "deadlock", time.monotonic() - began)
@@ -99,6 +108,8 @@ class Verifier:
         """The answer with its counterexample replayed; unknown where the program does not follow it."""
         if answer.counterexample is None:
             return answer
+        from cspdiag.simulate.replay_trace import read_trace
+
         network = self._asked.network(answer.question.process)
         assert network is not None, "asked for a process with errors"
         result = replayed(network, read_trace(trace_of(answer, {})), self._read)
@@ -108,6 +119,8 @@ class Verifier:
 
     def _suggestions(self, answer: Answer) -> tuple[Suggestion, ...]:
         """Changes of the text after which the property was proved."""
+        from cspdiag.analyses.counterexamples.suggestion import suggestions
+
         found, program = answer.counterexample, self._asked.checked.program
         network = self._asked.network(answer.question.process)
         if found is None or not found.waiting or program is None or network is None:

@@ -12,7 +12,7 @@ from cspdiag.diagnostics import Span
 
 Failure: TypeAlias = Literal["deadlock", "knot", "livelock", "no termination", "refinement"]
 
-SILENT: frozenset[str] = frozenset({"internal", "variable", "start", "end", "cancel", "delivered"})
+SILENT: frozenset[str] = frozenset({"internal", "variable", "start", "end", "cancel", "delivered", "ready", "failure"})
 """Kinds of steps that no diagram shows; they are kept for machines."""
 
 
