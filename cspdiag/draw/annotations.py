@@ -30,9 +30,11 @@ _SIGNS: dict[MarkKind, str] = {
 }
 
 
-def heading(runs: Sequence[Run], doc: str | None) -> Group:
-    """The name of what is drawn, at the origin, and below it the first sentence of its doc comment."""
+def heading(runs: Sequence[Run], doc: str | None, mark: Mark | None = None) -> Group:
+    """The name of what is drawn, at the origin, with the mark of the whole, and below it the first sentence of its doc comment."""
     items: list[Item] = [Text(Point(0, ASCENT * HEADING_SIZE), tuple(runs), HEADING_SIZE)]
+    if mark is not None:
+        items.append(badge(mark, Point(runs_width(runs, HEADING_SIZE) + 2 * BADGE, line_height(HEADING_SIZE) / 2)))
     if doc:
         y = line_height(HEADING_SIZE) + 4
         for line in typeset(first_sentence(doc), NOTE_SIZE, 720, Ink.FAINT):

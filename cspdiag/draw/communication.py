@@ -11,7 +11,7 @@ from cspdiag.draw import symbols
 from cspdiag.draw.annotations import BADGE, SMALLEST_ROW, badge, heading, messages
 from cspdiag.draw.communication_graph import Caption, CommunicationGraph, communication_graph
 from cspdiag.draw.elements.diagram import Arrow, Box, CommunicationDiagram, ParentPort, Sink, Store, Value, Vertex
-from cspdiag.draw.elements.marks import Mark, Marks
+from cspdiag.draw.elements.marks import WHOLE, Mark, Marks
 from cspdiag.draw.geometry import Point, Rectangle
 from cspdiag.draw.hiding import NOTHING_HIDDEN, Hidden
 from cspdiag.draw.layout.elk import lay_out
@@ -39,14 +39,15 @@ def draw_communication(
 ) -> Scene:
     """A communication diagram with its heading, a legend of what occurs, and the messages that the marks refer to.
 
-    ``marks`` are by the key of the element, below that of the box around it: ``horizontal/alignL``; ``links`` lead from a definition to an address. Raises what ``lay_out``
-    raises.
+    ``marks`` are by the key of the element, below that of the box around it (``horizontal/alignL``), and by WHOLE for the diagram as a whole; ``links`` lead from a
+    definition to an address. Raises what ``lay_out`` raises.
     """
     made = communication_graph(diagram, hidden)
     layout = _with_row(lay_out(made.graph), made.apart) if made.graph.nodes else _with_row(Layout(0, 0, {}), made.apart)
-    drawing = _Drawing(made, layout, marks or {}, links or {})
-    picture = drawing.picture()
-    parts: list[Item] = [heading(_title(diagram), diagram.doc)]
+    marks = dict(marks or {})
+    mark_of_whole = marks.pop(WHOLE, None)
+    picture = _Drawing(made, layout, marks, links or {}).picture()
+    parts: list[Item] = [heading(_title(diagram), diagram.doc, mark_of_whole)]
     if picture:
         parts.append(Group("diagram", picture))
     width = max(SMALLEST_ROW, bounds(parts[-1]).width)

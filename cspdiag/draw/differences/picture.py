@@ -13,7 +13,7 @@ from cspdiag.draw.differences.change import Action, Change
 from cspdiag.draw.differences.programs import Difference, Pair
 from cspdiag.draw.differences.render_text import sentence, told
 from cspdiag.draw.elements.diagram import Arrow, Box, CommunicationDiagram, Element
-from cspdiag.draw.elements.marks import Mark, MarkKind
+from cspdiag.draw.elements.marks import WHOLE, Mark, MarkKind
 from cspdiag.draw.scene import Face, Group, Item, Run, Scene
 from cspdiag.draw.scene_geometry import bounds, fitted, moved, stacked
 
@@ -109,6 +109,10 @@ def marks(pair: Pair) -> dict[str, Mark]:
             found[key] = Mark("added" if key in after else "removed", note=note)
         elif any(change.aspect not in ("from", "to") for change in changes):
             found[key] = Mark("changed", note=note)
+    if pair.before is None or pair.after is None:
+        found[WHOLE] = Mark("added" if pair.before is None else "removed")
+    elif any(change.subject in ("", "parameter") for change in pair.changes):
+        found[WHOLE] = Mark("changed")
     return found
 
 

@@ -24,6 +24,10 @@ Marks: TypeAlias = Mapping[str, Mark]
 """By the key of the element."""
 
 
+WHOLE = ""
+"""The key of the mark of a diagram as a whole: what belongs to none of its elements."""
+
+
 def numbered(diagnostics: Iterable[Diagnostic]) -> dict[int, Diagnostic]:
     """Diagnostics by the number that they are shown under, from 1."""
     return dict(enumerate(diagnostics, 1))
@@ -41,6 +45,13 @@ def marks_of(places: Mapping[str, Sequence[Span]], diagnostics: Mapping[int, Dia
         if key is not None:
             found.setdefault(key, []).append(number)
     return {key: _mark([diagnostics[number] for number in numbers], numbers) for key, numbers in found.items()}
+
+
+def mark_of_rest(diagnostics: Mapping[int, Diagnostic], placed: Iterable[Mark]) -> dict[str, Mark]:
+    """The mark of the whole diagram for the diagnostics that belong to none of the elements that were marked."""
+    numbers = {number for mark in placed for number in mark.numbers}
+    rest = [number for number in diagnostics if number not in numbers]
+    return {WHOLE: _mark([diagnostics[number] for number in rest], rest)} if rest else {}
 
 
 def _owner(places: Mapping[str, Sequence[Span]], span: Span) -> str | None:
