@@ -102,7 +102,8 @@ def run(arguments: Namespace) -> int:
         code = FINE if all(answer.outcome == "proved" for answer in answers) else UNSUCCESSFUL
         printed = Printed(code, stdout, f"{warnings}{stderr}")
         _write_trace(arguments, answers)
-        _draw(arguments, answers, asked)
+        if arguments.draw is not None:
+            _draw(arguments, answers, asked)
         if is_cached and all(answer.outcome != "unknown" for answer in answers):
             cache.keep(printed)
     sys.stdout.write(printed.stdout)
