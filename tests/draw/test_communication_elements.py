@@ -11,7 +11,7 @@ from cspdiag.diagnostics import SourceFile
 from cspdiag.draw.elements.communication import communication_diagram
 from cspdiag.draw.elements.diagram import Arrow, Box, CommunicationDiagram, ParentPort
 from cspdiag.draw.elements.listing import listing
-from cspdiag.draw.elements.marks import marks_of, numbered
+from cspdiag.draw.elements.marks import WHOLE, Mark, mark_of_rest, marks_of, numbered
 from cspdiag.draw.pictures import Pictures, places_of
 from cspdiag.pipeline import check
 from cspdiag.sources import read_source
@@ -309,3 +309,14 @@ def test_random_programs_have_elements_with_keys_of_their_own(text: str) -> None
         boxes = {each.key for each in diagram.boxes}
         assert {(end.element, end.port) for end in ends if end.element in boxes} <= ports
         assert communication_diagram(found.program, found.facts, definition) == diagram
+
+
+def test_a_diagnostic_that_belongs_to_no_element_marks_the_whole() -> None:
+    found = pictures("process P { in a : int  out x : int  composition { x ! 1 } }\nenvironment E for P { x -> _ }\n")
+    definition = found.named("E")
+    assert definition is not None
+    diagnostics = {number: each for number, each in found.concerned(definition).items() if each.code == "E0801"}
+    assert len(diagnostics) == 1
+    assert marks_of(places_of(found.communication(definition)), diagnostics) == {}
+    assert mark_of_rest(diagnostics, ())[WHOLE].numbers == tuple(diagnostics)
+    assert mark_of_rest(diagnostics, (Mark("warning", tuple(diagnostics)),)) == {}
