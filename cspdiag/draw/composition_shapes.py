@@ -176,7 +176,7 @@ def activity_block(activity: Activity, mark: Mark | None, link: str = "") -> Blo
             assert_never(activity.form)
     size = _size(lines, face, inset, 0 if sign is None else sign[1])
     return _shape(
-        f"process {activity.kind if activity.form == 'run' else activity.form}",
+        f"instance {activity.kind}" if activity.form == "run" else f"step {activity.form}",
         activity.key,
         lambda centre: centred(lines, centre, face),
         size,

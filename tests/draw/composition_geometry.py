@@ -58,7 +58,7 @@ def _measure(items: tuple[Item, ...], found: Measured) -> None:
         elif sort == "group":
             _measure_frame(item, found)
         else:
-            assert sort in ("process", "guard", "exception", "condition"), item.kind
+            assert sort in ("instance", "step", "guard", "exception", "condition"), item.kind
             assert item.id not in found.shapes
             found.shapes[item.id] = _measure_shape(item)
 

@@ -257,7 +257,7 @@ def test_instances_tell_what_they_are() -> None:
     (found,) = diagrams(text)
     scene = draw_composition(found, links={"Law": "#Law"})
     (group,) = (item for item in every(scene.items) if isinstance(item, Group) and item.id == "step-1.1")
-    assert group.kind == "process submodel"
+    assert group.kind == "instance submodel"
     assert group.title == "submodel law : Law\nOf the pan joint.\nHolds its set-point.\nrandom.csp:8"
     assert group.link == "#Law"
 
