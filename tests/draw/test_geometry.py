@@ -5,7 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from hypothesis import HealthCheck, given, settings
 
+from cspdiag.diagnostics import SourceFile
 from cspdiag.draw.geometry import Point, Rectangle
 from cspdiag.draw.layout.elk import engine_available
 from cspdiag.draw.pictures import Pictures, Wish
@@ -14,6 +16,7 @@ from cspdiag.draw.scene_geometry import fitted
 from cspdiag.pipeline import check
 from cspdiag.sources import read_source
 from tests.draw.geometry_rules import faults
+from tests.properties.programs import programs
 
 ROOT = Path(__file__).parents[2]
 MODELS = sorted(path.relative_to(ROOT).as_posix() for path in ROOT.glob("models/*/*.csp"))
@@ -68,3 +71,16 @@ def test_words_in_a_box_and_beside_a_line_are_fine() -> None:
 
 def test_what_leaves_the_sheet_is_seen() -> None:
     assert any("leaves the sheet" in each for each in faults(Scene(60, 60, (WORDS,))))
+
+
+@needs_engine
+@settings(max_examples=5, deadline=None, suppress_health_check=[HealthCheck.too_slow], derandomize=True)
+@given(programs())
+def test_nothing_lies_on_anything_in_random_programs(text: str) -> None:
+    checked = check(SourceFile(name="drawn.csp", text=text), read_source)
+    assert checked.readable is not None
+    pictures = Pictures(checked.readable)
+    for definition in pictures.drawn():
+        for depth in (1, 2):
+            scene = pictures.scene(definition, Wish(which="communication", depth=depth))
+            assert faults(scene) == [], definition.name.text

@@ -14,6 +14,8 @@ COLUMN_GAP = 18.0
 """Between the labels of ports on opposite sides."""
 PORT_SPACING = 24.0
 """Between ports on one side."""
+SIGN_ROOM = 24.0
+"""At the beginning of a line, for a sign of what it is."""
 TITLE_GAP = 7.0
 """Above and below a title."""
 
@@ -51,7 +53,7 @@ def children_padding(node: Node) -> Padding:
     west, east = (_widest(node.ports, side) for side in (Side.WEST, Side.EAST))
     return Padding(
         padding.top + title_height(node),
-        max(padding.right, even(east + BORDER_GAP) if east else 0),
+        max(padding.right, even(east + BORDER_GAP + SIGN_ROOM) if east else 0),
         padding.bottom,
         max(padding.left, even(west + BORDER_GAP) if west else 0),
     )
