@@ -11,7 +11,7 @@ from cspdiag.analyses.transitions.spots import spot
 from cspdiag.analyses.transitions.template import Template
 from cspdiag.analyses.transitions.thread import Configuration, Restart, Role, Thread
 
-MOST_STATES = 5_000
+MOST_STATES = 3_000
 """A thread with more states has a variable with many values, which is then not followed."""
 
 

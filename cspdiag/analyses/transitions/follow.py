@@ -3,34 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from itertools import product
 
 from cspdiag.analyses.transitions.facts import FAULT
+from cspdiag.analyses.transitions.law_steps import LawSteps
 from cspdiag.analyses.transitions.occurrences import PATIENT
 from cspdiag.analyses.transitions.program import Node
-from cspdiag.analyses.transitions.template import Reference
-from cspdiag.analyses.transitions.thread import Configuration, Context, NeedsLoad, Restart, Stack, Thread
+from cspdiag.analyses.transitions.thread import Configuration, Context, NeedsLoad, Restart, Stack
 from cspdiag.analyses.transitions.values import (
     UNKNOWN,
     EvaluationFault,
-    Known,
-    replaced_element,
-    values_of_type,
-    variables_in,
 )
-from cspdiag.diagnostics import Span
-from cspdiag.model.types import ArrayType, RealType, StructType, Type
 from cspdiag.network.actions import (
-    AfterEvent,
     AssignValue,
-    Branch,
     CatchException,
     Choice,
     Group,
     IfElse,
     InputEvent,
     InterruptOn,
-    OutputEvent,
     ParallelSteps,
     RaiseException,
     ReadValue,
@@ -46,24 +36,17 @@ from cspdiag.network.actions import (
     WhileLoop,
     WriteValue,
 )
-from cspdiag.network.expressions import Expression, LiteralValue, PresentTime
-from cspdiag.network.ir import Connection, ExternalCall, SubmodelClass
+from cspdiag.network.expressions import Expression
 
 _MANY_STEPS = 5_000
 """After so many silent steps the variables that change are not followed any longer."""
-RISK = ("risk",)
-"""Stands for a shared variable that is loaded: the fault that a step may end in, which it does not."""
-
 
 POINTS = frozenset({"run", "put", "delivering", "choice", "reading", "writing", "foreign", "foreign port"})
 """What may be first on the stack where a cancelled or interrupted process ends."""
 
 
-class Follower:
+class Follower(LawSteps):
     """Takes the silent steps of one thread."""
-
-    def __init__(self, thread: Thread) -> None:
-        self.thread = thread
 
     def settled(self, start: Configuration) -> Configuration:
         """Where the thread is once it can do nothing more on its own. A circle of silent steps ends in a frame ``diverges``."""
@@ -105,136 +88,6 @@ class Follower:
         except EvaluationFault:
             return self.thrown(configuration, FAULT)
 
-    # -- ends
-
-    def finished(self, configuration: Configuration) -> Configuration | None:
-        """The thread has come to its end."""
-        return configuration._replace(stack=(("ended",), None), doomed=False, fetched=None, loaded=())
-
-    def abandoned(self, configuration: Configuration) -> Configuration:
-        """A cancelled thread ends at this point of its composition."""
-        stack = configuration.stack
-        while stack is not None:
-            frame, stack = stack
-            if frame[0] == "leave":
-                configuration = self.thread.closed(configuration, frame[1])
-        return configuration._replace(stack=(("ended",), None), doomed=False, fetched=None, loaded=())
-
-    def thrown(self, configuration: Configuration, exception: str) -> Configuration:
-        """An exception goes up to who catches it, or ends the thread."""
-        stack = configuration.stack
-        while stack is not None:
-            frame, stack = stack
-            if frame[0] == "catch" and frame[1] == exception:
-                handler = ("run", frame[2], frame[3])
-                return configuration._replace(stack=(handler, stack), fetched=None, loaded=())
-            if frame[0] == "leave":
-                configuration = self.thread.closed(configuration, frame[1])
-        end = ("ended",) if configuration.doomed else ("raised", exception)
-        if exception == FAULT and not (self.thread.role.outermost or self.thread.role.caught):
-            end = ("faulted",)
-        return configuration._replace(stack=(end, None), doomed=False, fetched=None, loaded=())
-
-    # -- values
-
-    def evaluate(self, configuration: Configuration, context: Context, expression: Expression) -> Known:
-        """A value; where faults are caught, an evaluation that may fail is first seen to ``risk`` it."""
-        value = self.thread.evaluate(configuration, context, expression)
-        if value is UNKNOWN:
-            self._compute_risk(configuration, context, expression)
-        return value
-
-    def _compute_risk(self, configuration: Configuration, context: Context, expression: Expression) -> None:
-        """Computes an expression whose value does not matter."""
-        if self.thread.facts.catches_faults and self.thread.facts.faults.of_expression(
-            expression, context.definition.name
-        ):
-            self._risk(configuration, expression.span)
-
-    def _risk(self, configuration: Configuration, span: Span | None) -> None:
-        """A step that may end in a fault, where faults are caught."""
-        if any(loaded == RISK for loaded, _ in configuration.loaded):
-            return
-        if self.faults_are_caught(configuration):
-            raise NeedsLoad((*RISK, span))
-
-    def faults_are_caught(self, configuration: Configuration) -> bool:
-        """Whether a ``catch Fault`` is around what the thread does."""
-        if not self.thread.facts.catches_faults:
-            return False
-        stack = configuration.stack
-        while stack is not None:
-            frame, stack = stack
-            if frame[0] == "catch" and frame[1] == FAULT:
-                return True
-        return self.thread.role.caught
-
-    def outcomes(
-        self, configuration: Configuration, context: Context, condition: Expression
-    ) -> list[tuple[bool, Configuration]]:
-        """Whether a condition holds: one answer, or several where that is left open; a variable of few values is then given the one that decides."""
-        value = self.evaluate(configuration, context, condition)
-        if value is not UNKNOWN:
-            return [(bool(value), configuration)]
-        open_ = self._open_variables(configuration, context, condition)
-        found: list[tuple[bool, Configuration]] = []
-        for values in product(*(choices for _, choices in open_)):
-            given = configuration
-            for (reference, _), chosen in zip(open_, values, strict=True):
-                given = self.thread.with_slot(given, reference, chosen)
-            decided = self.thread.evaluate(given, context, condition) if open_ else UNKNOWN
-            answers = (True, False) if decided is UNKNOWN else (bool(decided),)
-            found += [(answer, given) for answer in answers]
-        return found
-
-    def _open_variables(
-        self, configuration: Configuration, context: Context, condition: Expression
-    ) -> list[tuple[Reference, tuple[Known, ...]]]:
-        """The unknown variables in a condition that have few values and are followed here."""
-        found: dict[Reference, tuple[Known, ...]] = {}
-        number = 1
-        for variable in variables_in(condition):
-            reference = ("channel", context.path, variable.channel)
-            values = values_of_type(variable.type)
-            if values is None or reference in found or reference in self.thread.widened:
-                continue
-            if self.thread.is_shared(reference) or self.thread.slot_value(configuration, reference) is not UNKNOWN:
-                continue
-            number *= len(values)
-            if number > 16:
-                break
-            found[reference] = values
-        return list(found.items())
-
-    def assigned(self, configuration: Configuration, context: Context, target: Target, value: Known) -> Configuration:
-        """A variable, or an element of it, is given a value."""
-        if target.channel == "":
-            return configuration
-        reference = ("channel", context.path, target.channel)
-        if not self.thread.medium(reference).relevant:
-            return configuration
-        if target.indexes:
-            whole = self.thread.value_of(configuration, reference)
-            indexes = tuple(self.thread.evaluate(configuration, context, index) for index in target.indexes)
-            value = replaced_element(whole, indexes, value)
-        return self.stored(configuration, reference, value)
-
-    def _assigning(self, c: Configuration, frame: tuple[object, ...], rest: Stack) -> Configuration | None:
-        """What was read goes into its variable."""
-        _, context, target, value = frame
-        assert isinstance(context, Context)
-        assert isinstance(target, Target)
-        return self.assigned(c._replace(stack=rest), context, target, value)._replace(loaded=())  # type: ignore[arg-type]
-
-    def stored(self, configuration: Configuration, reference: Reference, value: Known) -> Configuration:
-        """A variable is given a value; a shared one at the next step."""
-        if reference[0] in ("constant", "discard") or not self.thread.medium(reference).relevant:
-            return configuration
-        if self.thread.is_shared(reference):
-            self.thread.wrote(reference, value)
-            return configuration._replace(stack=(("store", reference, value), configuration.stack))
-        return self.thread.with_slot(configuration, reference, value)
-
     # -- actions; each is given the stack below it
 
     def _sequence(self, c: Configuration, node: Node, context: Context, rest: Stack) -> Configuration | None:
@@ -249,7 +102,7 @@ class Follower:
         action = node.action
         assert isinstance(action, AssignValue)
         if not self.thread.medium(("channel", context.path, action.target.channel)).relevant:
-            self._compute_risk(c, context, action.value)
+            self.compute_risk(c, context, action.value)
             return c._replace(stack=rest, loaded=())
         value = self.evaluate(c, context, action.value)
         return self.assigned(c._replace(stack=rest), context, action.target, value)._replace(loaded=())
@@ -270,7 +123,7 @@ class Follower:
             value = self.thread.value_of(c, reference)
         faults = self.thread.facts.faults
         if value is UNKNOWN and faults.of_read(action.source, context.definition.name):
-            self._risk(c, action.span)
+            self.risk(c, action.span)
         return self.assigned(c._replace(stack=rest), context, action.target, value)._replace(loaded=())
 
     def _target_relevant(self, context: Context, target: Target) -> bool:
@@ -296,7 +149,7 @@ class Follower:
     def _wait(self, c: Configuration, node: Node, context: Context, rest: Stack) -> Configuration | None:
         if not c.doomed:
             assert isinstance(node.action, WaitStep)
-            self._compute_risk(c, context, node.action.duration)
+            self.compute_risk(c, context, node.action.duration)
         return self._point(c, node, context, rest)
 
     def _point(self, c: Configuration, node: Node, context: Context, rest: Stack) -> Configuration | None:
@@ -390,26 +243,12 @@ class Follower:
         value = self.offered(c, context, node.action.branches[len(decided)])
         return c._replace(stack=(("deciding", node, context, (*decided, (value,))), rest), loaded=())
 
-    def offered(self, c: Configuration, context: Context, branch: Branch) -> Known:
-        """What an output guard writes; it is evaluated when the alternative begins."""
-        if isinstance(branch.event, AfterEvent):
-            self._compute_risk(c, context, branch.event.duration)
-        if not isinstance(branch.event, OutputEvent):
-            return UNKNOWN
-        return self.communicated(c, context, context.reference(branch.event.sink), branch.event.value)
-
-    def communicated(self, c: Configuration, context: Context, reference: Reference, expression: Expression) -> Known:
-        """The value of an expression that is written to a medium, if values of that medium are followed."""
-        if self.thread.medium(reference).relevant and not isinstance(expression, PresentTime):
-            return self.evaluate(c, context, expression)
-        self._compute_risk(c, context, expression)
-        if self.thread.medium(reference).kind != "output":
-            return UNKNOWN
-        if isinstance(expression, LiteralValue):
-            return expression.value
-        if _has_real(expression.type):
-            self._risk(c, expression.span)  # NaN and infinity are no values of outputs.
-        return UNKNOWN
+    def _assigning(self, c: Configuration, frame: tuple[object, ...], rest: Stack) -> Configuration | None:
+        """What was read goes into its variable."""
+        _, context, target, value = frame
+        assert isinstance(context, Context)
+        assert isinstance(target, Target)
+        return self.assigned(c._replace(stack=rest), context, target, value)._replace(loaded=())  # type: ignore[arg-type]
 
     def _interrupt(self, c: Configuration, node: Node, context: Context, rest: Stack) -> Configuration | None:
         if c.doomed:
@@ -454,94 +293,6 @@ class Follower:
 
     def _pop(self, c: Configuration, frame: tuple[object, ...], rest: Stack) -> Configuration | None:
         return c._replace(stack=rest)
-
-    def cannot_fuse(self, c: Configuration) -> None:
-        """What a ready guard has read cannot be handed to who reads it: the guard is taken without reading instead."""
-        assert c.fetched is not None
-        self.thread.unfused.add(id(c.fetched[2]))
-        raise Restart
-
-    # -- control laws
-
-    def connections(self, context: Context, instance: str, direction: str) -> list[tuple[Connection, Reference]]:
-        """The connections of a submodel on one side, in the order of its ports, with their media."""
-        law = self.thread.law(context, instance)
-        assert law is not None
-        names = {port.name for port in law.ports if port.direction == direction}
-        connections = context.definition.instances[instance].connections
-        return [(c, context.reference(c.attachment)) for c in connections if c.port in names]
-
-    def _reading(self, c: Configuration, frame: tuple[object, ...], rest: Stack) -> Configuration | None:
-        """The inputs that are still to be read: all at first."""
-        _, context, instance, node, remaining = frame
-        assert isinstance(context, Context)
-        assert isinstance(instance, str)
-        if remaining is None:
-            instance_of = context.definition.instances[instance]
-            if self.thread.facts.faults.of_inputs(instance_of, context.definition.name):
-                self._risk(c, instance_of.span)
-            inputs = self.connections(context, instance, "in")
-            waiting = [i for i, (_, reference) in enumerate(inputs) if self.thread.medium(reference).kind in PATIENT]
-            if c.fetched is not None:
-                fetched = c.fetched[0]
-                kept = [i for i in waiting if inputs[i][1] != fetched]
-                if len(kept) == len(waiting) and waiting:
-                    self.cannot_fuse(c)
-                c = c if len(kept) == len(waiting) else c._replace(fetched=None)
-                waiting = kept
-            return c._replace(stack=(("reading", context, instance, node, tuple(waiting)), rest), loaded=())
-        return None if remaining else c._replace(stack=rest)
-
-    def _compute(self, c: Configuration, frame: tuple[object, ...], rest: Stack) -> Configuration | None:
-        _, context, instance, node = frame
-        assert isinstance(context, Context)
-        assert isinstance(instance, str)
-        law = self.thread.law(context, instance)
-        assert law is not None
-        outputs = self.connections(context, instance, "out")
-        shown = any(self.thread.medium(reference).kind == "output" for _, reference in outputs)
-        if shown or self.thread.facts.faults.of_law(law):
-            self._risk(c, context.definition.instances[instance].span)
-        c = c._replace(stack=(("writing", context, instance, node, None), rest), loaded=())
-        for connection, reference in outputs:
-            if self.thread.medium(reference).kind == "var":
-                c = self.stored(c, reference, constant_output(law, connection.port))
-        return c
-
-    def _writing(self, c: Configuration, frame: tuple[object, ...], rest: Stack) -> Configuration | None:
-        """The outputs that are still to be written: all at first."""
-        _, context, instance, node, remaining = frame
-        assert isinstance(context, Context)
-        assert isinstance(instance, str)
-        if remaining is None:
-            if c.doomed:
-                return self.abandoned(c)
-            outputs = self.connections(context, instance, "out")
-            kinds = [self.thread.medium(reference).kind for _, reference in outputs]
-            left = tuple(i for i, kind in enumerate(kinds) if kind not in ("var", "discard"))
-            return c._replace(stack=(("writing", context, instance, node, left), rest))
-        return None if remaining else c._replace(stack=rest)
-
-
-def _has_real(kind: Type) -> bool:
-    match kind:
-        case StructType(fields=fields):
-            return any(_has_real(field) for _, field in fields)
-        case ArrayType(element=element):
-            return _has_real(element)
-    return isinstance(kind, RealType)
-
-
-def constant_output(law: SubmodelClass, port: str) -> Known:
-    """The value of an output that is always the same."""
-    for equation in law.equations:
-        if (
-            not isinstance(equation, ExternalCall)
-            and equation.name == port
-            and isinstance(equation.value, LiteralValue)
-        ):
-            return equation.value.value
-    return UNKNOWN
 
 
 _STEPS: dict[type, Callable[[Follower, Configuration, Node, Context, Stack], Configuration | None]] = {

@@ -2,52 +2,36 @@
 
 from __future__ import annotations
 
-from typing import TypeAlias
-
+from cspdiag.analyses.transitions.communications import MISSED, Communications, Move, assigning
+from cspdiag.analyses.transitions.computing import RISK
 from cspdiag.analyses.transitions.facts import FAULT, TIMEOUT
-from cspdiag.analyses.transitions.follow import POINTS, RISK, Follower
+from cspdiag.analyses.transitions.follow import POINTS, Follower
 from cspdiag.analyses.transitions.joining import LawParallels, fork_edges, join_edges
-from cspdiag.analyses.transitions.occurrences import PATIENT
 from cspdiag.analyses.transitions.program import Node
 from cspdiag.analyses.transitions.template import INTERNAL_LABEL, Label, Reference
-from cspdiag.analyses.transitions.thread import Configuration, Context, Frame, Stack, Thread, reading_end
-from cspdiag.analyses.transitions.values import UNKNOWN, Known, values_of_type
+from cspdiag.analyses.transitions.thread import Configuration, Context, Frame, Stack, Thread
+from cspdiag.analyses.transitions.values import UNKNOWN
 from cspdiag.network.actions import (
-    AfterEvent,
-    Branch,
     ChannelEnd,
     Choice,
-    End,
-    Event,
-    InputEvent,
     InterruptOn,
-    OutputEvent,
     ParallelSteps,
     PortEnd,
     ReadValue,
-    ReadyEvent,
-    SkipEvent,
     StopStep,
-    Target,
     WaitStep,
 )
 from cspdiag.network.dump_expression import expression_text
-
-Move: TypeAlias = tuple[Label, Configuration]
-
-MISSED = "missed"
-"""Instead of a value: the sample was overwritten, and the reader gets Timeout."""
 
 _AT_ONCE = 4
 """With more communications at once than that, each has a component of its own instead of all orders in one."""
 
 
-class Offers:
+class Offers(Communications):
     """The edges of one thread."""
 
     def __init__(self, thread: Thread, follower: Follower) -> None:
-        self.thread = thread
-        self.follower = follower
+        super().__init__(thread, follower)
         self.laws = LawParallels(thread, follower)
 
     def moves(self, c: Configuration) -> list[Move]:
@@ -66,9 +50,7 @@ class Offers:
             case "run":
                 return self._action(c, frame[1], frame[2], rest)
             case "put":
-                return [
-                    (self._written(frame[1], frame[2]), self._delivering(frame[1], frame[3], c._replace(stack=rest)))
-                ]
+                return [(self.written(frame[1], frame[2]), self.delivering(frame[1], frame[3], c._replace(stack=rest)))]
             case "delivering":
                 return [(("delivered", frame[1]), c._replace(stack=rest))]
             case "withdrawing":
@@ -131,7 +113,7 @@ class Offers:
                     if value is MISSED:
                         found.append((label, self.follower.thrown(given, TIMEOUT)))
                     else:
-                        found.append((label, _assigning(given._replace(stack=rest), context, action.target, value)))
+                        found.append((label, assigning(given._replace(stack=rest), context, action.target, value)))
                 return found
             case WaitStep():
                 return [(("time", f"wait {expression_text(action.duration)}"), after._replace(loaded=()))]
@@ -140,49 +122,6 @@ class Offers:
             case ParallelSteps():
                 return fork_edges(self.thread, self.follower, c, node, context, rest)
         raise AssertionError(type(action).__name__)
-
-    def _written(self, reference: Reference, value: Known, kind: str = "write") -> Label:
-        medium = self.thread.medium(reference)
-        if medium.kind == "output":
-            return ("output", reference, value)
-        self.thread.wrote(reference, value)
-        return (kind, reference, value if medium.relevant else UNKNOWN)
-
-    def _delivering(self, reference: Reference, node: Node, after: Configuration) -> Configuration:
-        """The writer of a broadcast goes on when every end has taken the value."""
-        if self.thread.medium(reference).kind != "broadcast":
-            return after
-        return after._replace(stack=(("delivering", reference, node), after.stack))
-
-    def reads(self, c: Configuration, context: Context, end: End) -> list[tuple[Label, Known | str, Configuration]]:
-        """The ways to read an end at which a reader may wait: label, value, and the configuration with its session noted."""
-        reference = context.reference(end)
-        medium = self.thread.medium(reference)
-        where = reading_end(context, end)
-        if medium.kind == "sampled":
-            begun = self.thread.beginning(c, context, where)
-            found: list[tuple[Label, Known | str, Configuration]] = [
-                (("sample", reference, value), value, begun) for value in self._outside(reference)
-            ]
-            if self.thread.begun(c, context, where) and self._timeouts():
-                found.append((("miss", reference), MISSED, begun))
-            return found
-        if medium.kind == "event":
-            return [(("input", reference, value), value, c) for value in self._outside(reference)]
-        domain = self.thread.domain(reference) if medium.relevant else None
-        if domain is None:
-            return [(("read", reference, UNKNOWN, where), UNKNOWN, c)]
-        return [(("read", reference, value, where), value, c) for value in domain]
-
-    def _outside(self, reference: Reference) -> tuple[Known, ...]:
-        """The values that the environment may give, as far as they are told apart."""
-        medium = self.thread.medium(reference)
-        values = values_of_type(medium.type) if medium.relevant and medium.type is not None else None
-        return (UNKNOWN,) if values is None else values
-
-    def _timeouts(self) -> bool:
-        environments = self.thread.facts.program.network.environments
-        return not environments or any(environment.on_miss == "timeout" for environment in environments)
 
     # -- guards
 
@@ -216,64 +155,6 @@ class Offers:
                         target = target._replace(stack=(abandon, target.stack))
                     found.append((label, target))
         return found
-
-    def guarded(self, held: Configuration, context: Context, branch: Branch, body: Node, value: Known) -> list[Move]:
-        """The ways to take a guard; ``held`` is where the alternative stands, without it."""
-        event: Event = branch.event
-        on = held._replace(stack=(("run", body, context), held.stack))
-        match event:
-            case SkipEvent():
-                return [(INTERNAL_LABEL, on)]
-            case AfterEvent():
-                return [(("time", f"after {expression_text(event.duration)}"), on)]
-            case OutputEvent():
-                reference = context.reference(event.sink)
-                if self.thread.medium(reference).kind in ("var", "discard"):
-                    return [(INTERNAL_LABEL, self.follower.stored(on, reference, value))]
-                return [(self._written(reference, value, "guarded"), on)]
-            case InputEvent():
-                return self._input_guard(held, on, context, event)
-            case ReadyEvent():
-                return self._ready_guard(on, context, event, id(body))
-        raise AssertionError(type(event).__name__)
-
-    def _input_guard(self, held: Configuration, on: Configuration, context: Context, event: InputEvent) -> list[Move]:
-        reference = context.reference(event.source)
-        if held.fetched is not None:
-            value = held.fetched[1]
-            return [(INTERNAL_LABEL, _assigning(on._replace(fetched=None), context, event.target, value))]
-        if self.thread.medium(reference).kind not in PATIENT:
-            value = UNKNOWN
-            if self.thread.medium(reference).kind == "constant":
-                value = reference[1]
-            elif self.thread.medium(reference).relevant and not self.thread.is_shared(reference):
-                value = self.thread.slot_value(held, reference)
-            return [(INTERNAL_LABEL, _assigning(on, context, event.target, value))]
-        found: list[Move] = []
-        for label, value, given in self.reads(on, context, event.source):
-            if value is MISSED:
-                found.append((label, self.follower.thrown(given._replace(stack=held.stack), TIMEOUT)))
-            else:
-                found.append((label, _assigning(given, context, event.target, value)))
-        return found
-
-    def _ready_guard(self, on: Configuration, context: Context, event: ReadyEvent, guard: int) -> list[Move]:
-        reference = context.reference(event.source)
-        kind = self.thread.medium(reference).kind
-        if on.fetched is not None or kind not in PATIENT:
-            return [(INTERNAL_LABEL, on)]
-        if kind in ("sampled", "event"):
-            return [(("ready", reference), self.thread.beginning(on, context, reading_end(context, event.source)))]
-        if guard in self.thread.unfused:
-            self.thread.abstracted(
-                "a ready guard is taken before its communication, which another process might make", event.span
-            )
-            return [(INTERNAL_LABEL, on)]
-        return [
-            (label, given._replace(fetched=(reference, value, guard)))
-            for label, value, given in self.reads(on, context, event.source)
-            if value is not MISSED
-        ]
 
     # -- control laws
 
@@ -323,8 +204,8 @@ class Offers:
         for position in (*chain[:1], *free):
             left = (("writing", context, instance, node, tuple(i for i in remaining if i != position)), rest)
             reference = outputs[position][1]
-            after = self._delivering(reference, node, c._replace(stack=left))
-            found.append((self._written(reference, UNKNOWN), after))
+            after = self.delivering(reference, node, c._replace(stack=left))
+            found.append((self.written(reference, UNKNOWN), after))
         return found
 
     # -- what is left open
@@ -372,7 +253,7 @@ class Offers:
         ports = {port.name: port for port in context.definition.definition.ports}
         reference = context.ports[name, index]
         if ports[name].direction == "out":
-            return [(self._written(reference, UNKNOWN), self._delivering(reference, node, back))]
+            return [(self.written(reference, UNKNOWN), self.delivering(reference, node, back))]
         found: list[Move] = []
         for label, value, given in self.reads(back, context, PortEnd(name, index)):
             found.append((label, self.follower.thrown(given, TIMEOUT) if value is MISSED else given))
@@ -402,8 +283,3 @@ class Offers:
 def is_point(frame: Frame) -> bool:
     """Whether a cancelled or interrupted process ends there."""
     return frame[0] in POINTS
-
-
-def _assigning(c: Configuration, context: Context, target: Target, value: Known | str) -> Configuration:
-    """What was read goes into its variable at the next step."""
-    return c._replace(stack=(("assign", context, target, value), c.stack))

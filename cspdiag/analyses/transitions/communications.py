@@ -1,0 +1,145 @@
+"""The communications and guards that a thread offers."""
+
+from __future__ import annotations
+
+from typing import TypeAlias
+
+from cspdiag.analyses.transitions.facts import TIMEOUT
+from cspdiag.analyses.transitions.follow import Follower
+from cspdiag.analyses.transitions.occurrences import PATIENT
+from cspdiag.analyses.transitions.program import Node
+from cspdiag.analyses.transitions.template import INTERNAL_LABEL, Label, Reference
+from cspdiag.analyses.transitions.thread import Configuration, Context, Thread, reading_end
+from cspdiag.analyses.transitions.values import UNKNOWN, Known, values_of_type
+from cspdiag.network.actions import (
+    AfterEvent,
+    Branch,
+    End,
+    Event,
+    InputEvent,
+    OutputEvent,
+    ReadyEvent,
+    SkipEvent,
+    Target,
+)
+from cspdiag.network.dump_expression import expression_text
+
+Move: TypeAlias = tuple[Label, Configuration]
+
+MISSED = "missed"
+"""Instead of a value: the sample was overwritten, and the reader gets Timeout."""
+
+
+class Communications:
+    """The ways to read, write and take guards in one thread."""
+
+    def __init__(self, thread: Thread, follower: Follower) -> None:
+        self.thread = thread
+        self.follower = follower
+
+    def written(self, reference: Reference, value: Known, kind: str = "write") -> Label:
+        """The label of a write, whose value is noted where values of the medium are followed."""
+        medium = self.thread.medium(reference)
+        if medium.kind == "output":
+            return ("output", reference, value)
+        self.thread.wrote(reference, value)
+        return (kind, reference, value if medium.relevant else UNKNOWN)
+
+    def delivering(self, reference: Reference, node: Node, after: Configuration) -> Configuration:
+        """The writer of a broadcast goes on when every end has taken the value."""
+        if self.thread.medium(reference).kind != "broadcast":
+            return after
+        return after._replace(stack=(("delivering", reference, node), after.stack))
+
+    def reads(self, c: Configuration, context: Context, end: End) -> list[tuple[Label, Known | str, Configuration]]:
+        """The ways to read an end at which a reader may wait: label, value, and the configuration with its session noted."""
+        reference = context.reference(end)
+        medium = self.thread.medium(reference)
+        where = reading_end(context, end)
+        if medium.kind == "sampled":
+            begun = self.thread.beginning(c, context, where)
+            found: list[tuple[Label, Known | str, Configuration]] = [
+                (("sample", reference, value), value, begun) for value in self._outside(reference)
+            ]
+            if self.thread.begun(c, context, where) and self._timeouts():
+                found.append((("miss", reference), MISSED, begun))
+            return found
+        if medium.kind == "event":
+            return [(("input", reference, value), value, c) for value in self._outside(reference)]
+        domain = self.thread.domain(reference) if medium.relevant else None
+        if domain is None:
+            return [(("read", reference, UNKNOWN, where), UNKNOWN, c)]
+        return [(("read", reference, value, where), value, c) for value in domain]
+
+    def _outside(self, reference: Reference) -> tuple[Known, ...]:
+        """The values that the environment may give, as far as they are told apart."""
+        medium = self.thread.medium(reference)
+        values = values_of_type(medium.type) if medium.relevant and medium.type is not None else None
+        return (UNKNOWN,) if values is None else values
+
+    def _timeouts(self) -> bool:
+        environments = self.thread.facts.program.network.environments
+        return not environments or any(environment.on_miss == "timeout" for environment in environments)
+
+    def guarded(self, held: Configuration, context: Context, branch: Branch, body: Node, value: Known) -> list[Move]:
+        """The ways to take a guard; ``held`` is where the alternative stands, without it."""
+        event: Event = branch.event
+        on = held._replace(stack=(("run", body, context), held.stack))
+        match event:
+            case SkipEvent():
+                return [(INTERNAL_LABEL, on)]
+            case AfterEvent():
+                return [(("time", f"after {expression_text(event.duration)}"), on)]
+            case OutputEvent():
+                reference = context.reference(event.sink)
+                if self.thread.medium(reference).kind in ("var", "discard"):
+                    return [(INTERNAL_LABEL, self.follower.stored(on, reference, value))]
+                return [(self.written(reference, value, "guarded"), on)]
+            case InputEvent():
+                return self._input_guard(held, on, context, event)
+            case ReadyEvent():
+                return self._ready_guard(on, context, event, id(body))
+        raise AssertionError(type(event).__name__)
+
+    def _input_guard(self, held: Configuration, on: Configuration, context: Context, event: InputEvent) -> list[Move]:
+        reference = context.reference(event.source)
+        if held.fetched is not None:
+            value = held.fetched[1]
+            return [(INTERNAL_LABEL, assigning(on._replace(fetched=None), context, event.target, value))]
+        if self.thread.medium(reference).kind not in PATIENT:
+            value = UNKNOWN
+            if self.thread.medium(reference).kind == "constant":
+                value = reference[1]
+            elif self.thread.medium(reference).relevant and not self.thread.is_shared(reference):
+                value = self.thread.slot_value(held, reference)
+            return [(INTERNAL_LABEL, assigning(on, context, event.target, value))]
+        found: list[Move] = []
+        for label, value, given in self.reads(on, context, event.source):
+            if value is MISSED:
+                found.append((label, self.follower.thrown(given._replace(stack=held.stack), TIMEOUT)))
+            else:
+                found.append((label, assigning(given, context, event.target, value)))
+        return found
+
+    def _ready_guard(self, on: Configuration, context: Context, event: ReadyEvent, guard: int) -> list[Move]:
+        reference = context.reference(event.source)
+        kind = self.thread.medium(reference).kind
+        if on.fetched is not None or kind not in PATIENT:
+            return [(INTERNAL_LABEL, on)]
+        if kind in ("sampled", "event"):
+            return [(("ready", reference), self.thread.beginning(on, context, reading_end(context, event.source)))]
+        if guard in self.thread.unfused:
+            self.thread.abstracted(
+                "a ready guard is taken before its communication, which another process might make", event.span
+            )
+            return [(INTERNAL_LABEL, on)]
+        return [
+            (label, given._replace(fetched=(reference, value, guard)))
+            for label, value, given in self.reads(on, context, event.source)
+            if value is not MISSED
+        ]
+
+
+def assigning(c: Configuration, context: Context, target: Target, value: Known | str) -> Configuration:
+    """What was read goes into its variable at the next step."""
+    return c._replace(stack=(("assign", context, target, value), c.stack))

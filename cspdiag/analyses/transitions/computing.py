@@ -1,0 +1,194 @@
+"""What a thread knows: the values of its expressions, what they may fail with, and how it ends."""
+
+from __future__ import annotations
+
+from itertools import product
+
+from cspdiag.analyses.transitions.facts import FAULT
+from cspdiag.analyses.transitions.template import Reference
+from cspdiag.analyses.transitions.thread import Configuration, Context, NeedsLoad, Restart, Thread
+from cspdiag.analyses.transitions.values import (
+    UNKNOWN,
+    Known,
+    replaced_element,
+    values_of_type,
+    variables_in,
+)
+from cspdiag.diagnostics import Span
+from cspdiag.model.types import ArrayType, RealType, StructType, Type
+from cspdiag.network.actions import (
+    AfterEvent,
+    Branch,
+    OutputEvent,
+    Target,
+)
+from cspdiag.network.expressions import Expression, LiteralValue, PresentTime
+
+RISK = ("risk",)
+"""Stands for a shared variable that is loaded: the fault that a step may end in, which it does not."""
+
+
+class Computing:
+    """The values and the ends of one thread."""
+
+    def __init__(self, thread: Thread) -> None:
+        self.thread = thread
+
+    # -- ends
+
+    def finished(self, configuration: Configuration) -> Configuration | None:
+        """The thread has come to its end."""
+        return configuration._replace(stack=(("ended",), None), doomed=False, fetched=None, loaded=())
+
+    def abandoned(self, configuration: Configuration) -> Configuration:
+        """A cancelled thread ends at this point of its composition."""
+        stack = configuration.stack
+        while stack is not None:
+            frame, stack = stack
+            if frame[0] == "leave":
+                configuration = self.thread.closed(configuration, frame[1])
+        return configuration._replace(stack=(("ended",), None), doomed=False, fetched=None, loaded=())
+
+    def thrown(self, configuration: Configuration, exception: str) -> Configuration:
+        """An exception goes up to who catches it, or ends the thread."""
+        stack = configuration.stack
+        while stack is not None:
+            frame, stack = stack
+            if frame[0] == "catch" and frame[1] == exception:
+                handler = ("run", frame[2], frame[3])
+                return configuration._replace(stack=(handler, stack), fetched=None, loaded=())
+            if frame[0] == "leave":
+                configuration = self.thread.closed(configuration, frame[1])
+        end = ("ended",) if configuration.doomed else ("raised", exception)
+        if exception == FAULT and not (self.thread.role.outermost or self.thread.role.caught):
+            end = ("faulted",)
+        return configuration._replace(stack=(end, None), doomed=False, fetched=None, loaded=())
+
+    def cannot_fuse(self, c: Configuration) -> None:
+        """What a ready guard has read cannot be handed to who reads it: the guard is taken without reading instead."""
+        assert c.fetched is not None
+        self.thread.unfused.add(id(c.fetched[2]))
+        raise Restart
+
+    # -- values
+
+    def evaluate(self, configuration: Configuration, context: Context, expression: Expression) -> Known:
+        """A value; where faults are caught, an evaluation that may fail is first seen to ``risk`` it."""
+        value = self.thread.evaluate(configuration, context, expression)
+        if value is UNKNOWN:
+            self.compute_risk(configuration, context, expression)
+        return value
+
+    def compute_risk(self, configuration: Configuration, context: Context, expression: Expression) -> None:
+        """Computes an expression whose value does not matter."""
+        if self.thread.facts.catches_faults and self.thread.facts.faults.of_expression(
+            expression, context.definition.name
+        ):
+            self.risk(configuration, expression.span)
+
+    def risk(self, configuration: Configuration, span: Span | None) -> None:
+        """A step that may end in a fault, where faults are caught."""
+        if any(loaded == RISK for loaded, _ in configuration.loaded):
+            return
+        if self.faults_are_caught(configuration):
+            raise NeedsLoad((*RISK, span))
+
+    def faults_are_caught(self, configuration: Configuration) -> bool:
+        """Whether a ``catch Fault`` is around what the thread does."""
+        if not self.thread.facts.catches_faults:
+            return False
+        stack = configuration.stack
+        while stack is not None:
+            frame, stack = stack
+            if frame[0] == "catch" and frame[1] == FAULT:
+                return True
+        return self.thread.role.caught
+
+    def outcomes(
+        self, configuration: Configuration, context: Context, condition: Expression
+    ) -> list[tuple[bool, Configuration]]:
+        """Whether a condition holds: one answer, or several where that is left open; a variable of few values is then given the one that decides."""
+        value = self.evaluate(configuration, context, condition)
+        if value is not UNKNOWN:
+            return [(bool(value), configuration)]
+        open_ = self._open_variables(configuration, context, condition)
+        found: list[tuple[bool, Configuration]] = []
+        for values in product(*(choices for _, choices in open_)):
+            given = configuration
+            for (reference, _), chosen in zip(open_, values, strict=True):
+                given = self.thread.with_slot(given, reference, chosen)
+            decided = self.thread.evaluate(given, context, condition) if open_ else UNKNOWN
+            answers = (True, False) if decided is UNKNOWN else (bool(decided),)
+            found += [(answer, given) for answer in answers]
+        return found
+
+    def _open_variables(
+        self, configuration: Configuration, context: Context, condition: Expression
+    ) -> list[tuple[Reference, tuple[Known, ...]]]:
+        """The unknown variables in a condition that have few values and are followed here."""
+        found: dict[Reference, tuple[Known, ...]] = {}
+        number = 1
+        for variable in variables_in(condition):
+            reference = ("channel", context.path, variable.channel)
+            values = values_of_type(variable.type)
+            if values is None or reference in found or reference in self.thread.widened:
+                continue
+            if self.thread.is_shared(reference) or self.thread.slot_value(configuration, reference) is not UNKNOWN:
+                continue
+            number *= len(values)
+            if number > 16:
+                break
+            found[reference] = values
+        return list(found.items())
+
+    def assigned(self, configuration: Configuration, context: Context, target: Target, value: Known) -> Configuration:
+        """A variable, or an element of it, is given a value."""
+        if target.channel == "":
+            return configuration
+        reference = ("channel", context.path, target.channel)
+        if not self.thread.medium(reference).relevant:
+            return configuration
+        if target.indexes:
+            whole = self.thread.value_of(configuration, reference)
+            indexes = tuple(self.thread.evaluate(configuration, context, index) for index in target.indexes)
+            value = replaced_element(whole, indexes, value)
+        return self.stored(configuration, reference, value)
+
+    def stored(self, configuration: Configuration, reference: Reference, value: Known) -> Configuration:
+        """A variable is given a value; a shared one at the next step."""
+        if reference[0] in ("constant", "discard") or not self.thread.medium(reference).relevant:
+            return configuration
+        if self.thread.is_shared(reference):
+            self.thread.wrote(reference, value)
+            return configuration._replace(stack=(("store", reference, value), configuration.stack))
+        return self.thread.with_slot(configuration, reference, value)
+
+    def offered(self, c: Configuration, context: Context, branch: Branch) -> Known:
+        """What an output guard writes; it is evaluated when the alternative begins."""
+        if isinstance(branch.event, AfterEvent):
+            self.compute_risk(c, context, branch.event.duration)
+        if not isinstance(branch.event, OutputEvent):
+            return UNKNOWN
+        return self.communicated(c, context, context.reference(branch.event.sink), branch.event.value)
+
+    def communicated(self, c: Configuration, context: Context, reference: Reference, expression: Expression) -> Known:
+        """The value of an expression that is written to a medium, if values of that medium are followed."""
+        if self.thread.medium(reference).relevant and not isinstance(expression, PresentTime):
+            return self.evaluate(c, context, expression)
+        self.compute_risk(c, context, expression)
+        if self.thread.medium(reference).kind != "output":
+            return UNKNOWN
+        if isinstance(expression, LiteralValue):
+            return expression.value
+        if _has_real(expression.type):
+            self.risk(c, expression.span)  # NaN and infinity are no values of outputs.
+        return UNKNOWN
+
+
+def _has_real(kind: Type) -> bool:
+    match kind:
+        case StructType(fields=fields):
+            return any(_has_real(field) for _, field in fields)
+        case ArrayType(element=element):
+            return _has_real(element)
+    return isinstance(kind, RealType)
