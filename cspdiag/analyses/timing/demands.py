@@ -193,7 +193,7 @@ class Demands:
                 )
                 place = one.thread.places[max(job.wait, 0)]
                 refusals.append(Refusal(
-                    place.path, f"it computes after {what}, and how often cannot be seen", place.span,
+                    path.heaviest[1] or place.path, f"it computes after {what}, and how often cannot be seen", place.span,
                     "give the program an environment, whose `step` is the shortest time between two events",
                 ))  # fmt: skip
                 continue

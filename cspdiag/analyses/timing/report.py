@@ -96,7 +96,10 @@ def _loops(one: Behaviour, demands: Demands, refusals: list[Refusal]) -> Iterato
     grouped: dict[tuple[str, int], list[Job]] = {}
     for job in one.jobs:
         if job.offer is not None and job.offer.kind == "sample" and job.wait in one.loop_of:
-            of_wait = [other for other in one.at(job.wait) if other.offer is not None and other.offer.kind == "sample"]
+            of_wait = [
+                other for other in one.at(job.wait)
+                if other.offer is not None and other.offer.kind == "sample" and other.offer.period == job.offer.period
+            ]  # fmt: skip
             heaviest = max(of_wait, key=lambda other: other.path.heaviest[0]).path.heaviest
             name = heaviest[1] or one.thread.places[job.wait].path
             grouped.setdefault((name, job.offer.period), []).append(job)

@@ -187,14 +187,20 @@ class Threads:
         return next((target for name, target in reversed(context.handlers) if name == exception), None)
 
     def _law(
-        self, path: str, law: SubmodelClass, connections: tuple[Connection, ...], context: _Context, following: int
+        self,
+        path: str,
+        law: SubmodelClass,
+        connections: tuple[Connection, ...],
+        context: _Context,
+        following: int,
+        where: Action,
     ) -> int:
         inputs = {port.name for port in law.ports if port.direction == "in"}
         present = following
         for connection in reversed(connections):
             if connection.port not in inputs:
-                offers = self._writing(path, PortEnd(connection.port, connection.index), present, law)
-                present = self._waiting(context, law, offers, present)
+                offers = self._writing(path, PortEnd(connection.port, connection.index), present, where)
+                present = self._waiting(context, where, offers, present)
         names = [port.name for port in law.ports if port.direction == "out"]
         nets = [self._net(path, PortEnd(c.port, c.index)) for c in connections if c.port in names]
         outputs = tuple(net.path for net in nets if net is not None and net.external == "out")
@@ -208,9 +214,9 @@ class Threads:
             attached = connection.attachment
             if connection.port in inputs and isinstance(attached, PortEnd | ChannelEnd):
                 end = PortEnd(connection.port, connection.index, attached.end)
-                reads += self._reading(path, end, 0, law, owner=context.path)
+                reads += self._reading(path, end, 0, where, owner=context.path)
         for offer in sorted(reads, key=lambda offer: ("partner", "event", "sample").index(offer.kind)):
-            present = self._waiting(context, law, [replace(offer, target=present)], present)
+            present = self._waiting(context, where, [replace(offer, target=present)], present)
         return present
 
     def _action(self, action: Action, context: _Context, following: int) -> int:
@@ -279,7 +285,7 @@ class Threads:
         owner = self.classes[self.instances[context.path].class_name]
         assert isinstance(owner, ProcessClass)
         declared = next(instance for instance in owner.instances if instance.name == action.instance)
-        return self._law(path, entry, declared.connections, context, following)
+        return self._law(path, entry, declared.connections, context, following, action)
 
     def _loop(self, action: Repeat | WhileLoop, context: _Context, following: int) -> int:
         again = self._place(context, action)

@@ -1,0 +1,39 @@
+"""Programs whose timing is known, put together from processes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from cspdiag.analyses.timing.report import timing_report
+from cspdiag.analyses.timing.result import LoopTiming, TimingReport
+from cspdiag.api import LoadedProgram
+from cspdiag.diagnostics import SourceFile
+
+US = 1000
+MS = 1_000_000
+
+
+def law(name: str, wcet: str | None, inputs: str = "x", outputs: str = "y") -> str:
+    """A submodel with that execution time."""
+    clause = "" if wcet is None else f"wcet {wcet} "
+    equations = "\n".join(f"  {output.strip()} = 2 * {inputs.partition(',')[0]}" for output in outputs.split(","))
+    return f"submodel {name} {clause}{{\n  in  {inputs} : double\n  out {outputs} : double\n{equations}\n}}\n"
+
+
+def loops_of(*loops: tuple[str, str, str | None], order: str = "||", latch: str = "") -> str:
+    """A program of independent sampled loops: name, period and execution time of each."""
+    laws = "".join(law(f"Law_{name}", wcet) for name, _, wcet in loops)
+    ports = "".join(f"  in  x_{n} : double @ {t}\n  out y_{n} : double @ {t} {latch}\n" for n, t, _ in loops)
+    parts = "".join(f"    {n} : Law_{n}\n    x_{n} -> {n}.x\n    {n}.y -> y_{n}\n" for n, _, _ in loops)
+    runs = f" {order} ".join(f"mu {n}" for n, _, _ in loops)
+    return f"{laws}process Main {{\n{ports}  communication {{\n{parts}  }}\n  composition {{ {runs} }}\n}}\n"
+
+
+def report_of(text: str, measured: Mapping[str, int] | None = None) -> TimingReport:
+    """The timing of a program in a text."""
+    return timing_report(LoadedProgram(SourceFile("main.csp", text)).network, measured)
+
+
+def by_name(report: TimingReport) -> dict[str, LoopTiming]:
+    """Its loops by name."""
+    return {loop.name: loop for loop in report.loops}
