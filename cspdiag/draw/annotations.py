@@ -34,7 +34,8 @@ def heading(runs: Sequence[Run], doc: str | None, mark: Mark | None = None) -> G
     """The name of what is drawn, at the origin, with the mark of the whole, and below it the first sentence of its doc comment."""
     items: list[Item] = [Text(Point(0, ASCENT * HEADING_SIZE), tuple(runs), HEADING_SIZE)]
     if mark is not None:
-        items.append(badge(mark, Point(runs_width(runs, HEADING_SIZE) + 2 * BADGE, line_height(HEADING_SIZE) / 2)))
+        right = runs_width(runs, HEADING_SIZE) + BADGE + badge_width(mark) / 2
+        items.append(badge(mark, Point(right, line_height(HEADING_SIZE) / 2)))
     if doc:
         y = line_height(HEADING_SIZE) + 4
         for line in typeset(first_sentence(doc), NOTE_SIZE, 720, Ink.FAINT):
@@ -94,11 +95,19 @@ def _merged(runs: list[Run]) -> tuple[Run, ...]:
     return tuple(merged)
 
 
+def badge_width(mark: Mark) -> float:
+    """The width of a badge in pixels."""
+    return max(2 * BADGE, text_width(_badge_text(mark), 11, Face.BOLD) + 9)
+
+
+def _badge_text(mark: Mark) -> str:
+    return ",".join(map(str, mark.numbers)) or _SIGNS[mark.kind]
+
+
 def badge(mark: Mark, centre: Point) -> Group:
     """A pill with the numbers of the messages that belong to a mark, or with the sign of the change."""
     ink, _ = INKS[mark.kind]
-    text = ",".join(map(str, mark.numbers)) or _SIGNS[mark.kind]
-    width = max(2 * BADGE, text_width(text, 11, Face.BOLD) + 9)
+    text, width = _badge_text(mark), badge_width(mark)
     place = Rectangle(centre.x - width / 2, centre.y - BADGE, width, 2 * BADGE)
     label = Text(Point(centre.x, centre.y + 4), (Run(text, Face.BOLD, Ink.PAPER),), 11, Anchor.MIDDLE)
     return Group(f"badge {mark.kind}", (Box(place, ink, Ink.PAPER, BADGE, 1.5), label), title=mark.note)

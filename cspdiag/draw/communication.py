@@ -8,7 +8,7 @@ from typing import assert_never
 
 from cspdiag.diagnostics import Diagnostic
 from cspdiag.draw import symbols
-from cspdiag.draw.annotations import BADGE, SMALLEST_ROW, badge, heading, messages
+from cspdiag.draw.annotations import BADGE, SMALLEST_ROW, badge, badge_width, heading, messages
 from cspdiag.draw.communication_graph import Caption, CommunicationGraph, communication_graph
 from cspdiag.draw.elements.diagram import Arrow, Box, CommunicationDiagram, ParentPort, Sink, Store, Value, Vertex
 from cspdiag.draw.elements.marks import WHOLE, Mark, Marks
@@ -207,20 +207,23 @@ class _Drawing:
             return None
         place = self.layout.nodes.get(name)
         if place is not None:
-            vertex = self.made.vertices[name]
-            if not isinstance(vertex, ParentPort):
-                return badge(mark, Point(place.right - 4, place.y))
-            width = self.made.captions[name].width + 2 * BADGE
-            return badge(
-                mark, Point(place.right - width if vertex.direction == "in" else place.x + width, place.centre.y)
-            )
+            return badge(mark, self._badge_place(name, place, badge_width(mark)))
         label = self.layout.labels.get(f"{name}#label")
         if label is not None:
-            return badge(mark, Point(label.right + BADGE + 4, label.centre.y))
+            return badge(mark, Point(label.right + badge_width(mark) / 2 + 4, label.centre.y))
         route = self.layout.routes.get(f"{name}#edge")
         if route is not None:
             return badge(mark, _middle(route))
         return None
+
+    def _badge_place(self, name: str, place: Rectangle, width: float) -> Point:
+        """At the upper right corner of a shape; beside a text that has none."""
+        vertex = self.made.vertices[name]
+        if not isinstance(vertex, ParentPort | Value):
+            return Point(place.right - 4, place.y)
+        away = self.made.captions[name].width + width / 2 + BADGE
+        is_left = isinstance(vertex, Value) or vertex.direction == "in"
+        return Point(place.right - away if is_left else place.x + away, place.centre.y)
 
 
 def _middle(route: Route) -> Point:

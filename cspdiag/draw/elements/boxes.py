@@ -116,14 +116,16 @@ class Boxes:
         if definition is None:
             return replaced(box, ports=tuple(ports.values()))
         ordered: list[BoxPort] = []
-        declared = [(declaration, port.name.text) for declaration in definition.ports for port in declaration.names]
-        for declaration, name in declared:
+        declared: dict[str, ast.Ports] = {}
+        for declaration in definition.ports:
+            for port in declaration.names:
+                declared.setdefault(port.name.text, declaration)
+        for name, declaration in declared.items():
             ordered += [port for key, port in ports.items() if _base(key) == name]
             if name not in self._named[box.key]:
                 alone = self._port(box.key, name, name, declaration.direction)
                 ordered.append(replaced(alone, default=texts.optional(declaration.default), is_connected=False))
-        known = {name for _, name in declared}
-        ordered += [port for key, port in ports.items() if _base(key) not in known]
+        ordered += [port for key, port in ports.items() if _base(key) not in declared]
         return replaced(box, ports=tuple(ordered))
 
     def _port(self, box: str, key: str, name: str, direction: Direction) -> BoxPort:
