@@ -1,0 +1,141 @@
+"""``cspdiag verify --timing``, with its picture, its measured times, and what it refuses."""
+
+from __future__ import annotations
+
+import json
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+
+import pytest
+
+from tests.analyses.timing.programs import loops_of
+from tests.cli.conftest import Command
+from tests.models.programs import MODELS
+
+JIWY = MODELS / "jiwy" / "jiwy.csp"
+
+
+@pytest.fixture
+def late(tmp_path: Path) -> Path:
+    path = tmp_path / "late.csp"
+    path.write_text(
+        loops_of(("a", "1 ms", "600 us"), ("b", "10 ms", "900 us"), order="||>") + "assert Main schedulable\n"
+    )
+    return path
+
+
+@pytest.fixture
+def silent(tmp_path: Path) -> Path:
+    path = tmp_path / "silent.csp"
+    path.write_text(loops_of(("a", "1 ms", None), ("b", "10 ms", "900 us")) + "assert Main schedulable\n")
+    return path
+
+
+def test_jiwy_is_schedulable(cspdiag: Command) -> None:
+    result = cspdiag("verify", "--timing", JIWY)
+    assert result.code == 0
+    assert result.out.startswith("SCHEDULABLE: Jiwy: all 8 sampled loops are ready before their next samples\n")
+    (servo,) = [line for line in result.out.splitlines() if line.startswith("vertical.motionControl.servo  ")]
+    figures = "1 ms 60 us 6.0 % 60 us 0 120 us 880 us 1 ms 0 control_vertical"
+    assert " ".join(servo.split()) == f"vertical.motionControl.servo {figures}"
+
+
+def test_a_late_loop_is_told_with_advice(cspdiag: Command, late: Path) -> None:
+    result = cspdiag("verify", "--timing", late)
+    assert result.code == 1
+    assert result.out.startswith("NOT SCHEDULABLE: Main: `a` may not be ready before the next sample\n")
+    assert "no order of priorities meets every deadline with these steps" in result.out
+
+
+def test_json_has_all_figures_in_nanoseconds(cspdiag: Command, late: Path) -> None:
+    result = cspdiag("verify", "--timing", "--format", "json", late)
+    assert result.code == 1
+    report = json.loads(result.out)
+    assert report["schedulable"] is False
+    (loop,) = [loop for loop in report["loops"] if loop["name"] == "a"]
+    assert (loop["response"], loop["slack"], loop["met"], loop["latency"]) == (
+        1_499_999,
+        -499_999,
+        False,
+        [1_000_000, 2_000_000],
+    )
+
+
+def test_missing_times_are_named_with_their_place_and_the_way_to_write_them(cspdiag: Command, silent: Path) -> None:
+    result = cspdiag("verify", "--timing", silent)
+    assert result.code == 1
+    assert "REFUSED: Main: `Main.a` does not say its worst-case execution time" in result.out
+    assert f"--> {silent}:1:10" in result.out
+    assert "`submodel Law_a(...) wcet 100 us {`" in result.out
+
+
+def test_measured_times_are_taken_from_a_trace(cspdiag: Command, silent: Path, tmp_path: Path) -> None:
+    trace = tmp_path / "trace.json"
+    trace.write_text(
+        json.dumps({"traceEvents": [], "executionTimes": {"Main.a": {"longest": 12.5e-6, "steps": 9, "what": "law"}}})
+    )
+    result = cspdiag("verify", "--timing", "--format", "json", "--wcet-from", trace, silent)
+    assert result.code == 0, result
+    report = json.loads(result.out)
+    assert {loop["name"]: loop["work"] for loop in report["loops"]} == {"a": 12_500, "b": 900_000}
+    assert report["measured"] == ["Main.a"]
+
+
+@pytest.mark.parametrize(
+    ("content", "reason"),
+    [
+        ("{", "is no JSON"),
+        ("[]", "has no execution times"),
+        ('{"traceEvents": []}', "has no execution times: write it with cspdiag run --real-time --target c"),
+        ('{"executionTimes": {"Main.a": "fast"}}', "the execution time of Main.a is no number of seconds"),
+        (
+            '{"executionTimes": {"Main.a": {"longest": 1e-6, "what": "thing"}}}',
+            "is a law, a process or a thread, not 'thing'",
+        ),
+        ('{"executionTimes": {"Other.law": 1e-6}}', "none of its names is a law or process of Main"),
+    ],
+)
+def test_a_trace_without_times_is_refused(
+    cspdiag: Command, silent: Path, tmp_path: Path, content: str, reason: str
+) -> None:
+    trace = tmp_path / "trace.json"
+    trace.write_text(content)
+    result = cspdiag("verify", "--timing", "--wcet-from", trace, silent)
+    assert result.code == 2
+    assert reason in result.err
+    assert "Traceback" not in result.err
+
+
+def test_the_schedule_is_drawn(cspdiag: Command, late: Path, tmp_path: Path) -> None:
+    picture = tmp_path / "gantt.svg"
+    assert cspdiag("verify", "--timing", "--gantt", picture, late).code == 1
+    root = ElementTree.fromstring(picture.read_text())
+    titles = [title.text or "" for title in root.iter("{http://www.w3.org/2000/svg}title")]
+    assert len(titles) == 11
+    assert any(title.startswith("a @ 1 ms: 1.5 ms to 2.1 ms") for title in titles)
+
+
+@pytest.mark.parametrize("name", ["gantt.txt", "nowhere/gantt.svg"])
+def test_a_picture_that_cannot_be_written_is_refused_first(
+    cspdiag: Command, late: Path, tmp_path: Path, name: str
+) -> None:
+    result = cspdiag("verify", "--timing", "--gantt", tmp_path / name, late)
+    assert result.code == 2
+    assert result.out == ""
+
+
+def test_other_formats_are_refused(cspdiag: Command, late: Path) -> None:
+    result = cspdiag("verify", "--timing", "--format", "sarif", late)
+    assert result.code == 2
+    assert "text or json" in result.err
+
+
+def test_assertions_are_answered(cspdiag: Command, late: Path, silent: Path) -> None:
+    refuted = cspdiag("verify", "--no-cache", late)
+    assert refuted.code == 1
+    assert "REFUTED  Main schedulable" in refuted.out + refuted.err
+    assert "error[E1106]: `Main` is not schedulable: `a` has 1 ms and may take 1.5 ms" in refuted.out + refuted.err
+    unknown = cspdiag("verify", "--no-cache", silent)
+    assert unknown.code == 1
+    assert "UNKNOWN  Main schedulable" in unknown.out + unknown.err
+    assert "error[E1107]" in unknown.out + unknown.err
