@@ -1,0 +1,56 @@
+"""What the models assert is proved, and what they show to be wrong is refuted by runs of the program."""
+
+from __future__ import annotations
+
+import pytest
+
+from cspdiag import pipeline
+from cspdiag.analyses.proofs.verdict import Limits
+from cspdiag.analyses.verification.answer import Answer
+from cspdiag.simulate.verify import Verifier
+from cspdiag.sources import read_source
+from tests.models.programs import MODELS
+
+ASSERTING = sorted(
+    str(path.relative_to(MODELS))
+    for path in MODELS.rglob("*.csp")
+    if "\nassert " in path.read_text(encoding="utf-8") and path.stem != "stolen_button"
+)
+
+
+def answers(name: str, change: tuple[str, str] | None = None) -> list[Answer]:
+    source = read_source(str(MODELS / name))
+    if change is not None:
+        assert change[0] in source.text
+        source = type(source)(name=source.name, text=source.text.replace(*change))
+    asked = pipeline.ask(source, read_source)
+    verifier = Verifier(asked, read_source)
+    return [verifier.answer(question, Limits()) for question in asked.questions]
+
+
+def test_most_models_assert_something() -> None:
+    assert len(ASSERTING) >= 5
+
+
+@pytest.mark.parametrize("name", ASSERTING)
+def test_assertions_of_models_are_proved(name: str) -> None:
+    assert [(answer.question.text, answer.outcome) for answer in answers(name) if answer.outcome != "proved"] == []
+
+
+def test_the_symmetric_table_is_refuted() -> None:
+    deadlock, livelock = answers("dining/deadlock.csp")
+    assert (deadlock.outcome, deadlock.replayed) == ("refuted", True)
+    assert deadlock.counterexample is not None
+    assert len(deadlock.counterexample.ring) == 10
+    assert livelock.outcome == "proved"
+
+
+def test_the_stolen_button_is_refuted_and_the_broadcast_one_proved() -> None:
+    (stolen,) = answers("jiwy/stolen_button.csp")
+    assert (stolen.outcome, stolen.replayed) == ("refuted", True)
+    assert stolen.counterexample is not None
+    communications = [step.channel for step in stolen.counterexample.steps if step.shown]
+    assert communications[:2] == ["StolenButton.joystick_buttons", "StolenButton.panel.stop"]
+    assert communications[-1] in {"StolenButton.joystick_horizontal", "StolenButton.joystick_vertical"}
+    (shared,) = answers("jiwy/stolen_button.csp", ("-> any ->", "-> broadcast ->"))
+    assert shared.outcome == "proved"
