@@ -199,7 +199,7 @@ class _Level:
         label = self._label(f"{name}#label", caption) if caption.lines else None
         sources = tuple(dict.fromkeys(self._end(end, ">") for end in arrow.sources))
         sinks = tuple(dict.fromkeys(self._end(end, "<") for end in arrow.sinks))
-        return Edge(f"{name}#edge", sources, sinks, label)
+        return Edge(f"{name}#edge", sources, sinks, label, priority=0 if arrow.by_composition else 10)
 
     def _end(self, end: End, side: str) -> str:
         if end.element in self.at_border:
