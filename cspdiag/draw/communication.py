@@ -97,6 +97,8 @@ class _Drawing:
         self.layout = layout
         self.marks = marks
         self.links = links
+        self.badges: list[Rectangle] = []
+        """Where badges of arrows are."""
 
     def picture(self) -> tuple[Item, ...]:
         """Boxes, outer ones first, then the arrows above them, then badges."""
@@ -213,8 +215,17 @@ class _Drawing:
             return badge(mark, Point(label.right + badge_width(mark) / 2 + 4, label.centre.y))
         route = self.layout.routes.get(f"{name}#edge")
         if route is not None:
-            return badge(mark, _middle(route))
+            return badge(mark, self._free(_middles(route), badge_width(mark)))
         return None
+
+    def _free(self, candidates: Sequence[Point], width: float) -> Point:
+        """The first place where a badge lies on no label and on no other badge."""
+        taken = [*self.layout.labels.values(), *self.badges]
+        rooms = [Rectangle(at.x - width / 2, at.y - BADGE, width, 2 * BADGE) for at in candidates]
+        free = [position for position, room in enumerate(rooms) if not any(room.overlaps(other) for other in taken)]
+        chosen = free[0] if free else 0
+        self.badges.append(rooms[chosen])
+        return candidates[chosen]
 
     def _badge_place(self, name: str, place: Rectangle, width: float) -> Point:
         """At the upper right corner of a shape; beside a text that has none."""
@@ -226,11 +237,11 @@ class _Drawing:
         return Point(place.right - away if is_left else place.x + away, place.centre.y)
 
 
-def _middle(route: Route) -> Point:
-    """The middle of the longest straight piece."""
+def _middles(route: Route) -> list[Point]:
+    """Places on the straight pieces of a line, the middle of the longest one first."""
     pieces = [pair for section in route.sections for pair in zip(section.points, section.points[1:], strict=False)]
-    a, b = max(pieces, key=lambda pair: abs(pair[0].x - pair[1].x) + abs(pair[0].y - pair[1].y))
-    return Point((a.x + b.x) / 2, (a.y + b.y) / 2)
+    pieces.sort(key=lambda pair: -abs(pair[0].x - pair[1].x) - abs(pair[0].y - pair[1].y))
+    return [Point(a.x + (b.x - a.x) * part, a.y + (b.y - a.y) * part) for part in (0.5, 0.25, 0.75) for a, b in pieces]
 
 
 def _lines(caption: Caption, place: Rectangle, anchor: Anchor) -> list[Item]:
