@@ -1,15 +1,16 @@
 """Compositional minimization: processes are put together two by two, what happens between them is hidden, and each result is made as small as possible.
 
 The pair that promises the smallest result comes next (Graf and Steffen, "Compositional minimization of finite state systems", 1990; Crouzen and Lang, "Smart
-reduction", 2011). Identical pairs are made once. Only whether there is a deadlock can be seen in the last machine: a trace to it is searched.
+reduction", 2011). Identical pairs are made once. Only whether there is a deadlock, or a knot, can be seen in the last machine: a trace to it is searched.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from heapq import heapify, heappop, heappush
 
 from cspdiag.analyses.proofs import stubborn
+from cspdiag.analyses.proofs.knots_as_deadlocks import knots_as_deadlocks
 from cspdiag.analyses.proofs.parallel_machines import MOST_STATES, Pairs, Part, TooLargeError, part_of
 from cspdiag.analyses.proofs.verdict import LimitError, Limits, Proved, Refuted, Unknown, Verdict
 from cspdiag.analyses.transitions.system import System
@@ -20,24 +21,35 @@ _MOST_GIVEN_UP = 10
 
 def deadlock_free(system: System, limits: Limits) -> Verdict:
     """Whether no state is reachable in which nothing is possible and a process has not ended."""
+    return _decide(system, system, limits, stubborn.deadlock_free, "at last none stands still")
+
+
+def knot_free(system: System, limits: Limits) -> Verdict:
+    """Whether no state is reachable in which some processes wait for each other for ever, whatever the others do."""
+    return _decide(system, knots_as_deadlocks(system), limits, stubborn.knot_free, "none of them can be stuck")
+
+
+def _decide(
+    system: System, reduced: System, limits: Limits, search: Callable[[System, Limits], Verdict], conclusion: str
+) -> Verdict:
+    """Whether the second system has no deadlock; if it has one, the search finds what it stands for in the first."""
     try:
-        reduction = _Reduction(system, limits)
+        reduction = _Reduction(reduced, limits)
         remaining = list(reduction.remaining())
     except LimitError as stop:
         return Unknown("minimization", str(stop))
     if reduction.too_large:
-        return Unknown(
-            "minimization", f"no two of the last {len(remaining)} parts have at most {MOST_STATES} states together"
-        )
+        reason = f"no two of the last {len(remaining)} parts have at most {MOST_STATES} states together"
+        return Unknown("minimization", reason)
     if not _stands_still(remaining):
         reason = (
             f"put together two by two and made minimal, the processes never had more than {reduction.largest} states"
         )
-        return Proved("minimization", f"{reason}, and at last none stands still", reduction.largest)
-    found = stubborn.deadlock_free(system, limits)
+        return Proved("minimization", f"{reason}, and {conclusion}", reduction.largest)
+    found = search(system, limits)
     if isinstance(found, Refuted):
         return found
-    return Unknown("minimization", "there is a deadlock, but the search for a trace to it reached a limit")
+    return Unknown("minimization", "some processes can be stuck, but the search for a trace to it reached a limit")
 
 
 def _stands_still(parts: list[Part]) -> bool:

@@ -55,6 +55,50 @@ def part_of(component: Component, alphabet: Iterable[int], hidden: Collection[in
     return Part(Machine(tuple(edges), ended), tuple(events))
 
 
+def without_the_restless(machine: Machine) -> Machine:
+    """The machine with one state, which turns round for ever, for all those that never stand still, whatever others do.
+
+    Such a state has only an internal loop; or an internal step to such a state, and otherwise no steps but to such states and to itself. For a deadlock, in which all stand
+    still, what it offers makes no difference.
+    """
+    before: list[list[int]] = [[] for _ in machine.edges]
+    pending = []
+    for state, edges in enumerate(machine.edges):
+        for event, target in edges:
+            if target != state:
+                before[target].append(state)
+            elif event == INTERNAL:
+                pending.append(state)
+    restless: set[int] = set()
+    while pending:
+        state = pending.pop()
+        if state in restless:
+            continue
+        edges = machine.edges[state]
+        if all(target == state or target in restless for _, target in edges) and any(
+            event == INTERNAL for event, _ in edges
+        ):
+            restless.add(state)
+            pending += before[state]
+    if len(restless) < 2:
+        return machine
+    return _with_one(machine, restless)
+
+
+def _with_one(machine: Machine, restless: Collection[int]) -> Machine:
+    """The machine with one state for all of these."""
+    if 0 in restless:
+        return Machine((((INTERNAL, 0),),), (False,))
+    kept = [state for state in range(len(machine.edges)) if state not in restless]
+    number = {state: at for at, state in enumerate(kept)}
+    turns = len(kept)
+    edges = (
+        tuple(dict.fromkeys((event, number.get(target, turns)) for event, target in machine.edges[state]))
+        for state in kept
+    )
+    return Machine((*edges, ((INTERNAL, turns),)), (*(machine.ended[state] for state in kept), False))
+
+
 class Pairs:
     """Machines of pairs, each made once."""
 
@@ -68,7 +112,7 @@ class Pairs:
         """The smallest equivalent part."""
         machine = self._same(part.machine)
         if id(machine) not in self._minimal:
-            self._minimal[id(machine)] = self._same(minimized(machine))
+            self._minimal[id(machine)] = self._same(minimized(without_the_restless(machine)))
         return Part(self._minimal[id(machine)], part.events)
 
     def together(self, one: Part, other: Part, hidden: Collection[int]) -> Part:
@@ -84,9 +128,8 @@ class Pairs:
             mine = {at: final.get(at, INTERNAL) for at in range(len(one.events))}
             number = {event: at for at, event in enumerate(events)}
             its = {at: final.get(number[event], INTERNAL) for at, event in enumerate(other.events)}
-            self._made[key] = self._same(
-                minimized(_product(one.machine, other.machine, joints, mine, its, self._limits))
-            )
+            product = _product(one.machine, other.machine, joints, mine, its, self._limits)
+            self._made[key] = self._same(minimized(without_the_restless(product)))
         return Part(self._made[key], tuple(events[at] for at in kept))
 
     def _same(self, machine: Machine) -> Machine:

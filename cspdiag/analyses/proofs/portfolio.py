@@ -133,9 +133,8 @@ def _by_stubborn_sets(question: Question, limits: Limits) -> Verdict:
 def _by_minimization(question: Question, limits: Limits) -> Verdict:
     from cspdiag.analyses.proofs import minimization
 
-    if not question.together:
-        return Unknown("minimization", "what is minimal does not tell who is stuck")
-    return minimization.deadlock_free(question.system, limits)
+    search = minimization.deadlock_free if question.together else minimization.knot_free
+    return search(question.system, limits)
 
 
 def _by_breadth_first(question: Question, limits: Limits) -> Verdict:

@@ -8,9 +8,9 @@ import pytest
 
 from cspdiag.analyses.proofs import minimization, parallel_machines
 from cspdiag.analyses.proofs.branching_bisimulation import Machine, minimized
-from cspdiag.analyses.proofs.parallel_machines import Pairs, part_of
+from cspdiag.analyses.proofs.parallel_machines import Pairs, part_of, without_the_restless
 from cspdiag.analyses.proofs.verdict import Limits, Proved, Refuted, Unknown
-from cspdiag.analyses.transitions.system import INTERNAL
+from cspdiag.analyses.transitions.system import INTERNAL, System
 from tests.analyses.proofs import known, naive
 
 FREE = {
@@ -111,3 +111,36 @@ def test_a_limit_leaves_the_question_open(monkeypatch: pytest.MonkeyPatch) -> No
     verdict = minimization.deadlock_free(known.token_ring(600), Limits())
     assert isinstance(verdict, Unknown)
     assert "at most 100 states together" in verdict.reason
+
+
+@pytest.mark.parametrize(
+    "system",
+    [
+        known.alternating_bit(),
+        known.client_server_chain(6),
+        known.controller(1),
+        known.philosophers(3, left_handed=1),
+        known.io_par_ring(3),
+    ],
+)
+def test_knots_are_excluded_as_deadlocks_of_processes_that_may_stop(system: System) -> None:
+    verdict = minimization.knot_free(known.beside_a_loop(system), Limits())
+    assert isinstance(verdict, Proved)
+    assert verdict.method == "minimization"
+
+
+def test_a_knot_beside_a_loop_is_seen_and_a_trace_to_it_searched() -> None:
+    system = known.beside_a_loop(known.philosophers(3))
+    assert isinstance(minimization.deadlock_free(system, Limits()), Proved)
+    verdict = minimization.knot_free(system, Limits())
+    assert isinstance(verdict, Refuted)
+    assert verdict.stuck == tuple(range(6))
+    assert naive.knotted(system, naive.replay(system, verdict.trace))
+
+
+def test_states_that_never_stand_still_are_one() -> None:
+    turns = ((INTERNAL, 3),)
+    machine = Machine((((0, 1), (1, 2)), ((INTERNAL, 3), (0, 3)), ((INTERNAL, 3), (0, 4)), turns, ()), (False,) * 5)
+    assert without_the_restless(machine) == Machine(
+        (((0, 3), (1, 1)), ((INTERNAL, 3), (0, 2)), (), ((INTERNAL, 3),)), (False,) * 4
+    )

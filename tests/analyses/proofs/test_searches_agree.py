@@ -41,6 +41,7 @@ def check(system: System, verdict: Verdict, holds: Callable[[System, naive.State
         (breadth_first.knot_free, naive.knotted, True),
         (stubborn.deadlock_free, naive.deadlocked, False),
         (minimization.deadlock_free, naive.deadlocked, False),
+        (minimization.knot_free, naive.knotted, False),
         (stubborn.knot_free, naive.knotted, False),
     ],
 )

@@ -1,0 +1,59 @@
+"""A system that has a deadlock exactly if another has a knot.
+
+Every component may stop at any time, and then is one of those that are thought to be stuck, or is left out of account. Others go on without it, which they could do
+anyway. One that was left out takes part in every event that another asks for; one that is thought to be stuck asks for all events that it offers, and if one of
+them happens it turns round for ever: it was not stuck. When nothing is possible, those that asked are a knot.
+"""
+
+from __future__ import annotations
+
+from cspdiag.analyses.transitions.system import INTERNAL, Component, Edge, Event, System
+
+
+def knots_as_deadlocks(system: System) -> System:
+    """The system with for each event one more for each of its parties, which happens after the stop, when that party asks for it."""
+    events = list(system.events)
+    asked: list[dict[int, int]] = []
+    for event in system.events:
+        asked.append({})
+        if len(event.parties) > 1:
+            for party in event.parties:
+                asked[-1][party] = len(events)
+                events.append(Event(event.channel, event.parties))
+    alphabets: list[set[int]] = [set() for _ in system.components]
+    for number, event in enumerate(system.events):
+        for party in event.parties:
+            alphabets[party].add(number)
+    components = (
+        _stopping(component, at, sorted(alphabets[at]), asked) for at, component in enumerate(system.components)
+    )
+    return System(tuple(components), tuple(events))
+
+
+def _stopping(component: Component, at: int, alphabet: list[int], asked: list[dict[int, int]]) -> Component:
+    """The component's states, then those in which it is thought to be stuck, then the one that turns round, then the one left out."""
+    count = len(component.edges)
+    turns, left_out = 2 * count, 2 * count + 1
+    running = tuple(
+        (*edges, (INTERNAL, count + state), (INTERNAL, left_out)) for state, edges in enumerate(component.edges)
+    )
+    stuck = tuple(
+        tuple(dict.fromkeys(edge for event, _ in edges for edge in _ways_out(event, asked, turns)))
+        for edges in component.edges
+    )
+    others = tuple((event, left_out) for known in alphabet for party, event in asked[known].items() if party != at)
+    content = {count + state for state, edges in enumerate(component.edges) if state in component.terminal or not edges}
+    return Component(
+        component.name,
+        (*running, *stuck, ((INTERNAL, turns),), others),
+        frozenset({*content, left_out}),
+        component.initial,
+        process=component.process,
+    )
+
+
+def _ways_out(event: int, asked: list[dict[int, int]], turns: int) -> list[Edge]:
+    """What shows that a component which offers an event is not stuck."""
+    if event == INTERNAL or not asked[event]:
+        return [(INTERNAL, turns)]
+    return [(happens, turns) for happens in asked[event].values()]
