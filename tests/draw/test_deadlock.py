@@ -151,6 +151,7 @@ def test_run_draws_its_deadlock(target: str, tmp_path: Path, capsys: pytest.Capt
     for number in range(5):
         assert f">fork[{number}]<" in text
         assert f">waits to write philosopher[{number}].second<" in text
+    assert "each process waits for the one that its arrow leads to" in text
     assert ("Everybody takes the left fork first" in text) is engine.available()
 
 

@@ -94,6 +94,7 @@ static void put_text(const char *text)
 
 static const csp_names *known;
 static uint32_t observed_channels;
+static uint32_t named_channels;
 static uint32_t quiet; /* observations since the clock was last looked at */
 static clock_t last_told;
 
@@ -153,6 +154,23 @@ void csp_observe_end(uint32_t number)
     begins_or_ends(5, number);
 }
 
+/* Names the channels before ``end`` that have no name yet for whoever reads. */
+static void name_channels(uint32_t end)
+{
+    for (; named_channels < end; named_channels++) {
+        put_kind(1);
+        put_number(named_channels);
+        put_short(known->channel_sizes[named_channels]);
+        put_text(known->channel_names[named_channels]);
+    }
+}
+
+/* Who waits may wait at any channel, observed or not. */
+static void name_all_channels(void)
+{
+    name_channels(known->channel_count);
+}
+
 void csp_stream_begin(const csp_program *program, const csp_names *names, csp_observed observed)
 {
     known = names;
@@ -160,13 +178,8 @@ void csp_stream_begin(const csp_program *program, const csp_names *names, csp_ob
     observed_channels = (observed <= CSP_OBSERVE_NONE)    ? 0U
                         : (observed == CSP_OBSERVE_PORTS) ? program->port_count
                                                           : names->channel_count;
-    const uint32_t told = (observed_channels > program->port_count) ? observed_channels : program->port_count;
-    for (uint32_t channel = 0; channel < told; channel++) {
-        put_kind(1);
-        put_number(channel);
-        put_short(names->channel_sizes[channel]);
-        put_text(names->channel_names[channel]);
-    }
+    named_channels = 0;
+    name_channels((observed_channels > program->port_count) ? observed_channels : program->port_count);
     for (uint32_t number = 1; number <= names->process_count; number++) {
         put_kind(2);
         put_number(number);
@@ -184,6 +197,11 @@ void csp_stream_begin(const csp_program *program, const csp_names *names, csp_ob
     silent = observed == CSP_SILENT;
 }
 
+static void name_all_channels(void)
+{
+    /* Without CSP_TRACE channels have no names. */
+}
+
 #endif
 
 static void tell_waiting(const csp_program *program, const csp_waiting_process *waiting)
@@ -191,6 +209,7 @@ static void tell_waiting(const csp_program *program, const csp_waiting_process *
     char text[TEXT] = "";
     csp_wait_entry entry;
     uint16_t channels = 0;
+    name_all_channels();
     put_kind(8);
     put_number(waiting->process->party.number);
     if (program->process_name != NULL) {
