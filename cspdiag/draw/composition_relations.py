@@ -142,7 +142,7 @@ def _rows(blocks: Sequence[Block], limit: float) -> list[list[Block]]:
 def _return(parts: Sequence[_Placed], part: _Placed, top: float) -> tuple[Point, ...]:
     """From the last block of a row to the first of the next."""
     start, end = parts[-1].exit, part.entry
-    right = max(each.right for each in parts) + _INDENT / 2
+    right = parts[-1].right + _INDENT / 2
     between = top - _ROWS / 2
     left = part.x - _INDENT + 5
     return (
