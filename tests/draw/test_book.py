@@ -148,6 +148,20 @@ def test_the_page_fits_a_phone_and_a_wide_screen(tmp_path: Path) -> None:
     assert all(needed <= shown for needed, shown in widths)
 
 
+@needs_engine
+def test_errors_are_marked_and_told_once_where_that_is_asked_for(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    program, page = tmp_path / "clock.csp", tmp_path / "clock.html"
+    program.write_text(PROGRAM.replace("-> counter.tick", "-> counter.tock"))
+    assert main(["draw", str(program), "--book", str(page)]) == 1
+    assert not page.exists()
+    assert main(["draw", str(program), "--book", str(page), "--check"]) == 1
+    assert "error[" in capsys.readouterr().err
+    told = re.findall(r"<text[^>]*>(?:<tspan[^>]*>)?E\d{4}", page.read_text())
+    assert len(told) == 1
+
+
 @given(st.text(alphabet="pin process<>/\"'*\n\r\t 0123._@{}->\N{SNOWMAN}\f", max_size=80))
 @settings(max_examples=200)
 def test_the_pieces_of_a_text_add_up_to_it(text: str) -> None:

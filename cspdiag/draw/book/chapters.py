@@ -220,15 +220,18 @@ def _figures(pictures: Pictures, definition: Drawn, links: Mapping[str, str]) ->
     wishes = [("Communication", Wish(which="communication"))]
     if pictures.composition(definition) is not None:
         wishes.append(("Composition", Wish(which="composition")))
-    return tuple(
-        Figure(kind, embedded_svg(_bare(pictures.scene(definition, wish, links), f"{definition.name.text}-{kind}")))
-        for kind, wish in wishes
-    )
+    figures: list[Figure] = []
+    for kind, wish in wishes:
+        # The messages are those of both: the last figure has them.
+        left_out = {"heading"} if kind == wishes[-1][0] else {"heading", "messages"}
+        scene = _without(pictures.scene(definition, wish, links), left_out, f"{definition.name.text}-{kind}")
+        figures.append(Figure(kind, embedded_svg(scene)))
+    return tuple(figures)
 
 
-def _bare(scene: Scene, name: str) -> Scene:
-    """A drawing without its heading, which the page has in words."""
-    kept = [item for item in scene.items if not (isinstance(item, Group) and item.kind == "heading")]
+def _without(scene: Scene, kinds: set[str], name: str) -> Scene:
+    """A drawing without the groups of some kinds; its heading the page has in words."""
+    kept = [item for item in scene.items if not (isinstance(item, Group) and item.kind in kinds)]
     return fitted(kept, margin=2, title=scene.title, description=scene.description, name=name)
 
 
