@@ -104,7 +104,8 @@ class _Drawing:
         """Boxes, outer ones first, then the arrows above them, then badges."""
         boxes = [self._vertex(name, vertex) for name, vertex in self.made.vertices.items()]
         arrows = [self._arrow(name, arrow) for name, arrow in self.made.arrows.items()]
-        badges = [self._badge(name, mark) for name, mark in self.marks.items()]
+        marked = sorted(self.marks, key=lambda name: name not in self.layout.nodes)
+        badges = [self._badge(name, self.marks[name]) for name in marked]
         return (*boxes, *arrows, *(item for item in badges if item is not None))
 
     def _vertex(self, name: str, vertex: Vertex) -> Item:
@@ -209,14 +210,21 @@ class _Drawing:
             return None
         place = self.layout.nodes.get(name)
         if place is not None:
-            return badge(mark, self._badge_place(name, place, badge_width(mark)))
+            return badge(mark, self._free([self._badge_place(name, place, badge_width(mark))], badge_width(mark)))
         label = self.layout.labels.get(f"{name}#label")
         if label is not None:
             return badge(mark, Point(label.right + badge_width(mark) / 2 + 4, label.centre.y))
         route = self.layout.routes.get(f"{name}#edge")
-        if route is not None:
+        if route is not None and not self._goes_with_value(name):
             return badge(mark, self._free(_middles(route), badge_width(mark)))
         return None
+
+    def _goes_with_value(self, name: str) -> bool:
+        """Whether an arrow belongs to an expression that has a badge of its own."""
+        arrow = self.made.arrows[name]
+        prefix = name[: len(name) - len(arrow.key)]
+        ends = [f"{prefix}{end.element}" for end in (*arrow.sources, *arrow.sinks)]
+        return any(end in self.marks and isinstance(self.made.vertices.get(end), Value) for end in ends)
 
     def _free(self, candidates: Sequence[Point], width: float) -> Point:
         """The first place where a badge lies on no label and on no other badge."""

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, given, settings
 
 from cspdiag.diagnostics import SourceFile
+from cspdiag.draw.differences.picture import pictures_of
 from cspdiag.draw.differences.programs import differences
 from cspdiag.draw.differences.render_json import render as render_json
 from cspdiag.draw.differences.render_text import render
@@ -17,7 +19,8 @@ from cspdiag.draw.pictures import Pictures, Wish
 from cspdiag.draw.svg import render_svg
 from cspdiag.pipeline import check
 from cspdiag.sources import read_source
-from tests.robustness.damage import damaged
+from tests.draw.geometry_rules import faults
+from tests.robustness.damage import ROOT, damaged
 
 
 def pictures(path: Path, text: str) -> Pictures | None:
@@ -50,3 +53,33 @@ def test_pictures_with_marks_are_drawn(program: tuple[Path, str]) -> None:
     for definition in [] if found is None else found.drawn()[-2:]:
         assert found is not None
         assert render_svg(found.scene(definition, Wish())).startswith("<")
+
+
+PROGRAM = re.compile(r"^```csp\n(?P<text>.*?)^```$", re.MULTILINE | re.DOTALL)
+MISTAKES = [
+    (path, match["text"])
+    for path in sorted(ROOT.glob("tests/cases/[mn]*/*.md"))
+    for match in PROGRAM.finditer(path.read_text(encoding="utf-8"))
+]
+
+
+@pytest.mark.skipif(not engine_available(), reason="the layout engine is not there: make setup fetches it")
+@pytest.mark.parametrize("start", range(3))
+def test_marked_mistakes_lie_on_nothing(start: int) -> None:
+    assert len(MISTAKES) > 200
+    for path, text in MISTAKES[start * 4 :: 12]:
+        found = pictures(path, text)
+        for definition in [] if found is None else found.drawn():
+            assert found is not None
+            assert faults(found.scene(definition)) == [], f"{path.name} {definition.name.text}"
+
+
+@pytest.mark.skipif(not engine_available(), reason="the layout engine is not there: make setup fetches it")
+@settings(max_examples=12, deadline=None, suppress_health_check=list(HealthCheck))
+@given(damaged())
+def test_pictures_of_differences_have_nothing_on_anything(program: tuple[Path, str]) -> None:
+    path, text = program
+    one, other = pictures(path, path.read_text(encoding="utf-8")), pictures(path, text)
+    if one is not None and other is not None:
+        for scene in pictures_of(differences(one.program, other.program))[:3]:
+            assert faults(scene) == []
