@@ -212,7 +212,7 @@ class Follower(LawSteps):
         return c._replace(stack=(("deciding", node, context, ()), rest))
 
     def _deciding(self, c: Configuration, frame: tuple[object, ...], rest: Stack) -> Configuration | None:
-        """The conditions of the guards one after the other: None, or a pair with what the guard will write."""
+        """The conditions of the guards one after the other: None where one does not hold, else what the guard will write, and whether that is left open."""
         _, node, context, decided = frame
         assert isinstance(node, Node)
         assert isinstance(context, Context)
@@ -220,28 +220,30 @@ class Follower(LawSteps):
         assert isinstance(decided, tuple)
         branches = node.action.branches
         if len(decided) == len(branches):
-            return c._replace(stack=(("choice", node, context, decided), rest))
+            kind = "picking" if any(entry is not None and entry[1] for entry in decided) else "choice"
+            return c._replace(stack=((kind, node, context, decided), rest))
         branch = branches[len(decided)]
-        held = c._replace(stack=rest)
+        held, is_open = c._replace(stack=rest), False
         if branch.condition is not None:
             found = self.outcomes(c, context, branch.condition)
             no = (("deciding", node, context, (*decided, None)), rest)
-            if len(found) > 1:
-                yes = (("offering", node, context, decided), rest)
+            is_open = len(found) > 1 and all(given is c for _, given in found)
+            if len(found) > 1 and not is_open:
+                yes = (("offering", node, context, decided, False), rest)
                 return c._replace(stack=(("open", context, branch.condition, yes, no), None))
-            ((holds, held),) = found
+            holds, held = found[0]
             if not holds:
                 return held._replace(stack=no, loaded=())
-        return held._replace(stack=(("offering", node, context, decided), rest), loaded=c.loaded)
+        return held._replace(stack=(("offering", node, context, decided, is_open), rest), loaded=c.loaded)
 
     def _offering(self, c: Configuration, frame: tuple[object, ...], rest: Stack) -> Configuration | None:
-        _, node, context, decided = frame
+        _, node, context, decided, is_open = frame
         assert isinstance(node, Node)
         assert isinstance(context, Context)
         assert isinstance(node.action, Choice)
         assert isinstance(decided, tuple)
         value = self.offered(c, context, node.action.branches[len(decided)])
-        return c._replace(stack=(("deciding", node, context, (*decided, (value,))), rest), loaded=())
+        return c._replace(stack=(("deciding", node, context, (*decided, (value, is_open))), rest), loaded=())
 
     def _assigning(self, c: Configuration, frame: tuple[object, ...], rest: Stack) -> Configuration | None:
         """What was read goes into its variable."""

@@ -22,6 +22,7 @@ from cspdiag.network.actions import (
     WaitStep,
 )
 from cspdiag.network.dump_expression import expression_text
+from cspdiag.network.expressions import Expression
 
 _AT_ONCE = 4
 """With more communications at once than that, each has a component of its own instead of all orders in one."""
@@ -57,6 +58,8 @@ class Offers(Communications):
                 return [(("withdrawn", frame[1]), c._replace(stack=rest))]
             case "choice":
                 return self._choice(c, frame, rest)
+            case "picking":
+                return self._picking(c, frame, rest)
             case "reading":
                 return self._reading(c, frame, rest)
             case "writing":
@@ -135,6 +138,30 @@ class Offers(Communications):
                 found += self.guarded(held, context, branch, body, enabled[0])
         return found
 
+    def _picking(self, c: Configuration, frame: Frame, rest: Stack) -> list[Move]:
+        """An alternative with conditions that may hold or not: none of them does, or one.
+
+        Where several hold, the alternative does what it does where one of them holds, and refuses less: more need not be told apart.
+        """
+        _, node, context, decided = frame
+        assert isinstance(node.action, Choice)
+        may = [number for number, entry in enumerate(decided) if entry is not None and entry[1]]
+        found: list[Move] = []
+        for chosen in (None, *may):
+            picked = tuple(
+                None if number in may and number != chosen else entry for number, entry in enumerate(decided)
+            )
+            found.append((INTERNAL_LABEL, c._replace(stack=(("choice", node, context, picked), rest))))
+        for number in may:
+            condition = node.action.branches[number].condition
+            assert condition is not None
+            self._left_open(context, condition)
+        return found
+
+    def _left_open(self, context: Context, condition: Expression) -> None:
+        where = context.definition.name
+        self.thread.abstracted(f"`{expression_text(condition)}` in `{where}` may hold or not", condition.span)
+
     def _interruptions(self, c: Configuration, present: Frame) -> list[Move]:
         """The guards of the interrupts around what waits."""
         found: list[Move] = []
@@ -212,8 +239,7 @@ class Offers(Communications):
 
     def _open(self, c: Configuration, frame: Frame) -> list[Move]:
         _, context, condition, then, otherwise = frame
-        name = context.definition.name
-        self.thread.abstracted(f"`{expression_text(condition)}` in `{name}` may hold or not", condition.span)
+        self._left_open(context, condition)
         found = self.follower.outcomes(c, context, condition)
         return [
             (INTERNAL_LABEL, given._replace(stack=then if holds else otherwise, loaded=())) for holds, given in found

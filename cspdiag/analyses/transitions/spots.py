@@ -38,6 +38,8 @@ def spot(thread: Thread, frame: Frame, configuration: Configuration) -> Spot:
         case "join":
             words = "waits for its parallel branches to end" if frame[3] == "wait" else "ends its parallel branches"
             return Spot(words, None, frame[1].span)
+        case "picking":
+            return Spot("decides", None, frame[1].span)
         case "open":
             return Spot("decides", None, frame[2].span)
         case "load":

@@ -6,7 +6,7 @@ import heapq
 from collections.abc import Callable, Iterator, Sequence
 from itertools import product
 
-from cspdiag.analyses.transitions.system import INTERNAL, System
+from cspdiag.analyses.transitions.system import INTERNAL, Event, System
 from cspdiag.model.types import Type
 from cspdiag.network.dump_expression import value_text
 from cspdiag.network.ir import Network
@@ -84,6 +84,12 @@ def _types(network: Network) -> dict[str, Type]:
     return types | {f"{network.top}.{port.name}": port.type for port in network.external_ports}
 
 
+def _readers(system: System, event: Event) -> int:
+    """How many communications of the trace an event is: an output guard on a broadcast serves all readers at once."""
+    processes = sum(system.components[party].process for party in event.parties)
+    return processes - 1 if event.kind == "communication" and processes > 2 else 1
+
+
 def follow(
     system: System,
     communications: Sequence[Communication],
@@ -108,11 +114,12 @@ def follow(
             step = done
             known = None if event == INTERNAL else system.events[event]
             if known is not None and known.kind in OBSERVED and known.channel not in unseen:
-                if done == len(communications) or known.channel != communications[done][0]:
+                step += _readers(system, known)
+                if step > len(communications) or not all(
+                    known.channel == channel and known.value in (None, value)
+                    for channel, value in communications[done:step]
+                ):
                     continue
-                if known.value not in (None, communications[done][1]):
-                    continue
-                step += 1
             following = (after, step)
             if following not in seen:
                 seen.add(following)

@@ -321,3 +321,23 @@ def test_nested_parallels_are_one() -> None:
         "Main.q[0]",
         "Main.q[1]",
     ]
+
+
+def test_alternative_with_many_open_conditions_stays_small() -> None:
+    guards = " [] ".join(f"when x[{number}] > 0 & a[{number}] ? x[{number}] -> skip" for number in range(12))
+    zeros = ", ".join(["0"] * 12)
+    text = main(f"var x : double[12] = [{zeros}]", f"mu ((seq i < 12 : a[i] ? x[i]) ; ({guards}))", "in a[12] : double")
+    system = system_of(text)
+    decides = component(system, "Main").edges[12]
+    assert [event for event, _ in decides] == [INTERNAL] * 13
+    offered = [len(component(system, "Main").edges[target]) for _, target in decides]
+    assert sorted(offered) == [0] + [1] * 12
+    assert len(system.abstractions) == 12
+
+
+def test_deep_hierarchies_are_followed() -> None:
+    text = "process P0 { out c : int composition { c ! 1 ; wait 1 ms } }\n"
+    for depth in range(1, 150):
+        inner = f"communication {{ p : P{depth - 1} p.c -> c }} composition {{ p || wait 1 ms }}"
+        text += f"process P{depth} {{ out c : int {inner} }}\n"
+    assert len(system_of(text, "P149").components) == 1 + 2 * 149
