@@ -16,8 +16,8 @@ from pathlib import Path
 from statistics import median
 
 PROGRAMS = Path(__file__).resolve().parent / "programs"
-OURS = ("-O0", "-O1", "C")
-"""Readable Python, optimized Python and C: peers are compared with each of them."""
+OURS = ("-O0", "-O1", "C", "cspdiag")
+"""Readable Python, optimized Python, C, and the tool itself: peers are compared with each of them."""
 
 
 @dataclass(frozen=True)
@@ -37,6 +37,7 @@ _FUSED = {"-O1 fused": "networks python-O1-fused", "C fused": "networks c-fused"
 _PEERS = {name: f"peer_{name.lower()}" for name in ("asyncio", "trio", "simpy", "PyCSP", "Go")}
 _ALTERNATING = {name: _PEERS[name] for name in ("asyncio", "PyCSP", "Go")}
 _CHECK = {"cspdiag": "checking"}
+_PROVE = {"cspdiag": "proving"}
 
 BENCHMARKS = (
     Benchmark(
@@ -68,6 +69,25 @@ BENCHMARKS = (
     Benchmark("check-1000", "checking 1000 lines of instances", "ms", _CHECK),
     Benchmark("check-10000", "checking 10 000 lines of instances", "ms", _CHECK, "at most 2500 ms"),
     Benchmark("compile-1000", "compiling 1000 lines of instances to Python", "ms", _CHECK),
+    Benchmark(
+        "prove-philosophers-8", "a proof that 8 philosophers have no deadlock and no knot, from the text", "ms",
+        {"cspdiag": "proving started", "whole": "proving", "SPIN": "peer_spin"}, "SPIN, with gcc and pan, 20 times",
+    ),
+    Benchmark(
+        "prove-philosophers-1000", "the same for 1000 philosophers, as a whole process", "ms", _PROVE, "at most 1000 ms",
+    ),
+    Benchmark("prove-philosophers-10000", "the same for 10 000 philosophers", "ms", _PROVE, "at most 10 000 ms"),
+    Benchmark("prove-scheduler-1000", "the same for Milner's scheduler with 1000 cells", "ms", _PROVE, "at most 1000 ms"),
+    Benchmark("prove-scheduler-10000", "the same with 10 000 cells", "ms", _PROVE, "at most 10 000 ms"),
+    Benchmark(
+        "prove-controller-4", "the same for a controller of 4 joints (SPIN: no answer in 200 s)", "ms", _PROVE,
+        "at most 1000 ms",
+    ),
+    Benchmark(
+        "search-states-8", "states a second, breadth-first, 8 philosophers", "/s",
+        {"cspdiag": "searching", "SPIN": "peer_spin", "SPIN, our export": "peer_spin exported"},
+        "SPIN 5 times", less=False,
+    ),
 )  # fmt: skip
 
 
@@ -128,7 +148,7 @@ def rows(benchmark: Benchmark, samples: dict[str, list[float]]) -> Iterator[str]
     ours = {name: median(samples[name]) for name in OURS if name in samples}
     for name, values in samples.items():
         figure = median(values)
-        ratios = [] if "-O" in name or name.startswith("C") else _ratios(benchmark, figure, ours)
+        ratios = [] if "-O" in name or name.startswith("C") or name in ours else _ratios(benchmark, figure, ours)
         yield f"  {name:10} {figure:12,.4g} {benchmark.unit:6}{''.join(ratios)}".rstrip()
     for name in benchmark.contestants.keys() - samples.keys():
         yield f"  {name:10} {'not here':>12}"

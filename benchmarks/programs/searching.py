@@ -1,0 +1,19 @@
+"""States a second of the breadth-first search over all states."""
+
+from __future__ import annotations
+
+import time
+
+from philosophers import table
+from timing import BATCHES, asked, report, size_of
+
+from cspdiag.analyses.proofs.breadth_first import count
+from cspdiag.analyses.proofs.verdict import Limits
+
+system = table(size_of(asked()))
+count(system, Limits())
+for _ in range(BATCHES):
+    began = time.perf_counter()
+    states, deadlocks = count(system, Limits())
+    report(states / (time.perf_counter() - began))
+    assert deadlocks == 0
