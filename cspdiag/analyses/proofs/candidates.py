@@ -62,7 +62,11 @@ def refute_by_candidate(
     if question.together:
         return Refuted(method, tuple(trace), offers.waiting(end))
     members = offers.knot(end)
-    return Refuted(method, causes(trace, members), members)
+    kept = causes(trace, members)
+    # What is left out may have kept a failure from happening, which would have been a way out.
+    if not set(members) <= set(offers.knot(end_of(question.system.initial, kept))):
+        kept = tuple(trace)
+    return Refuted(method, kept, members)
 
 
 class _Search:
@@ -107,7 +111,7 @@ class _Search:
                 state[party] = after
             trace.append(move)
             waiting += [(party, other) for party, _ in move.moves for other, _ in self._edges(party, state)]
-        return trace if self.distance(state) == 0 else None
+        return trace if self._is_like_candidate(state) else None
 
     def _edges(self, component: int, state: Sequence[int]) -> tuple[tuple[int, int], ...]:
         return self.system.components[component].edges[state[component]]
@@ -137,7 +141,7 @@ class _Search:
             _, _, state = heappop(heap)
             limits.check()
             possible = list(self._moves(state))
-            if self.distance(state) == 0 or self._is_stuck(state, possible):
+            if self._is_like_candidate(state) or self._is_stuck(state, possible):
                 return _trace(parents, state)
             for move in possible:
                 local = list(state)
@@ -155,6 +159,10 @@ class _Search:
     def _rank(self, state: Sequence[int], steps: int, eager: bool) -> tuple[int, int]:
         distance = self.distance(state)
         return (distance, steps) if eager else (steps + -(-distance // self.widest), distance)
+
+    def _is_like_candidate(self, state: Sequence[int]) -> bool:
+        """Whether the stuck components are where the candidate has them, and nobody outside lets them fail."""
+        return self.distance(state) == 0 and (not self.structure.fails or self._is_stuck(state, []))
 
     def _is_stuck(self, state: Sequence[int], possible: list[Move]) -> bool:
         if self.question.together:

@@ -17,8 +17,8 @@ from cspdiag.analyses.transitions.system import INTERNAL, Component, Edge, Syste
 
 T = TypeVar("T")
 
-Link: TypeAlias = tuple[int, int, bool]
-"""An event that two shapes share: its number in either, and whether the two are its only parties."""
+Link: TypeAlias = tuple[int, int, bool, bool]
+"""An event that two shapes share: its number in either, whether the two are its only parties, and whether it is a failure."""
 
 LARGEST_PRODUCT = 250_000
 """Pairs with more states than this are taken to reach all of them."""
@@ -77,7 +77,8 @@ class Pair:
     """Two shapes joined by events: ``reached[s]`` are the states of the second beside state ``s`` of the first, and conversely in ``reached_back``.
 
     ``blocked[s]`` are those among them in which both wait and can do nothing with each other. ``first_asks`` are the states of the first in which it waits
-    for the second and nobody else can refuse.
+    for the second and nobody else can refuse. A failure is nothing to wait for; ``first_spared[s]`` are, where the first would take part in one, the
+    states of the second in which it does not happen.
     """
 
     def __init__(self, first: Shape, second: Shape, links: tuple[Link, ...]) -> None:
@@ -86,8 +87,11 @@ class Pair:
         self.reached_back = _turned(self.reached)
         self.blocked = _blocked(first, second, links, self.reached)
         self.blocked_back = _turned(self.blocked)
-        self.first_asks = _asked(first, [own for own, _, only in links if only])
-        self.second_asks = _asked(second, [other for _, other, only in links if only])
+        self.first_asks = _asked(first, [own for own, _, only, fails in links if only and not fails])
+        self.second_asks = _asked(second, [other for _, other, only, fails in links if only and not fails])
+        failures = [(own, other) for own, other, only, fails in links if only and fails]
+        self.first_spared = _spared(first, second, failures, self.reached)
+        self.second_spared = _spared(second, first, [(other, own) for own, other in failures], self.reached_back)
         self.first_hopeless = tuple(state for state in first.waiting if not self.blocked.get(state))
         self.second_hopeless = tuple(state for state in second.waiting if not self.blocked_back.get(state))
 
@@ -95,14 +99,14 @@ class Pair:
         """The pair as the first sees it, with component ``second`` for its neighbour."""
         return Neighbour(
             second, self.reached, self.blocked, self.blocked_back,
-            self.first_asks, self.second_asks, self.first_hopeless, self.complete,
+            self.first_asks, self.second_asks, self.first_hopeless, self.first_spared, self.complete,
         )  # fmt: skip
 
     def seen_from_second(self, first: int) -> Neighbour:
         """The pair as the second sees it, with component ``first`` for its neighbour."""
         return Neighbour(
             first, self.reached_back, self.blocked_back, self.blocked,
-            self.second_asks, self.first_asks, self.second_hopeless, self.complete,
+            self.second_asks, self.first_asks, self.second_hopeless, self.second_spared, self.complete,
         )  # fmt: skip
 
 
@@ -111,8 +115,8 @@ def _all(first: Shape, second: Shape) -> dict[int, tuple[int, ...]]:
 
 
 def _reached(first: Shape, second: Shape, links: tuple[Link, ...]) -> dict[int, tuple[int, ...]]:
-    partner = {own: other for own, other, _ in links}
-    shared = {other for _, other, _ in links}
+    partner = {own: other for own, other, *_ in links}
+    shared = {other for _, other, *_ in links}
     found = {(first.initial, second.initial)}
     waiting = [(first.initial, second.initial)]
     while waiting:
@@ -134,7 +138,7 @@ def _reached(first: Shape, second: Shape, links: tuple[Link, ...]) -> dict[int, 
 def _blocked(
     first: Shape, second: Shape, links: tuple[Link, ...], reached: dict[int, tuple[int, ...]]
 ) -> dict[int, tuple[int, ...]]:
-    partner = {own: other for own, other, only in links if only}
+    partner = {own: other for own, other, only, _ in links if only}
     waiting = set(second.waiting)
     answer = {}
     for state in first.waiting:
@@ -148,6 +152,18 @@ def _asked(shape: Shape, shared: Iterable[int]) -> frozenset[int]:
     """The waiting states that offer an event which only the other of the pair can refuse."""
     wanted = set(shared)
     return frozenset(state for state in shape.waiting if not wanted.isdisjoint(shape.offers[state]))
+
+
+def _spared(
+    first: Shape, second: Shape, failures: list[tuple[int, int]], reached: dict[int, tuple[int, ...]]
+) -> dict[int, tuple[int, ...]]:
+    spared: dict[int, tuple[int, ...]] = {}
+    for state in first.waiting if failures else ():
+        partners = {other for own, other in failures if own in first.offers[state]}
+        if partners:
+            others = reached.get(state, ())
+            spared[state] = tuple(other for other in others if partners.isdisjoint(second.offers[other]))
+    return spared
 
 
 def _grouped(pairs: Iterable[tuple[int, int]]) -> dict[int, tuple[int, ...]]:
@@ -165,7 +181,7 @@ class Neighbour(NamedTuple):
     """A component that shares an event with another one, seen from that one: the tables of ``Pair``, the right way round.
 
     ``asks`` are the states of that one in which it waits for the neighbour alone, ``asked`` those of the neighbour; ``hopeless`` are its waiting states
-    beside which the neighbour never waits too.
+    beside which the neighbour never waits too; ``spared`` as in ``Pair``.
     """
 
     component: int
@@ -175,6 +191,7 @@ class Neighbour(NamedTuple):
     asks: frozenset[int]
     asked: frozenset[int]
     hopeless: tuple[int, ...]
+    spared: dict[int, tuple[int, ...]]
     complete: bool
 
 
@@ -205,6 +222,11 @@ class Structure:
         return found
 
     @cached_property
+    def fails(self) -> bool:
+        """Whether there are events of the kind ``failure``, which save nobody from a knot unless they happen now."""
+        return any(event.kind == "failure" for event in self.system.events)
+
+    @cached_property
     def roles(self) -> list[list[tuple[int, int]]]:
         """For each event its parties, in increasing order, each with the number that the event has in its shape."""
         roles: list[list[tuple[int, int]]] = [[] for _ in self.system.events]
@@ -220,18 +242,18 @@ class Structure:
         for roles, event in zip(self.roles, self.system.events, strict=True):
             if len(roles) == 2:
                 (first, own), (second, other) = roles
-                links.setdefault((first, second), []).append((own, other, True))
+                links.setdefault((first, second), []).append((own, other, True, event.kind == "failure"))
             elif len(roles) <= LARGEST_MEETING:
                 for (first, own), (second, other) in combinations(roles, 2):
-                    links.setdefault((first, second), []).append((own, other, False))
+                    links.setdefault((first, second), []).append((own, other, False, False))
             else:
                 hub = event.parties[0]
                 of_hub = dict(roles)[hub]
                 for party, number in roles:
                     if party < hub:
-                        links.setdefault((party, hub), []).append((number, of_hub, False))
+                        links.setdefault((party, hub), []).append((number, of_hub, False, False))
                     elif party > hub:
-                        links.setdefault((hub, party), []).append((of_hub, number, False))
+                        links.setdefault((hub, party), []).append((of_hub, number, False, False))
         pairs: dict[tuple[int, int, tuple[Link, ...]], Pair] = {}
         answer: list[list[Neighbour]] = [[] for _ in self.shapes]
         for (one, two), joined in links.items():

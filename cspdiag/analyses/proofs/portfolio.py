@@ -126,6 +126,9 @@ def _by_invariants(question: Question, limits: Limits) -> Verdict:
 def _by_stubborn_sets(question: Question, limits: Limits) -> Verdict:
     from cspdiag.analyses.proofs import stubborn
 
+    if question.structure.fails and not question.together:
+        # A knot that a failure ends is not kept by what stubborn sets leave out.
+        return Unknown("stubborn", "a failure may end what is stuck")
     search = stubborn.deadlock_free if question.together else stubborn.knot_free
     return search(question.system, limits)
 

@@ -30,6 +30,8 @@ def by_rules(question: Question, limits: Limits) -> Verdict:
         if chooses is not None:
             name = question.system.components[chooses].name
             return Unknown("rules", f"`{name}` chooses, and there are circles of waiting")
+        if question.structure.fails and not question.together:
+            return Unknown("rules", "a failure may end what is stuck, so that the only run does not show it")
         run = question.structure.remembered("run", lambda: the_run(question.structure, limits, MOST_MOVES))
         if run is None:
             return Unknown("rules", f"the run did not come round within {MOST_MOVES} communications")

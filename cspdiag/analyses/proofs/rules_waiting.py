@@ -70,8 +70,8 @@ class _Striking:
 
     def _find_meetings(self) -> None:
         counts: dict[tuple[int, int], int] = {}
-        for event, roles in enumerate(self.structure.roles):
-            if len(roles) < 3:
+        for event, (roles, entry) in enumerate(zip(self.structure.roles, self.structure.system.events, strict=True)):
+            if len(roles) < 3 or (entry.kind == "failure" and not self.together):
                 continue
             refusing = {}
             for party, number in roles:
@@ -104,6 +104,9 @@ class _Striking:
             for neighbour in neighbours:
                 for state in neighbour.hopeless:
                     if self.together or state in neighbour.asks:
+                        self.strike(component, state)
+                for state, others in neighbour.spared.items():
+                    if not others:
                         self.strike(component, state)
         for event, meeting in self.meetings.items():
             self.strike_offers(event, meeting.helpless())

@@ -100,11 +100,15 @@ class Encoding:
                 here = [-stuck, -self.variables[component][state]]
                 self.clauses.append([*here, partner])
                 self.clauses.append(here + [others[other] for other in neighbour.blocked[state] if other in left])
+        for state, spared in neighbour.spared.items():
+            if state in self.left[component]:
+                here = [-stuck, -self.variables[component][state]]
+                self.clauses.append(here + [others[other] for other in spared])
 
     def _wait_in_meetings(self) -> None:
         """Whoever offers an event of three or more parties waits for one of them that is stuck and does not."""
-        for roles in self.structure.roles:
-            if len(roles) < 3:
+        for roles, event in zip(self.structure.roles, self.structure.system.events, strict=True):
+            if len(roles) < 3 or (event.kind == "failure" and not self.together):
                 continue
             refused = self.fresh()
             refusing = [refused * -1]

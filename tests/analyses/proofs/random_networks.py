@@ -17,7 +17,8 @@ def random_network(seed: int, *, form: Form | None = None, components: int | Non
     """A small system; the same for the same arguments.
 
     ``cycles``: processes that repeat events in a fixed order or in parallel. ``choices``: they also choose. ``resources``: they take and give back what they
-    share. ``tokens``: they pass something on along rings. ``anything``: random machines with internal steps, events of one and of three parties, ends and stops.
+    share. ``tokens``: they pass something on along rings. ``anything``: random machines with internal steps, events of one and of three parties,
+    failures, ends and stops.
     """
     chooser = random.Random(seed)
     chosen: Form = form or chooser.choice(FORMS)
@@ -29,7 +30,12 @@ def random_network(seed: int, *, form: Form | None = None, components: int | Non
 Table: TypeAlias = list[list[tuple[str, int]]]
 
 
-def _system(tables: list[Table], terminal: dict[int, frozenset[int]], channels: frozenset[int] = frozenset()) -> System:
+def _system(
+    tables: list[Table],
+    terminal: dict[int, frozenset[int]],
+    channels: frozenset[int] = frozenset(),
+    failures: frozenset[str] = frozenset(),
+) -> System:
     parties: dict[str, list[int]] = {}
     for index, table in enumerate(tables):
         for name in {name for edges in table for name, _ in edges if name != "tau"}:
@@ -46,7 +52,10 @@ def _system(tables: list[Table], terminal: dict[int, frozenset[int]], channels: 
         )
         for index, table in enumerate(tables)
     )
-    events = tuple(Event(name, tuple(parties[name])) for name in sorted(parties))
+    events = tuple(
+        Event(name, tuple(parties[name]), "failure" if name in failures else "communication")
+        for name in sorted(parties)
+    )
     return System(components, events)
 
 
@@ -197,7 +206,8 @@ def _anything(chooser: random.Random, number: int) -> System:
         terminal[index] = frozenset(state for state in range(states) if not table[state] and chooser.random() < 0.6)
         tables.append(table)
     channels = frozenset(index for index in range(number) if chooser.random() < 0.1)
-    return _system(tables, terminal, channels)
+    failures = frozenset(name for name in names if chooser.random() < 0.08)
+    return _system(tables, terminal, channels, failures)
 
 
 @dataclass(frozen=True)
@@ -238,7 +248,9 @@ def plain_knot(system: System, state: tuple[int, ...]) -> set[int]:
             for event, _ in system.components[index].edges[state[index]]
             if event == INTERNAL
             or all(
-                party not in stuck or any(event == other for other, _ in system.components[party].edges[state[party]])
+                any(event == other for other, _ in system.components[party].edges[state[party]])
+                # Nobody outside the knot will bring a failure about.
+                or (party not in stuck and system.events[event].kind != "failure")
                 for party in system.events[event].parties
             )
         }

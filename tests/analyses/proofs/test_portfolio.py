@@ -8,7 +8,7 @@ from cspdiag.analyses.proofs import sat_solver
 from cspdiag.analyses.proofs.portfolio import prove_deadlock_free, prove_knot_free
 from cspdiag.analyses.proofs.verdict import Limits, Method, Proved, Refuted, Unknown
 from tests.analyses.proofs import known, naive
-from tests.analyses.proofs.random_networks import FORMS, random_network, truth
+from tests.analyses.proofs.random_networks import FORMS, plain_knot, random_network, truth
 from tests.analyses.proofs.random_systems import random_system
 
 
@@ -61,7 +61,7 @@ def test_random_networks_get_the_right_answer_and_a_trace_that_can_be_followed(f
         assert facts is not None
         for prove, fails, is_stuck in (
             (prove_deadlock_free, facts.deadlock, naive.deadlocked),
-            (prove_knot_free, facts.knot, naive.knotted),
+            (prove_knot_free, facts.knot, plain_knot),
         ):
             verdict = prove(system, Limits())
             assert isinstance(verdict, Refuted if fails else Proved), seed

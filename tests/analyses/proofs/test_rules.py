@@ -10,7 +10,7 @@ from cspdiag.analyses.proofs.verdict import Limits, Proved, Refuted, Unknown, Ve
 from cspdiag.analyses.transitions.system import System
 from tests.analyses.proofs import known, naive
 from tests.analyses.proofs.known import Machine, compose, cycle
-from tests.analyses.proofs.random_networks import FORMS, Form, random_network, truth
+from tests.analyses.proofs.random_networks import FORMS, Form, plain_knot, random_network, truth
 
 
 def ruled(system: System, *, together: bool) -> Verdict:
@@ -93,5 +93,5 @@ def test_rules_are_right_about_random_networks(form: Form) -> None:
             if isinstance(verdict, Refuted):
                 assert fails, seed
                 end = naive.replay(system, verdict.trace)
-                assert naive.deadlocked(system, end) if together else naive.knotted(system, end)
+                assert naive.deadlocked(system, end) if together else plain_knot(system, end)
     assert answered > 50
