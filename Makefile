@@ -11,7 +11,7 @@ MODEL  := models/jiwy/jiwy.csp
 help: ## Show this list
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-8s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 
-setup: $(VENV)/.stamp-dev ## Create .venv with cspdiag (editable) and the developer's tools
+setup: $(VENV)/.stamp-dev third-party/VERSIONS ## Create .venv with cspdiag (editable) and the developer's tools
 
 run: $(VENV)/.stamp-run ## Compile JIWY, drive the plant, leave a picture and a summary in build/
 	@mkdir -p build
@@ -60,13 +60,15 @@ $(VENV)/bin/python:
 
 $(VENV)/.stamp-run: pyproject.toml | $(VENV)/bin/python
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[plot,draw]'
-	-@$(BIN)/python distribution/third_party.py
 	@touch $@
 
 $(VENV)/.stamp-dev: pyproject.toml | $(VENV)/bin/python
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[plot,dev]'
-	-@$(BIN)/python distribution/third_party.py
 	@touch $(VENV)/.stamp-run $@
+
+# What pip's build hook could not fetch is tried again, and the reason said.
+third-party/VERSIONS: distribution/third_party.py | $(VENV)/.stamp-dev
+	@$(BIN)/python distribution/third_party.py && touch -c $@ || true
 
 $(VENV)/.stamp-bench: pyproject.toml | $(VENV)/bin/python
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[bench]'
