@@ -18,6 +18,7 @@ def test_a_new_project_is_clean_and_formatted(
     (program,) = (tmp_path / name).glob("*.csp")
     assert cspdiag("check", program).code == 0
     assert cspdiag("fmt", "--check", program).code == 0
+    assert cspdiag("verify", "--no-cache", program).code == 0
     for path in (tmp_path / name).rglob("*"):
         assert "_NAME" not in path.name
         assert path.is_dir() or "_NAME" not in path.read_text()

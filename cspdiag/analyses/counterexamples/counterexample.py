@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
@@ -136,6 +136,9 @@ class _Teller:
 def ring(waiting: tuple[Waiting, ...]) -> tuple[str, ...]:
     """Names of processes that wait for each other in a ring; empty where somebody waits for who has ended, or for nobody."""
     by_name = {entry.name: entry for entry in waiting}
+    branches: dict[str, list[str]] = {}
+    for entry in waiting:
+        branches.setdefault(entry.path.partition(".")[2], []).append(entry.name)
     settled: set[str] = set()
     for start in by_name:
         path: list[str] = []
@@ -150,5 +153,16 @@ def ring(waiting: tuple[Waiting, ...]) -> tuple[str, ...]:
                 return tuple(path[path.index(name) :])
             elif name in by_name and name not in settled:
                 path.append(name)
-                pending.append(iter(by_name[name].partners))
+                pending.append(iter(_meant(by_name[name].partners, by_name, branches)))
     return ()
+
+
+def _meant(
+    partners: Iterable[str], by_name: Mapping[str, Waiting], branches: Mapping[str, Iterable[str]]
+) -> Iterator[str]:
+    """The partners that wait; where a process waits for its parallel branches, those of them that wait."""
+    for partner in partners:
+        if partner in by_name:
+            yield partner
+        else:
+            yield from branches.get(partner, ())
