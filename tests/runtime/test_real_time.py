@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import queue
+import signal
 import threading
 import time
 from contextlib import suppress
@@ -221,8 +222,6 @@ def test_the_end_of_a_run_wakes_nobody_and_closes_everything_although_a_driver_f
 
 
 def test_ctrl_c_while_everybody_waits_stops_the_run_and_releases_the_outputs() -> None:
-    import _thread
-
     motor = Device()
     u = EventOutput[float]("u", driver=motor, safe=0.0)
 
@@ -230,7 +229,9 @@ def test_ctrl_c_while_everybody_waits_stops_the_run_and_releases_the_outputs() -
         await u.write(3.0)
         await wait(60_000 * ms)
 
-    threading.Timer(0.05, _thread.interrupt_main).start()
+    main_thread = threading.main_thread().ident
+    assert main_thread is not None
+    threading.Timer(0.05, signal.pthread_kill, (main_thread, signal.SIGINT)).start()
     outcome = Network(Body(top), [u]).run(real_time=True)
     assert outcome.ended == "stopped"
     assert motor.written == [3.0, 0.0]
