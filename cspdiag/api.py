@@ -12,6 +12,7 @@ from cspdiag.diagnostics import Diagnostic, SourceFile
 from cspdiag.sources import read_source
 
 if TYPE_CHECKING:
+    from cspdiag.analyses.verification.answer import Answer
     from cspdiag.draw.pictures import Which
     from cspdiag.draw.scene import Scene
     from cspdiag.network.ir import Network
@@ -164,6 +165,28 @@ class LoadedProgram:
             )
         files = pipeline.generate(network, read_source, level=level, traced=True, observed=True)
         return execute.simulate(network, files, environment=environment, until=limit, real_time=real_time)
+
+    def verify(
+        self,
+        process: str | None = None,
+        *,
+        set: Mapping[str, Setting] | None = None,
+        time_limit: float = 60.0,
+    ) -> list[Answer]:
+        """The answers to what the file asserts, or what it asserts of ``process``, in text order; see ``Answer``.
+
+        Where nothing is asserted, freedom from deadlock and from livelock is asked. ``time_limit`` is in seconds, for each. Raises what ``build`` raises, and
+        ``cspdiag.analyses.transitions.explore.TransitionError`` for a process with too many states of its own.
+        """
+        from cspdiag.analyses.proofs.verdict import Limits
+        from cspdiag.simulate.verify import Verifier
+
+        settings = {name: _written(value) for name, value in (set or {}).items()}
+        asked = pipeline.ask(self.source, read_source, process=process, settings=settings)
+        if asked.checked.report.has_errors:
+            raise ProgramError(asked.checked.report.diagnostics)
+        verifier = Verifier(asked, read_source, settings=settings)
+        return [verifier.answer(question, Limits(time_limit)) for question in asked.questions]
 
 
 class Drawing:

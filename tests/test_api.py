@@ -129,3 +129,20 @@ def test_what_cannot_run_is_named() -> None:
         cspdiag.load(JIWY).run(level=2)
     with pytest.raises(ValueError, match="nothing runs the target 'rust'"):
         cspdiag.load(JIWY).run(target="rust")
+
+
+def test_a_program_is_verified() -> None:
+    program = cspdiag.load(JIWY)
+    assert [(answer.question.text, answer.outcome) for answer in program.verify()] == [
+        ("Jiwy deadlock free", "proved"),
+        ("Jiwy schedulable", "proved"),
+    ]
+    refuted, _ = cspdiag.load(JIWY.parents[1] / "dining" / "deadlock.csp").verify(set={"seats": 2})
+    assert refuted.outcome == "refuted"
+    assert refuted.counterexample is not None
+    assert len(refuted.counterexample.waiting) == 4
+
+
+def test_a_program_with_errors_is_not_verified(broken: Path) -> None:
+    with pytest.raises(ProgramError):
+        cspdiag.load(broken).verify()
