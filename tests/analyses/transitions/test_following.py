@@ -15,6 +15,7 @@ from cspdiag.simulate.execute import simulate
 from cspdiag.simulate.result import Run
 from tests.analyses.transitions.following import Lost, follow, has_ended, is_stuck, observed
 from tests.conformance.sources import environments, network_of, read
+from tests.properties.encounters import encounters
 from tests.properties.programs import programs
 
 ROOT = Path(__file__).parents[3]
@@ -56,7 +57,7 @@ def test_program_that_is_hard_to_get_right(path: Path) -> None:
 
 
 @settings(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
-@given(programs())
+@given(programs() | encounters())
 def test_random_program(text: str) -> None:
     note(text)
 
