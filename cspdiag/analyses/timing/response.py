@@ -9,9 +9,12 @@ The response is measured from the nominal release, k·period, to the end of the 
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import accumulate
+from operator import itemgetter
 
 from cspdiag.analyses.timing.task import Task
 
@@ -48,9 +51,9 @@ def response_times(tasks: Sequence[Task]) -> list[Response]:
     found: dict[int, Response] = {}
     above: list[Task] = []
     for level, members in by_level.items():
+        queue = _Queue(above, [tasks[k] for k in members], max(0, below[level] - 1))
         for k in members:
-            same = [tasks[other] for other in members if other != k]
-            found[k] = _response(tasks[k], above, same, max(0, below[level] - 1))
+            found[k] = queue.response(tasks[k])
         above += [tasks[k] for k in members]
     return [found[k] for k in range(len(tasks))]
 
@@ -60,36 +63,76 @@ def response_time(task: Task, others: Sequence[Task]) -> Response:
     blocking = max((other.step - 1 for other in others if other.priority > task.priority), default=0)
     above = [other for other in others if other.priority < task.priority]
     same = [other for other in others if other.priority == task.priority]
-    return _response(task, above, same, max(0, blocking))
+    return _Queue(above, [task, *same], max(0, blocking)).response(task)
 
 
-def _response(task: Task, above: Sequence[Task], same: Sequence[Task], blocking: int) -> Response:
-    blocking *= 1 + task.suspensions
-    busy = _busy_period((*above, *same, task), blocking)
-    if busy is None or sum(Fraction(other.work, other.period) for other in above) >= 1:
-        return Response(None, None, blocking)
-    if not task.has_one_step:
-        # Others of the level may come between its steps, as those above do.
-        above, same = (*above, *same), ()
-    interference = tuple((other.period, other.work, other.jitter) for other in above if other.work)
-    worst = latest = 0
-    for arrival in _arrivals(task, same, busy):
-        before = blocking + arrival // task.period * task.work + task.work - task.final
-        for other in same:
-            before += ((arrival + other.jitter) // other.period + 1) * other.work
-        start = max(_least_start(before, interference, blocking), arrival)
-        worst = max(worst, start + task.final - arrival)
-        latest = max(latest, start - arrival)
-    return Response(worst + task.jitter, latest + task.jitter, blocking)
+class _Queue:
+    """The tasks of one level, which are served first come, first served, below more urgent ones."""
+
+    def __init__(self, above: Sequence[Task], members: Sequence[Task], blocking: int) -> None:
+        self.above = above
+        self.members = members
+        self.blocking = blocking
+        self.is_full = _load(above) >= 1
+        self._busy: dict[int, int | None] = {}
+        self._arrivals: list[tuple[int, int]] | None = None
+
+    def response(self, task: Task) -> Response:
+        """The bound for one of the members."""
+        blocking = self.blocking * (1 + task.suspensions)
+        if blocking not in self._busy:
+            self._busy[blocking] = None if self.is_full else _busy_period((*self.above, *self.members), blocking)
+        busy = self._busy[blocking]
+        if busy is None:
+            return Response(None, None, blocking)
+        interference = _interference(self.above)
+        if task.has_one_step and len(self.members) > 1:
+            jobs = [(arrival, work + _own(task, arrival)) for arrival, work in self._work(busy, task)]
+        else:
+            # Others of the level may come between its steps, as those above do.
+            interference += _interference([other for other in self.members if other is not task])
+            jobs = [(k * task.period, (k + 1) * task.work) for k in range(-(-max(busy, 1) // task.period))]
+        worst = latest = 0
+        for arrival, work in jobs:
+            start = max(_least_start(blocking + work - task.final, interference), arrival)
+            worst = max(worst, start + task.final - arrival)
+            latest = max(latest, start - arrival)
+        return Response(worst + task.jitter, latest + task.jitter, blocking)
+
+    def _work(self, busy: int, task: Task) -> list[tuple[int, int]]:
+        """The instants of a busy period, from its beginning, after which a job of the task may wait longest, each with the work that has arrived at the
+        level by then.
+        """
+        if self._arrivals is None:
+            arriving: dict[int, int] = {0: 0}
+            for other in self.members:
+                if other.work:
+                    arriving[0] += (other.jitter // other.period + 1) * other.work
+                    for instant in range(other.period - other.jitter % other.period, busy, other.period):
+                        arriving[instant] = arriving.get(instant, 0) + other.work
+            instants = sorted(arriving)
+            self._arrivals = list(zip(instants, accumulate(arriving[instant] for instant in instants), strict=True))
+        if task.jitter == 0:
+            return self._arrivals
+        # Its own jobs come together as closely as they may when they arrive at multiples of its period.
+        arrivals = self._arrivals
+        own = range(0, busy, task.period)
+        return arrivals + [(at, arrivals[bisect_right(arrivals, at, key=itemgetter(0)) - 1][1]) for at in own]
 
 
-def _arrivals(task: Task, same: Sequence[Task], busy: int) -> list[int]:
-    """The arrivals in a busy period, from its beginning, after which a job may wait longest."""
-    instants = set(range(0, max(busy, 1), task.period))
-    for other in same:
-        if other.work:
-            instants.update(range(-other.jitter % other.period, busy, other.period))
-    return sorted(instants)
+def _own(task: Task, arrival: int) -> int:
+    """What to add to the work of a level for a job of the task that arrives now: its own earlier jobs were no later than it is."""
+    return (arrival // task.period - (arrival + task.jitter) // task.period) * task.work
+
+
+def _interference(tasks: Sequence[Task]) -> _Interference:
+    return tuple((task.period, task.work, task.jitter) for task in tasks if task.work)
+
+
+def _load(tasks: Sequence[Task]) -> Fraction | float:
+    """The share of the processor that the tasks need; exact where it is close to all of it."""
+    load = sum([task.work / task.period for task in tasks])
+    return load if load < 1 - 1e-9 else sum((Fraction(task.work, task.period) for task in tasks), Fraction())
 
 
 def _busy_period(tasks: Sequence[Task], blocking: int) -> int | None:
@@ -97,11 +140,10 @@ def _busy_period(tasks: Sequence[Task], blocking: int) -> int | None:
     demands = tuple((task.period, task.work, task.jitter) for task in tasks if task.work)
     if not demands:
         return blocking
-    load = sum(work / period for period, work, _ in demands)
-    if load > 1 - 1e-9:
-        exact = sum((Fraction(work, period) for period, work, _ in demands), Fraction())
-        if exact > 1 or (exact == 1 and (blocking or any(jitter for _, _, jitter in demands))):
-            return None
+    exact = _load(tasks)
+    load = float(exact)
+    if exact > 1 or (exact == 1 and (blocking or any(jitter for _, _, jitter in demands))):
+        return None
     shortest = min(period for period, _, _ in demands)
     length = max(_lower_bound(blocking, demands, load), blocking + sum(work for _, work, _ in demands))
     while True:
@@ -113,8 +155,10 @@ def _busy_period(tasks: Sequence[Task], blocking: int) -> int | None:
             return None
 
 
-def _least_start(before: int, interference: _Interference, blocking: int) -> int:
+def _least_start(before: int, interference: _Interference) -> int:
     """The least s with s = before + the work above that arrives up to s."""
+    if not interference:
+        return before
     load = sum([work / period for period, work, _ in interference])
     start = _lower_bound(before, interference, load)
     while True:
