@@ -48,6 +48,7 @@ def drawings() -> dict[str, str]:
     return found
 
 
+@pytest.mark.slow
 def test_nothing_lies_on_anything_in_a_browser(tmp_path: Path) -> None:
     drawn = drawings()
     measured = answer(tmp_path, page(drawn))
