@@ -132,7 +132,8 @@ class _Drawer:
                 return self._guarded(element, limit)
             case Loop():
                 body = self.operand(element.process, limit - 90)
-                return relations.loop(body, element.form, element.condition, step_tooltip(element))
+                mark = None if element.condition is None else self._marks.get(element.condition.key)
+                return relations.loop(body, element, mark, step_tooltip(element))
             case Choice():
                 return self._choice(element, limit)
             case Watched():

@@ -14,17 +14,21 @@ from cspdiag.draw.composition_blocks import (
     PARENTHESIS,
     Block,
     above,
+    badges,
     centred,
+    group,
     lines_of,
+    look,
     parenthesis,
     placed,
     width_of,
 )
 from cspdiag.draw.composition_shapes import HEAD, operator_sign, warning_sign
 from cspdiag.draw.composition_tooltips import chain_words
-from cspdiag.draw.elements.composition import Operator
+from cspdiag.draw.elements.composition import Condition, Loop, Operator
+from cspdiag.draw.elements.marks import Mark
 from cspdiag.draw.geometry import Point, Rectangle
-from cspdiag.draw.scene import Ellipse, Group, Head, Ink, Item, Line
+from cspdiag.draw.scene import Box, Ellipse, Group, Head, Ink, Item, Line
 from cspdiag.draw.scene_geometry import moved
 
 AHEAD = 34
@@ -246,11 +250,12 @@ def guarded(guard: Block, process: Block) -> Block:
     return replace(whole, spine=guard.spine, top=first.y, bottom=first.bottom)
 
 
-def loop(body: Block, form: str, condition: str | None, tooltip: str) -> Block:
+def loop(body: Block, element: Loop, mark: Mark | None, tooltip: str) -> Block:
     """The sign of the μ-process, an arrow to its body, and a line back; the condition stands where it is tested."""
-    before = lines_of(f"while {condition}") if form == "while" else []
-    after = lines_of(f"until {condition}", 300) if form == "mu" and condition is not None else []
-    forward = max(AHEAD, width_of(before) + 24 if before else 0) + body.gap
+    condition = element.condition
+    before = lines_of(f"while {condition.text}") if condition is not None and element.form == "while" else []
+    after = lines_of(f"until {condition.text}", 300) if condition is not None and element.form == "mu" else []
+    forward = max(AHEAD, width_of(before) + 27 if before else 0) + body.gap
     back = len(after) * LINE + 6.0
     axis = max(back + _TURN + body.entry.y, back + 12 + _MU / 2, len(before) * LINE + back + 14)
     part = _Placed(body, _MU + forward, axis - body.entry.y)
@@ -271,12 +276,23 @@ def loop(body: Block, form: str, condition: str | None, tooltip: str) -> Block:
         Point(centre.x, axis - _MU / 2),
     )
     again = _join("line", back_points, body, neutral, Head.OPEN_ARROW)
-    words: list[Item] = [
-        *above(after, Point(centre.x + 10, back)),
-        *above(before, Point(_MU + 8, axis)),
-    ]
+    words = _condition(condition, mark, before, Point(_MU + 8, axis)) if before else ()
+    words = _condition(condition, mark, after, Point(centre.x + 10, back)) if after else words
     relation = Group("relation loop", (*sign, there, again, *words), title=tooltip)
     return _whole([part], [relation], axis, right + 1)
+
+
+def _condition(condition: Condition | None, mark: Mark | None, lines: Sequence[str], at: Point) -> tuple[Item, ...]:
+    """The words of a condition above a line; marked, they stand out from a ground."""
+    assert condition is not None
+    items: list[Item] = [*above(lines, at)]
+    if mark is not None:
+        height, width = len(lines) * LINE, width_of(lines)
+        ground = look(mark, Ink.LINE, Ink.PAPER)
+        place = Rectangle(at.x - 4, at.y - 4 - height, width + 8, height + 1)
+        items = [Box(place, ground.fill, ground.stroke, 3, 1.2, ground.dash), *items]
+        items += (moved(item, place.right + 4, place.y - 2) for item in badges(mark, 4))
+    return (group("condition", condition.key, items, f"condition {condition.text}", mark),)
 
 
 def choice(conditions: Sequence[Block], processes: Sequence[Block], otherwise: Block | None) -> Block:

@@ -9,6 +9,7 @@ from cspdiag.draw.elements.composition import (
     Case,
     Chain,
     Choice,
+    Condition,
     Guard,
     Guarded,
     Handler,
@@ -60,10 +61,12 @@ def _words(element: Part) -> str:
             return element.text if element.condition is None else f"when {element.condition} & {element.text}"
         case Guarded():
             return "guarded process"
-        case Loop(form="while"):
-            return f"while {element.condition}"
         case Loop():
-            return "repeats forever" if element.condition is None else f"repeats until {element.condition}"
+            if element.condition is None:
+                return "repeats forever"
+            return f"{'while' if element.form == 'while' else 'repeats until'} {element.condition.text}"
+        case Condition():
+            return f"condition {element.text}"
         case Case():
             return f"if {element.condition}"
         case Choice():

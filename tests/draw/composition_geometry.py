@@ -90,7 +90,8 @@ def _relate(items: tuple[Item, ...], relation: Relation) -> None:
     for item in items:
         match item:
             case Group():
-                _relate(item.items, relation)
+                if not item.kind.startswith("badge"):
+                    _relate(item.items, relation)
             case Text():
                 relation.words.append(text_place(item))
             case Line(closed=False) if item.width < 1.5:

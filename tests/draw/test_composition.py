@@ -212,9 +212,13 @@ def test_a_change_at_the_end_moves_nothing_before_it() -> None:
     ("kind", "ink"),
     [("error", Ink.ERROR), ("warning", Ink.WARNING), ("added", Ink.ADDED), ("removed", Ink.REMOVED)],
 )
-@pytest.mark.parametrize("key", ["1", "1.1", "1.2", "1.2.1", "1.2.1.1", "1.2.2", "1.3.1", "1.3.2", "1.3.2.1"])
+@pytest.mark.parametrize(
+    "key", ["1", "1.1", "1.2", "1.2.1", "1.2.1.1", "1.2.2", "1.3.1", "1.3.2", "1.3.2.1", "1.4", "1.4.2", "1.5.2"]
+)
 def test_any_element_can_be_marked(kind: MarkKind, ink: Ink, key: str) -> None:
-    found = diagram("skip ; (b ? x -> stop [] after 1 ms -> b ? x) ; (x := 1 catch F -> b ! x)")
+    found = diagram(
+        "skip ; (b ? x -> stop [] after 1 ms -> b ? x) ; (x := 1 catch F -> b ! x) ; (mu skip until x) ; (while x do skip)"
+    )
     assert key in {element.key for element in found.elements()}
     scene = draw_composition(found, marks={key: Mark(kind=kind, note="because")})
     (group,) = (item for item in every(scene.items) if isinstance(item, Group) and item.id == f"step-{key}")

@@ -14,6 +14,7 @@ from cspdiag.draw.elements.composition import (
     Case,
     Chain,
     Choice,
+    Condition,
     Guard,
     Guarded,
     GuardForm,
@@ -53,7 +54,21 @@ def test_examples_are_drawn_without_faults(picture: str) -> None:
 
 def test_no_construct_is_left_out() -> None:
     found = elements()
-    sorts = {Activity, Chain, Guard, Guarded, Loop, Case, Choice, Handler, Watched, Replication, NamedGroup, Inside}
+    sorts = {
+        Activity,
+        Chain,
+        Condition,
+        Guard,
+        Guarded,
+        Loop,
+        Case,
+        Choice,
+        Handler,
+        Watched,
+        Replication,
+        NamedGroup,
+        Inside,
+    }
     assert set(get_args(Part)) == sorts == {type(each) for each in found}
     assert {each.form for each in found if isinstance(each, Activity)} == set(get_args(ActivityForm))
     assert {each.form for each in found if isinstance(each, Guard)} == set(get_args(GuardForm))

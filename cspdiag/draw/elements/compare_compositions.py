@@ -16,6 +16,7 @@ from cspdiag.draw.elements.composition import (
     Choice,
     Composition,
     CompositionDiagram,
+    Condition,
     Guard,
     Guarded,
     Handler,
@@ -100,10 +101,10 @@ def own_text(element: Part) -> str:
             return element.text if element.condition is None else f"when {element.condition} & {element.text}"
         case Chain():
             return OPERATORS[element.operator, element.prioritized]
-        case Loop(form="while"):
-            return f"while {element.condition}"
         case Loop():
-            return "mu" if element.condition is None else f"mu until {element.condition}"
+            return element.form
+        case Condition():
+            return element.text
         case Case():
             return f"if {element.condition}"
         case Handler():
@@ -126,7 +127,7 @@ def _subject(element: Part) -> str:
             return "operator"
         case Loop():
             return "loop"
-        case Case():
+        case Case() | Condition():
             return "condition"
         case Handler():
             return "handler"
@@ -165,7 +166,7 @@ class _Comparison:
         span = element.spans[0] if element.spans else None
         change = StepChange(
             action,
-            _subject(element) if isinstance(element, Guard | Case | Handler) else "process",
+            _subject(element) if isinstance(element, Guard | Condition | Case | Handler) else "process",
             key,
             None if was_added else text,
             text if was_added else None,
@@ -188,9 +189,11 @@ class _Comparison:
             return _kept(new, key)
         if isinstance(new, Loop | Replication | NamedGroup):
             span = new.spans[0] if new.spans else None
-            self._mark(key, StepChange("added", _subject(new), key, None, own_text(new), None, span))
+            self._mark(key, StepChange("added", _subject(new), key, None, _head(new), None, span))
         found = [
-            _kept(part, f"{key}.{number}") if part is around else self.whole(part, f"{key}.{number}", "added")
+            _kept(part, f"{key}.{number}")
+            if part is around or isinstance(part, Condition)
+            else self.whole(part, f"{key}.{number}", "added")
             for number, part in enumerate(inner, 1)
         ]
         return rebuilt(new, key, found)
@@ -214,6 +217,9 @@ class _Comparison:
             case Choice(), Choice():
                 otherwise: list[_Pair] = [(old.otherwise, new.otherwise)]
                 return self._aligned(old.cases, new.cases) + otherwise * (otherwise != [(None, None)])
+            case Loop(), Loop():
+                conditions: list[_Pair] = [(old.condition, new.condition)]
+                return [(old.process, new.process), *(conditions * (conditions != [(None, None)]))]
             case Watched(), Watched():
                 return [(old.process, new.process), *self._aligned(old.handlers, new.handlers)]
             case _:
@@ -283,6 +289,13 @@ class _Comparison:
         return known
 
 
+def _head(element: Part) -> str:
+    """What an element says itself, the condition of a loop included."""
+    if not isinstance(element, Loop) or element.condition is None:
+        return own_text(element)
+    return f"while {element.condition.text}" if element.form == "while" else f"mu until {element.condition.text}"
+
+
 def _kept(element: PartT, key: str) -> PartT:
     return rebuilt(element, key, [_kept(part, f"{key}.{number}") for number, part in enumerate(parts(element), 1)])
 
@@ -295,7 +308,7 @@ def _source(element: Part) -> str:
             return f"{own_text(element)}{guard} -> {_source(element.process)}"
         case Case():
             return f"{own_text(element)} then {_source(element.process)}"
-        case Activity() | Guard():
+        case Activity() | Guard() | Condition():
             return own_text(element)
         case _:
             return written_span(element.spans[0]) if element.spans else own_text(element)

@@ -59,12 +59,19 @@ class Guarded(Element):
 
 
 @record(kw_only=True)
+class Condition(Element):
+    """What a loop tests: ``text`` is as written."""
+
+    text: str
+
+
+@record(kw_only=True)
 class Loop(Element):
     """The μ-process, which tests ``condition`` after its body (None: never), or ``while``, which tests it before."""
 
     form: Literal["mu", "while"]
-    condition: str | None
     process: Composition
+    condition: Condition | None
 
 
 @record(kw_only=True)
@@ -128,7 +135,7 @@ class Inside(Element):
 
 
 Composition: TypeAlias = Activity | Chain | Guarded | Loop | Choice | Watched | Replication | NamedGroup | Inside
-Part: TypeAlias = Composition | Guard | Case | Handler
+Part: TypeAlias = Composition | Guard | Condition | Case | Handler
 """Everything in a composition diagram that has a key."""
 
 PartT = TypeVar("PartT", bound=Part)
@@ -147,14 +154,16 @@ class CompositionDiagram(Element):
 
 
 def parts(element: Part) -> tuple[Part, ...]:
-    """The parts of an element, in text order."""
+    """The parts of an element, in text order but for the condition of a loop, which comes last."""
     match element:
-        case Activity() | Guard():
+        case Activity() | Guard() | Condition():
             return ()
         case Chain():
             return element.parts
         case Guarded():
             return element.guard, element.process
+        case Loop() if element.condition is not None:
+            return element.process, element.condition
         case Loop() | Case() | Replication() | NamedGroup() | Inside():
             return (element.process,)
         case Choice():
@@ -173,7 +182,9 @@ def rebuilt(element: PartT, key: str, inner: Sequence[Part]) -> PartT:
             changes["parts"] = tuple(inner)
         case Guarded():
             changes["guard"], changes["process"] = inner
-        case Loop() | Case() | Replication() | NamedGroup() | Inside():
+        case Loop():
+            changes["process"], changes["condition"] = inner[0], inner[1] if len(inner) > 1 else None
+        case Case() | Replication() | NamedGroup() | Inside():
             (changes["process"],) = inner
         case Choice():
             changes["cases"] = tuple(part for part in inner if isinstance(part, Case))
@@ -222,8 +233,9 @@ def sentence(element: Part) -> str:
         case Guarded():
             return "guarded"
         case Loop():
-            test = "" if element.condition is None else f" {'until' if element.form == 'mu' else 'do'}"
-            return f"{element.form}{test}{'' if element.condition is None else f' {element.condition}'}"
+            return "while" if element.form == "while" else "mu" if element.condition is not None else "mu forever"
+        case Condition():
+            return f"condition {element.text}"
         case Case():
             return f"if {element.condition}"
         case Choice():

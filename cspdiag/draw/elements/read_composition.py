@@ -13,6 +13,7 @@ from cspdiag.draw.elements.composition import (
     Choice,
     Composition,
     CompositionDiagram,
+    Condition,
     Guard,
     Guarded,
     GuardForm,
@@ -140,7 +141,10 @@ class _Reader:
         self, node: ast.Mu | ast.While, key: str, form: Literal["mu", "while"], condition: ast.Expression | None
     ) -> Loop:
         body = self.composition(node.process, f"{key}.1")
-        return Loop(key=key, spans=(node.span,), form=form, condition=optional(condition), process=body)
+        test = None
+        if condition is not None:
+            test = Condition(key=f"{key}.2", spans=(condition.span,), text=written(condition))
+        return Loop(key=key, spans=(node.span,), form=form, process=body, condition=test)
 
     def _choice(self, node: ast.If, key: str) -> Choice:
         cases: list[Case] = []
