@@ -38,6 +38,7 @@ _PEERS = {name: f"peer_{name.lower()}" for name in ("asyncio", "trio", "simpy", 
 _ALTERNATING = {name: _PEERS[name] for name in ("asyncio", "PyCSP", "Go")}
 _CHECK = {"cspdiag": "checking"}
 _PROVE = {"cspdiag": "proving"}
+_RESPOND = {"cspdiag": "responding"}
 
 BENCHMARKS = (
     Benchmark(
@@ -83,6 +84,8 @@ BENCHMARKS = (
         "prove-controller-4", "the same for a controller of 4 joints (SPIN: no answer in 200 s)", "ms", _PROVE,
         "at most 1000 ms",
     ),
+    Benchmark("respond-100", "response times of 100 tasks, a level of priority each", "ms", _RESPOND, "at most 50 ms"),
+    Benchmark("respond-levels-100", "the same with five levels, first come, first served", "ms", _RESPOND, "at most 50 ms"),
     Benchmark(
         "search-states-8", "states a second, breadth-first, 8 philosophers", "/s",
         {"cspdiag": "searching", "SPIN": "peer_spin", "SPIN, our export": "peer_spin exported"},

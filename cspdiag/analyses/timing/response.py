@@ -75,6 +75,7 @@ class _Queue:
         self.blocking = blocking
         self.is_full = _load(above) >= 1
         self._busy: dict[int, int | None] = {}
+        self._longest_queue: int | None = None
         self._arrivals: list[tuple[int, int]] | None = None
 
     def response(self, task: Task) -> Response:
@@ -87,11 +88,19 @@ class _Queue:
             return Response(None, None, blocking)
         interference = _interference(self.above)
         if task.has_one_step and len(self.members) > 1:
-            jobs = [(arrival, work + _own(task, arrival)) for arrival, work in self._work(busy, task)]
+            jobs = self._work(busy, task)
+            if task.jitter:
+                jobs = [(arrival, work + _own(task, arrival)) for arrival, work in jobs]
         else:
             # Others of the level may come between its steps, as those above do.
             interference += _interference([other for other in self.members if other is not task])
             jobs = [(k * task.period, (k + 1) * task.work) for k in range(-(-max(busy, 1) // task.period))]
+        if task.has_one_step and not interference and not task.jitter and len(self.members) > 1:
+            # Nothing tells the tasks of the most urgent level apart.
+            if self._longest_queue is None:
+                self._longest_queue = max(work - arrival for arrival, work in jobs)
+            worst = max(blocking + self._longest_queue, task.final)
+            return Response(worst, worst - task.final, blocking)
         worst = latest = 0
         for arrival, work in jobs:
             start = max(_least_start(blocking + work - task.final, interference), arrival)
