@@ -1,7 +1,7 @@
 """A system that has a deadlock exactly if another has a knot.
 
 Every component may stop at any time, and then is one of those that are thought to be stuck, or is left out of account. Others go on without it, which they could do
-anyway. One that was left out takes part in every event that another asks for; one that is thought to be stuck asks for all events that it offers, and if one of
+anyway. One that was left out takes part in every event that another asks for, but in a failure only if it offered it; one that is thought to be stuck asks for all events that it offers, and if one of
 them happens it turns round for ever: it was not stuck. When nothing is possible, those that asked are a knot.
 """
 
@@ -25,28 +25,41 @@ def knots_as_deadlocks(system: System) -> System:
         for party in event.parties:
             alphabets[party].add(number)
     components = (
-        _stopping(component, at, sorted(alphabets[at]), asked) for at, component in enumerate(system.components)
+        _stopping(component, at, sorted(alphabets[at]), asked, system.events)
+        for at, component in enumerate(system.components)
     )
     return System(tuple(components), tuple(events))
 
 
-def _stopping(component: Component, at: int, alphabet: list[int], asked: list[dict[int, int]]) -> Component:
-    """The component's states, then those in which it is thought to be stuck, then the one that turns round, then the one left out."""
+def _stopping(
+    component: Component, at: int, alphabet: list[int], asked: list[dict[int, int]], events: tuple[Event, ...]
+) -> Component:
+    """The component's states, then those in which it is thought to be stuck, then those in which it is left out, then the one that turns round."""
     count = len(component.edges)
-    turns, left_out = 2 * count, 2 * count + 1
+    turns = 3 * count
     running = tuple(
-        (*edges, (INTERNAL, count + state), (INTERNAL, left_out)) for state, edges in enumerate(component.edges)
+        (*edges, (INTERNAL, count + state), (INTERNAL, 2 * count + state))
+        for state, edges in enumerate(component.edges)
     )
     stuck = tuple(
         tuple(dict.fromkeys(edge for event, _ in edges for edge in _ways_out(event, asked, turns)))
         for edges in component.edges
     )
-    others = tuple((event, left_out) for known in alphabet for party, event in asked[known].items() if party != at)
+    left_out = tuple(
+        tuple(
+            (happens, 2 * count + state)
+            for known in alphabet
+            if events[known].kind != "failure" or any(event == known for event, _ in edges)
+            for party, happens in asked[known].items()
+            if party != at
+        )
+        for state, edges in enumerate(component.edges)
+    )
     content = {count + state for state, edges in enumerate(component.edges) if state in component.terminal or not edges}
     return Component(
         component.name,
-        (*running, *stuck, ((INTERNAL, turns),), others),
-        frozenset({*content, left_out}),
+        (*running, *stuck, *left_out, ((INTERNAL, turns),)),
+        frozenset(content | set(range(2 * count, 3 * count))),
         component.initial,
         process=component.process,
     )

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from heapq import heapify, heappop, heappush
 
-from cspdiag.analyses.proofs import stubborn
+from cspdiag.analyses.proofs import breadth_first, stubborn
 from cspdiag.analyses.proofs.knots_as_deadlocks import knots_as_deadlocks
 from cspdiag.analyses.proofs.parallel_machines import MOST_STATES, Pairs, Part, TooLargeError, part_of
 from cspdiag.analyses.proofs.verdict import LimitError, Limits, Proved, Refuted, Unknown, Verdict
@@ -26,7 +26,12 @@ def deadlock_free(system: System, limits: Limits) -> Verdict:
 
 def knot_free(system: System, limits: Limits) -> Verdict:
     """Whether no state is reachable in which some processes wait for each other for ever, whatever the others do."""
-    return _decide(system, knots_as_deadlocks(system), limits, stubborn.knot_free, "none of them can be stuck")
+    return _decide(system, knots_as_deadlocks(system), limits, _some_knot, "none of them can be stuck")
+
+
+def _some_knot(system: System, limits: Limits) -> Verdict:
+    found = stubborn.knot_free(system, limits)
+    return breadth_first.knot_free(system, limits) if isinstance(found, Unknown) else found
 
 
 def _decide(

@@ -70,7 +70,12 @@ def deadlock_free(system: System, limits: Limits) -> Verdict:
 
 
 def knot_free(system: System, limits: Limits) -> Verdict:
-    """Whether no state is reachable in which some processes wait for each other for ever, whatever the others do."""
+    """Whether no state is reachable in which some processes wait for each other for ever, whatever the others do.
+
+    Unknown where events are failures: one may end a knot, so that what is left out does not keep it.
+    """
+    if any(event.kind == "failure" for event in system.events):
+        return Unknown("stubborn", "a failure may end what is stuck, and order matters then")
     sets, offers = ClosedSets(system), Offers(system)
     graph = _Graph([system.initial], {system.initial: 0}, [None])
     try:

@@ -55,7 +55,7 @@ def deadlocked(system: System, state: State) -> bool:
 
 
 def knotted(system: System, state: State) -> bool:
-    """Some set of components never moves again, and a process in it wants to: every set is tried."""
+    """Some set of components never moves again, if nothing fails later, and a process in it wants to: every set is tried."""
     offers = [
         frozenset(event for event, _ in component.edges[local])
         for component, local in zip(system.components, state, strict=True)
@@ -76,7 +76,8 @@ def _never_moves(system: System, offers: Sequence[frozenset[int]], at: int, memb
     return all(
         event != INTERNAL
         and any(
-            party != at and party in members and event not in offers[party] for party in system.events[event].parties
+            party != at and (party in members or system.events[event].kind == "failure") and event not in offers[party]
+            for party in system.events[event].parties
         )
         for event in offers[at]
     )

@@ -32,7 +32,7 @@ def _parties(random: Random, size: int) -> list[int]:
 
 def _kind(random: Random, members: list[int]) -> EventKind:
     if len(members) > 1:
-        return "communication"
+        return "failure" if random.random() < 0.1 else "communication"
     return random.choice(("external", "variable", "time", "sample"))
 
 

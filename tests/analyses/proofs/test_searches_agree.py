@@ -50,10 +50,11 @@ def test_a_search_answers_as_the_plain_interpretation_does(
     holds: Callable[[System, naive.State], bool],
     shortest: bool,
 ) -> None:
-    answers = [
-        check(random_system(seed), search(random_system(seed), Limits()), holds, shortest=shortest) for seed in SEEDS
-    ]
-    assert 40 < sum(answers) < 360, "both answers appear often"
+    systems = [random_system(seed) for seed in SEEDS]
+    if search is stubborn.knot_free:
+        systems = [system for system in systems if all(event.kind != "failure" for event in system.events)]
+    answers = [check(system, search(system, Limits()), holds, shortest=shortest) for system in systems]
+    assert 40 < sum(answers) < len(answers) - 40, "both answers appear often"
 
 
 @pytest.mark.parametrize("short_look", [0, 3000])

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from cspdiag.analyses.proofs import stubborn
@@ -78,3 +80,11 @@ def test_a_search_that_reaches_a_limit_says_so() -> None:
     verdict = stubborn.knot_free(known.controller(5), Limits(memory=1_000_000))
     assert isinstance(verdict, Unknown)
     assert "memory limit" in verdict.reason
+
+
+def test_where_a_failure_may_end_what_is_stuck_the_question_is_left_open() -> None:
+    ring = known.beside_a_loop(known.philosophers(4))
+    failing = replace(ring, events=(*ring.events[:-1], replace(ring.events[-1], kind="failure")))
+    verdict = stubborn.knot_free(failing, Limits())
+    assert isinstance(verdict, Unknown)
+    assert "failure" in verdict.reason
