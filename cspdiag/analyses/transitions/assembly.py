@@ -54,7 +54,7 @@ class Assembly:
         self.abstractions: dict[Abstraction, None] = {}
         self._of: list[dict[Label, list[int]]] = [{} for _ in self.threads]
         self._nobody: int | None = None
-        self._shapes: dict[tuple[int, bool, bool], Shape] = {}
+        self._shapes: dict[tuple[int, bool], Shape] = {}
         self._uses: dict[Medium, list[Use]] = defaultdict(list)
         self._forks: dict[ParallelKey, list[Strand]] = {}
 
@@ -85,7 +85,7 @@ class Assembly:
         return shapes
 
     def _shape(self, template: Template, started: bool) -> Shape:
-        key = (id(template), started, False)
+        key = (id(template), started)
         known = self._shapes.get(key)
         if known is None:
             known = self._shapes[key] = Shape(template, started=started)
@@ -104,8 +104,6 @@ class Assembly:
             places=_Places(shape.spots, strand),
             path=strand.occurrence.path,
         )
-
-    # -- events
 
     def _event(
         self,
@@ -147,8 +145,6 @@ class Assembly:
             self._uses[resolve(strand.occurrence, label[1])].append((strand, label))
         elif kind == "fork" or kind == "join":
             self._forks.setdefault(parallel_key(strand.occurrence, label[1]), []).append(strand)
-
-    # -- channels
 
     def _medium(self, medium: Medium, uses: list[Use]) -> None:
         match medium.kind:
@@ -280,8 +276,6 @@ class Assembly:
                 self._for(strand, label, event)
                 for reader, read in chosen:
                     self._for(reader, read, event)
-
-    # -- compositions
 
     def _composition(self, key: ParallelKey, shapes: list[Shape]) -> None:
         branches = self.strands.branches[key]

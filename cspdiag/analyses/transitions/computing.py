@@ -34,8 +34,6 @@ class Computing:
     def __init__(self, thread: Thread) -> None:
         self.thread = thread
 
-    # -- ends
-
     def finished(self, configuration: Configuration) -> Configuration | None:
         """The thread has come to its end."""
         return configuration._replace(stack=(("ended",), None), doomed=False, fetched=None, loaded=())
@@ -69,8 +67,6 @@ class Computing:
         assert c.fetched is not None
         self.thread.unfused.add(id(c.fetched[2]))
         raise Restart
-
-    # -- values
 
     def evaluate(self, configuration: Configuration, context: Context, expression: Expression) -> Known:
         """A value; where faults are caught, an evaluation that may fail is first seen to ``risk`` it."""

@@ -88,8 +88,6 @@ class Follower(LawSteps):
         except EvaluationFault:
             return self.thrown(configuration, FAULT)
 
-    # -- actions; each is given the stack below it
-
     def _sequence(self, c: Configuration, node: Node, context: Context, rest: Stack) -> Configuration | None:
         for child in reversed(node.children):
             rest = (("run", child, context), rest)

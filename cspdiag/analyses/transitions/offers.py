@@ -104,8 +104,6 @@ class Offers(Communications):
         own = (("leave", root), None) if node is root.definition.body else None
         return (("run", node, root), own)
 
-    # -- actions that wait
-
     def _action(self, c: Configuration, node: Node, context: Context, rest: Stack) -> list[Move]:
         action = node.action
         after = c._replace(stack=rest)
@@ -125,8 +123,6 @@ class Offers(Communications):
             case ParallelSteps():
                 return fork_edges(self.thread, self.follower, c, node, context, rest)
         raise AssertionError(type(action).__name__)
-
-    # -- guards
 
     def _choice(self, c: Configuration, frame: Frame, rest: Stack) -> list[Move]:
         _, node, context, decided = frame
@@ -183,8 +179,6 @@ class Offers(Communications):
                     found.append((label, target))
         return found
 
-    # -- control laws
-
     def _reading(self, c: Configuration, frame: Frame, rest: Stack) -> list[Move]:
         _, context, instance, node, remaining = frame
         inputs = self.follower.connections(context, instance, "in")
@@ -235,8 +229,6 @@ class Offers(Communications):
             found.append((self.written(reference, UNKNOWN), after))
         return found
 
-    # -- what is left open
-
     def _open(self, c: Configuration, frame: Frame) -> list[Move]:
         _, context, condition, then, otherwise = frame
         self._left_open(context, condition)
@@ -284,8 +276,6 @@ class Offers(Communications):
         for label, value, given in self.reads(back, context, PortEnd(name, index)):
             found.append((label, self.follower.thrown(given, TIMEOUT) if value is MISSED else given))
         return found
-
-    # -- cancellation
 
     def _cancellation(self, c: Configuration, frame: Frame) -> list[Move]:
         """What a cancelled thread does: it ends where it waits, and goes on to such a place elsewhere."""

@@ -2,39 +2,31 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from cspdiag.analyses.transitions.template import Label, ParallelId, Spot, Template
 
 
 class Shape:
-    """The machine of a thread; ``started`` says that its parent has started it from the beginning.
+    """The machine of a thread; ``started`` says that it has been started when the system begins.
 
-    ``forked_at_once`` are the parallels that it has then started too: nothing else can happen first.
+    ``forked_at_once`` are the parallels that it has then started too: nothing else can happen first, nor can it come back to that.
     """
 
     def __init__(self, template: Template, *, started: bool) -> None:
         edges = template.edges
         initial = 0
+        if started and edges[0] and edges[0][0][0] == ("start",):
+            initial = edges[0][0][1]
         self.forked_at_once: list[ParallelId] = []
-        if started:
-            entered = {target for found in edges for _, target in found}
-            if edges[0] and edges[0][0][0] == ("start",):
-                initial = edges[0][0][1]
-            while len(edges[initial]) == 1 and edges[initial][0][0][0] == "fork":
-                (label, target) = edges[initial][0]
-                if sum(initial == to for found in edges for _, to in found) > (
-                    0 if initial == 0 else _from_idle(edges, initial)
-                ):
-                    break
-                self.forked_at_once.append(label[1])
-                initial = target
-            del entered
-        order = [initial]
-        numbers = {initial: 0}
-        for state in order:
-            for _, target in edges[state]:
-                if target not in numbers:
-                    numbers[target] = len(order)
-                    order.append(target)
+        while started and len(edges[initial]) == 1 and edges[initial][0][0][0] == "fork":
+            ((label, target),) = edges[initial]
+            if initial in _reached(edges, target):
+                break
+            self.forked_at_once.append(label[1])
+            initial = target
+        order = _reached(edges, initial)
+        numbers = {state: number for number, state in enumerate(order)}
         labels: dict[Label, int] = {}
         self.edges: list[list[tuple[int, int]]] = [
             [(labels.setdefault(label, len(labels)), numbers[target]) for label, target in edges[state]]
@@ -46,8 +38,13 @@ class Shape:
         self.spots: list[Spot] = [template.spots[state] for state in order]
 
 
-def _from_idle(edges: list[list[tuple[Label, int]]], state: int) -> int:
-    """How many edges enter a state from the first one, when nothing leads back to that."""
-    if any(target == 0 for found in edges for _, target in found):
-        return 0
-    return sum(target == state for _, target in edges[0])
+def _reached(edges: Sequence[Sequence[tuple[Label, int]]], start: int) -> list[int]:
+    """The states that can be come to, in the order in which they are found, the first one first."""
+    order = [start]
+    seen = {start}
+    for state in order:
+        for _, target in edges[state]:
+            if target not in seen:
+                seen.add(target)
+                order.append(target)
+    return order

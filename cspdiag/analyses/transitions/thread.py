@@ -136,8 +136,6 @@ class Thread:
             self._media[reference] = known
         return known
 
-    # -- values
-
     def domain(self, reference: Reference) -> tuple[Known, ...] | None:
         """The values that may be read there; None if they are not followed."""
         self._ask(reference)
@@ -245,8 +243,6 @@ class Thread:
             return False
         self.widened.add(best)  # type: ignore[arg-type]
         return True
-
-    # -- sessions of sampled inputs
 
     def begun(self, configuration: Configuration, context: Context, end: ReadingEnd) -> bool:
         """Whether a sample may have been missed at an end: its process has read there before. Unknown counts as that."""

@@ -12,6 +12,7 @@ from typing import Any, Final, TypeAlias
 
 from cspdiag.model import arithmetic
 from cspdiag.model.types import BoolType, EnumType, IntType, RealType, StructType, Type
+from cspdiag.network.expression_walk import walk
 from cspdiag.network.expressions import (
     ArrayElements,
     BinaryOperation,
@@ -184,6 +185,4 @@ _FEW = 8
 
 def variables_in(expression: Expression) -> Iterator[VariableValue]:
     """The variables that an expression mentions."""
-    from cspdiag.network.expression_walk import walk
-
     return (part for part in walk(expression) if isinstance(part, VariableValue))
