@@ -75,6 +75,6 @@ class Limits:
     def check(self, used: int = 0) -> None:
         """Raise LimitError when the time, or the memory of which ``used`` bytes are taken, is up."""
         if time.monotonic() - self.started > self.seconds:
-            raise LimitError(f"the time limit of {self.seconds:g} s was reached")
+            raise LimitError(f"the time limit of {self.seconds:.3g} s was reached")
         if used > self.memory:
             raise LimitError(f"the memory limit of {self.memory / 1e6:g} MB was reached")
