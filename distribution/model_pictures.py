@@ -119,7 +119,7 @@ def _deadlock() -> Scene:
     assert built.network is not None
     run = simulate(built.network, generate(built.network, _read))
     assert run.outcome.deadlock is not None
-    return draw_deadlock(deadlock_of(run.outcome.deadlock, built.network.top), built.checked.program)
+    return draw_deadlock(deadlock_of(run.outcome.deadlock, built.network), built.checked.program)
 
 
 PICTURES: dict[str, Callable[[], Scene]] = {

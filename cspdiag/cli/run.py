@@ -202,7 +202,7 @@ def _draw_deadlock(path: Path, result: Run, program: Program | None) -> None:
     from cspdiag.simulate.deadlock_picture import deadlock_of
 
     assert result.outcome.deadlock is not None
-    write_picture(path, deadlock_of(result.outcome.deadlock, result.network.top), program)
+    write_picture(path, deadlock_of(result.outcome.deadlock, result.network), program)
 
 
 def _is_measured(arguments: Namespace) -> bool:

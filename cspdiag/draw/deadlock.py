@@ -8,7 +8,9 @@ from itertools import pairwise
 
 from cspdiag.draw.annotations import NOTE_SIZE, badge, heading, wrapped
 from cspdiag.draw.communication import draw_communication
+from cspdiag.draw.composition import draw_composition
 from cspdiag.draw.deadlock_marks import Waiting, shortened, surroundings
+from cspdiag.draw.deadlock_steps import waiting_steps
 from cspdiag.draw.elements.marks import Mark
 from cspdiag.draw.geometry import Point, Rectangle
 from cspdiag.draw.scene import Box, Face, Group, Head, Ink, Item, Line, Run, Scene, Text
@@ -19,6 +21,8 @@ from cspdiag.model.program import Program
 _ACROSS = 56.0
 _DOWN = 44.0
 """Between the boxes of a ring, from left to right and from top to bottom."""
+_COMPOSITIONS = 4
+"""So many compositions are shown."""
 _COLUMNS = 6
 """A ring grows downwards beyond these."""
 _PADDING = 12.0
@@ -42,9 +46,10 @@ class Deadlock:
 
 
 def draw_deadlock(deadlock: Deadlock, program: Program | None = None) -> Scene:
-    """The ring of waiting processes and, given the program, the communication diagram around them with them highlighted.
+    """The ring of waiting processes and, given the program, the communication diagram around them and their compositions, with them highlighted.
 
-    Numbers tell which box of the diagram stands for which process of the ring. Raises what ``lay_out`` raises.
+    Numbers tell which box and which step stands for which process of the ring; a composition is there where it is known at which step a process
+    waits. Raises what ``lay_out`` raises.
     """
     ring = draw_ring(deadlock)
     if program is None:
@@ -52,8 +57,10 @@ def draw_deadlock(deadlock: Deadlock, program: Program | None = None) -> Scene:
     around = surroundings(program, deadlock.top, deadlock.cycle or deadlock.besides)
     if around is None:
         return ring
-    diagram, marks = around
-    return stacked([ring, draw_communication(diagram, marks=marks)])
+    scenes = [ring, draw_communication(around[0], marks=around[1])]
+    for composition, marks in waiting_steps(program, deadlock.cycle or deadlock.besides)[:_COMPOSITIONS]:
+        scenes.append(draw_composition(composition, marks=marks))
+    return stacked(scenes)
 
 
 def draw_ring(deadlock: Deadlock) -> Scene:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import takewhile
 
+from cspdiag.diagnostics import Span
 from cspdiag.draw.elements.communication import communication_diagram
 from cspdiag.draw.elements.diagram import CommunicationDiagram
 from cspdiag.draw.elements.facts import Facts
@@ -15,7 +16,8 @@ from cspdiag.model.program import Program
 from cspdiag.syntax import ast
 
 _INDEX = re.compile(r"\[[^\]]*\]")
-_MOST_NUMBERS = 10
+MOST_NUMBERS = 10
+"""More processes than these are not numbered at one element."""
 
 
 @dataclass(frozen=True)
@@ -23,13 +25,16 @@ class Waiting:
     """A process that can never go on.
 
     ``path`` is that of the process (``Table.fork[1]``), ``words`` says for what it waits (``to read Table.philosopher[0].first``), ``place`` is the file and
-    line, ``channels`` are the full names of the channels.
+    line, ``channels`` are the full names of the channels, ``ports`` those of its own ports that are connected to them. ``span`` is exactly where it
+    waits, if that is known.
     """
 
     path: str
     words: str
     place: str | None = None
     channels: tuple[str, ...] = ()
+    ports: tuple[str, ...] = ()
+    span: Span | None = None
 
 
 def shortened(text: str, top: str) -> str:
@@ -42,7 +47,7 @@ def surroundings(
 ) -> tuple[CommunicationDiagram, dict[str, Mark]] | None:
     """The diagram of the innermost process that holds all that wait, and marks on it, numbered in their order; None where there is none."""
     prefix = _common([tuple(each.path.split(".")) for each in waiting])
-    definition = _definition(program, prefix) if prefix and prefix[0] == top else None
+    definition = definition_at(program, prefix) if prefix and prefix[0] == top else None
     if definition is None or definition.communication is None:
         return None
     diagram = communication_diagram(program, Facts(program), definition)
@@ -56,7 +61,8 @@ def _common(paths: Sequence[tuple[str, ...]]) -> tuple[str, ...]:
     return tuple(part for part, *_ in common)
 
 
-def _definition(program: Program, path: Sequence[str]) -> ast.ProcessDefinition | None:
+def definition_at(program: Program, path: Sequence[str]) -> ast.ProcessDefinition | None:
+    """The definition of the process at a path that begins with the outermost one; None where there is none."""
     definition = program.definitions.get(path[0])
     for part in path[1:]:
         if not isinstance(definition, ast.ProcessDefinition) or definition.communication is None:
@@ -91,7 +97,7 @@ def _marks(diagram: CommunicationDiagram, prefix: str, waiting: Sequence[Waiting
                 channels.setdefault(_INDEX.sub("", channel.removeprefix(f"{prefix}.")), []).append(note)
     keys = {element.key for element in diagram.elements()}
     marks = {
-        key: Mark("highlighted", tuple(found) if len(found) <= _MOST_NUMBERS else (), "\n".join(notes[key]))
+        key: Mark("highlighted", tuple(found) if len(found) <= MOST_NUMBERS else (), "\n".join(notes[key]))
         for key, found in numbers.items()
         if key in keys
     }

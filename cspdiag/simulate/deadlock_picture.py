@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
 from cspdiag.draw.deadlock import Deadlock
@@ -10,18 +11,22 @@ from cspdiag.simulate.summary import seconds
 
 if TYPE_CHECKING:
     from cspdiag.analyses.counterexamples.counterexample import Counterexample
+    from cspdiag.network.ir import Network
     from cspdiag.runtime.deadlock import DeadlockReport, WaitingProcess
 
 
-def deadlock_of(report: DeadlockReport, top: str) -> Deadlock:
-    """What is drawn of the report of a run whose outermost process is ``top``."""
-    besides = tuple(_waiting(process) for process in report.waiting if process not in report.cycle)
-    cycle = tuple(_waiting(process) for process in report.cycle)
-    return Deadlock(f"deadlock at {seconds(report.time)}", top, cycle, besides)
+def deadlock_of(report: DeadlockReport, network: Network) -> Deadlock:
+    """What is drawn of the report of a run of a network."""
+    users = {net.path: (*net.writers, *net.readers) for net in network.nets}
+    besides = tuple(_waiting(process, users) for process in report.waiting if process not in report.cycle)
+    cycle = tuple(_waiting(process, users) for process in report.cycle)
+    return Deadlock(f"deadlock at {seconds(report.time)}", network.top, cycle, besides)
 
 
-def _waiting(process: WaitingProcess) -> Waiting:
-    return Waiting(process.path, process.waits, process.place or process.source, process.channels)
+def _waiting(process: WaitingProcess, users: Mapping[str, Iterable[tuple[str, str]]]) -> Waiting:
+    ports = (port for channel in process.channels for path, port in users.get(channel, ()) if path == process.path)
+    place = process.place or process.source
+    return Waiting(process.path, process.waits, place, process.channels, tuple(dict.fromkeys(ports)))
 
 
 def deadlock_shown_by(counterexample: Counterexample) -> Deadlock | None:
@@ -37,6 +42,7 @@ def deadlock_shown_by(counterexample: Counterexample) -> Deadlock | None:
             each.words.removeprefix("waits").strip(),
             None if each.span is None else str(each.span),
             each.channels,
+            span=each.span,
         )
         for each in counterexample.waiting
     }

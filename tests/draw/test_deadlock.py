@@ -8,9 +8,10 @@ from pathlib import Path
 import pytest
 
 from cspdiag.cli.main import main
-from cspdiag.diagnostics import SourceFile
+from cspdiag.diagnostics import SourceFile, Span
 from cspdiag.draw.deadlock import Deadlock, draw_ring
 from cspdiag.draw.deadlock_marks import Waiting, shortened, surroundings
+from cspdiag.draw.deadlock_steps import waiting_steps
 from cspdiag.draw.geometry import Point, Rectangle, around
 from cspdiag.draw.layout import engine
 from cspdiag.draw.scene import Box, Group, Line, Scene, Text
@@ -117,6 +118,56 @@ def test_elements_of_the_diagram_carry_the_numbers_of_the_ring() -> None:
     assert {mark.kind for mark in marks.values()} == {"highlighted"}
 
 
+def marked_steps(text: str, *waiting: Waiting) -> dict[str, dict[str, tuple[int, ...]]]:
+    """By process, the texts of the steps that are marked, with the numbers that they carry."""
+    program = check(SourceFile("steps.csp", text), read_source).program
+    assert program is not None
+    found = {}
+    for diagram, marks in waiting_steps(program, waiting):
+        texts = {element.key: getattr(element, "text", "") for element in diagram.elements()}
+        found[diagram.key] = {texts[key]: mark.numbers for key, mark in marks.items()}
+    return found
+
+
+STEPS = """
+process Chooser { in a, b : int  out c : int
+  communication { var x : int = 0 }
+  composition {
+    mu (a ? x -> a ? x [] b ? x -> b ? x) until x == 1 ;
+    c ! 1 ; c ! 2
+  }
+}
+process Top { in a, b : int  out c : int
+  communication { chooser : Chooser  a -> chooser.a  b -> chooser.b  chooser.c -> c }
+  composition { chooser }
+}
+"""
+
+
+def test_the_step_at_which_a_process_waits_is_marked_where_its_line_tells_it() -> None:
+    def at(line: int, *ports: str) -> Waiting:
+        channels = tuple(f"Top.{port}" for port in ports)
+        return Waiting("Top.chooser", "to read", f"steps.csp:{line}", channels, ports)
+
+    assert marked_steps(STEPS, at(5, "a")) == {"Chooser": {"a ? x": (1,)}}
+    assert marked_steps(STEPS, at(5, "a", "b")) == {"Chooser": {"a ? x": (1,), "b ? x": (1,)}}
+    assert marked_steps(STEPS, at(5, "b"), at(5, "b")) == {"Chooser": {"b ? x": (1, 2)}}
+    assert marked_steps(STEPS, at(6, "c")) == {}, "there are two"
+    assert marked_steps(STEPS, at(7, "c")) == {}
+    assert marked_steps(STEPS, Waiting("Top.nobody", "to read", "steps.csp:5")) == {}
+    assert marked_steps(STEPS, Waiting("Top.chooser", "to read")) == {}
+
+
+def test_the_step_at_which_a_process_waits_is_marked_where_its_place_is_known() -> None:
+    program = check(SourceFile("steps.csp", STEPS), read_source).program
+    assert program is not None
+    source = program.main.span.source
+    start = STEPS.index("c ! 2")
+    waiting = Waiting("Top.chooser", "to write Top.c", span=Span(source, start, start + 5))
+    ((diagram, marks),) = waiting_steps(program, [waiting])
+    assert [element.key for element in diagram.elements() if getattr(element, "text", "") == "c ! 2"] == [*marks]
+
+
 @pytest.mark.parametrize(
     ("paths", "diagram", "boxes"),
     [
@@ -153,6 +204,7 @@ def test_run_draws_its_deadlock(target: str, tmp_path: Path, capsys: pytest.Capt
         assert f">waits to write philosopher[{number}].second<" in text
     assert "each process waits for the one that its arrow leads to" in text
     assert ("Everybody takes the left fork first" in text) is engine.available()
+    assert (">Philosopher</tspan>" in text and ">Fork</tspan>" in text) is engine.available()
 
 
 KNOT = """
