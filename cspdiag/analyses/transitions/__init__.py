@@ -13,7 +13,7 @@ def transition_system(network: Network) -> System:
     """The transition system of a network in the most general environment: any value, any event at any time, samples at their ticks.
 
     The network is one that was lowered and not optimized; its outermost process may be any. Raises
-    ``cspdiag.analyses.transitions.explore.TransitionError`` for a program that has too many states in one of its processes.
+    ``cspdiag.analyses.transitions.explore.TransitionError`` for a program that has too many states in one of its processes, or too many ways to communicate on one channel.
     """
     from cspdiag.analyses.transitions.assembly import Assembly
     from cspdiag.analyses.transitions.facts import Facts

@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from itertools import product
+from math import prod
 from typing import Any, TypeAlias
 
 from cspdiag.analyses.transitions import media
+from cspdiag.analyses.transitions.explore import TransitionError
 from cspdiag.analyses.transitions.facts import FAULT, TIMEOUT
 from cspdiag.analyses.transitions.occurrences import Medium
 from cspdiag.analyses.transitions.shape import Shape
@@ -39,7 +41,8 @@ _ALONE: dict[str, tuple[EventKind, bool]] = {
 }
 """Labels that involve nobody else: the kind of their events, and whether specifications see them."""
 
-_MOST_GUARDED = 4096
+MOST_MEETINGS = 1_000_000
+"""More ways to communicate on one channel, by who takes part, are refused."""
 
 
 class Assembly:
@@ -169,6 +172,7 @@ class Assembly:
         for use in uses:
             (reading if use[1][0] == "read" else writing)[self._value(medium, use[1])].append(use)
         for value in dict.fromkeys([*writing, *reading]):
+            self._limit(medium, len(writing.get(value, ())) * len(reading.get(value, ())))
             met: set[Use] = set()
             for (writer, written), (reader, read) in product(writing.get(value, ()), reading.get(value, ())):
                 if writer is reader:
@@ -181,6 +185,10 @@ class Assembly:
             for use in (*writing.get(value, ()), *reading.get(value, ())):
                 if use not in met:
                     self._alone(medium, use, value)
+
+    def _limit(self, medium: Medium, meetings: int) -> None:
+        if meetings > MOST_MEETINGS:
+            raise TransitionError(f"on `{medium.name}` {meetings} ways to communicate would have to be told apart")
 
     def _alone(self, medium: Medium, use: Use, value: Known) -> None:
         strand, label = use
@@ -268,9 +276,8 @@ class Assembly:
                 continue
             value = self._value(medium, label)
             fitting = [[use for use in ends if self._value(medium, use[1]) == value] for ends in readers]
-            for number, chosen in enumerate(product(*fitting)):
-                if number == _MOST_GUARDED:
-                    break
+            self._limit(medium, prod(map(len, fitting)))
+            for chosen in product(*fitting):
                 parties = (strand.number, *dict.fromkeys(reader.number for reader, _ in chosen), *absent)
                 event = self._event(medium.name, parties, "communication", value, medium.type)
                 self._for(strand, label, event)

@@ -11,8 +11,10 @@ from cspdiag.analyses.transitions.spots import spot
 from cspdiag.analyses.transitions.template import Template
 from cspdiag.analyses.transitions.thread import Configuration, Restart, Role, Thread
 
-MOST_STATES = 3_000
-"""A thread with more states has a variable with many values, which is then not followed."""
+MANY_STATES = 3_000
+"""A thread with more states gives up following a variable that has several values, if there is one."""
+MOST_STATES = 200_000
+"""A thread with more states is refused."""
 
 
 class TransitionError(Exception):
@@ -42,6 +44,7 @@ def _explored(thread: Thread) -> Template:
     )
     numbers: dict[Configuration, int] = {begin: 0}
     order = [begin]
+    limit = MANY_STATES
     for configuration in order:
         edges: list[tuple[object, int]] = []
         seen: set[tuple[object, int]] = set()
@@ -56,8 +59,13 @@ def _explored(thread: Thread) -> Template:
                 seen.add((label, number))
                 edges.append((label, number))
         template.edges.append(edges)  # type: ignore[arg-type]
-        if len(order) > MOST_STATES:
-            _give_up_a_variable(thread, order)
+        if len(order) > limit:
+            if thread.give_up(order):
+                raise Restart
+            limit = MOST_STATES
+            if len(order) > MOST_STATES:
+                where = thread.root.occurrence.path
+                raise TransitionError(f"`{where}` has more than {MOST_STATES} states, whatever is left open")
     for number, configuration in enumerate(order):
         assert configuration.stack is not None
         frame = configuration.stack[0]
@@ -68,13 +76,6 @@ def _explored(thread: Thread) -> Template:
             template.terminal.add(number)
     _tell_what_was_widened(thread)
     return minimized(template)
-
-
-def _give_up_a_variable(thread: Thread, order: list[Configuration]) -> None:
-    if not thread.give_up(order):
-        where = thread.root.occurrence.path
-        raise TransitionError(f"`{where}` has more than {MOST_STATES} states, and no variable is left to leave open")
-    raise Restart
 
 
 def _tell_what_was_widened(thread: Thread) -> None:
