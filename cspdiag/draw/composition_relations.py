@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
+from cspdiag.draw.annotations import badge_width
 from cspdiag.draw.composition_blocks import (
     LINE,
     PARENTHESIS,
@@ -255,7 +256,8 @@ def loop(body: Block, element: Loop, mark: Mark | None, tooltip: str) -> Block:
     condition = element.condition
     before = lines_of(f"while {condition.text}") if condition is not None and element.form == "while" else []
     after = lines_of(f"until {condition.text}", 300) if condition is not None and element.form == "mu" else []
-    forward = max(AHEAD, width_of(before) + 27 if before else 0) + body.gap
+    room = 0 if mark is None else badge_width(mark) + 8
+    forward = max(AHEAD, width_of(before) + 27 + room if before else 0) + body.gap
     back = len(after) * LINE + 6.0
     axis = max(back + _TURN + body.entry.y, back + 12 + _MU / 2, len(before) * LINE + back + 14)
     part = _Placed(body, _MU + forward, axis - body.entry.y)
@@ -265,7 +267,7 @@ def loop(body: Block, element: Loop, mark: Mark | None, tooltip: str) -> Block:
         *centred(["μ"], centre, size=17),
     ]
     neutral = Block(0, 0, centre, centre, 0, ())
-    words_right = centre.x + 10 + (width_of(after) if after else 0)
+    words_right = centre.x + 10 + (width_of(after) + room if after else 0)
     right = max(part.right + _TURN + body.gap, words_right + 10 if after else 0)
     there = _join("line", (Point(_MU, axis), part.entry), neutral, body, Head.OPEN_ARROW)
     back_points = (
@@ -291,7 +293,7 @@ def _condition(condition: Condition | None, mark: Mark | None, lines: Sequence[s
         ground = look(mark, Ink.LINE, Ink.PAPER)
         place = Rectangle(at.x - 4, at.y - 4 - height, width + 8, height + 1)
         items = [Box(place, ground.fill, ground.stroke, 3, 1.2, ground.dash), *items]
-        items += (moved(item, place.right + 4, place.y - 2) for item in badges(mark, 4))
+        items += (moved(item, place.right + badge_width(mark) / 2 + 2, place.centre.y) for item in badges(mark, 4))
     return (group("condition", condition.key, items, f"condition {condition.text}", mark),)
 
 

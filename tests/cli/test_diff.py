@@ -75,6 +75,9 @@ def test_comments_and_layout_of_the_text_are_no_difference(cspdiag: Command, ver
     old, new = versions
     new.write_text("// a comment\n" + PROGRAM.replace("    mu law", "    // again and again\n    mu\n      law"))
     assert cspdiag("diff", old, new) == (0, "", "")
+    new.write_text(PROGRAM.replace("gain = 2<V>", "gain=2<V>").replace("mu law", "mu (law ; (wait 1 ms))"))
+    old.write_text(PROGRAM.replace("mu law", "mu (law;wait  1 ms)"))
+    assert cspdiag("diff", old, new) == (0, "", "")
 
 
 def test_differences_are_told_by_definition_with_exit_code_1(cspdiag: Command, versions: tuple[Path, Path]) -> None:

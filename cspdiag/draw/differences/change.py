@@ -8,6 +8,7 @@ from typing import Literal, TypeAlias
 
 from cspdiag.diagnostics import Span
 from cspdiag.diagnostics.record import record, replaced
+from cspdiag.draw.elements.texts import same_text
 
 Action: TypeAlias = Literal["added", "removed", "changed", "renamed"]
 
@@ -77,7 +78,7 @@ def compare(kind: str, definition: str, before: Parts, after: Parts) -> list[Cha
             continue
         for aspect in dict.fromkeys((*old.aspects, *new.aspects)):
             one, other = old.aspects.get(aspect, ""), new.aspects.get(aspect, "")
-            if one == other or (aspect == "inferred kind" and not (one and other)):
+            if same_text(one, other) or (aspect == "inferred kind" and not (one and other)):
                 continue
             changes.append(_with(place, "changed", *narrowed(aspect, one, other)))
     return changes

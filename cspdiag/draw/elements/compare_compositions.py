@@ -32,7 +32,7 @@ from cspdiag.draw.elements.composition import (
     walk,
 )
 from cspdiag.draw.elements.marks import Mark
-from cspdiag.draw.elements.texts import written_span
+from cspdiag.draw.elements.texts import same_text, squeezed, written_span
 from cspdiag.syntax.nesting import room_to_recurse
 
 Action: TypeAlias = Literal["added", "removed", "changed"]
@@ -155,7 +155,7 @@ class _Comparison:
             return self._replaced(old, new, key)
         if isinstance(new, Handler) and (new.guard is None) is not (cast("Handler", old).guard is None):
             return self._replaced(old, new, key)
-        if self._own(old) != own_text(new):
+        if not same_text(self._own(old), own_text(new)):
             self._changed(old, new, key, _subject(new), own_text(old), own_text(new))
         return rebuilt(new, key, self._merged_parts(old, new, key))
 
@@ -266,7 +266,7 @@ class _Comparison:
                 same_process = self._content(old.process) == self._content(new.process)
                 return 1 + 3 * same_guard + 2 * same_process
             case _:
-                return 2 + (self._own(old) == own_text(new))
+                return 2 + same_text(self._own(old), own_text(new))
 
     def _changed(self, old: Part, new: Part, key: str, subject: str, before: str, after: str) -> None:
         spans = [element.spans[0] if element.spans else None for element in (old, new)]
@@ -285,7 +285,7 @@ class _Comparison:
         known = self.contents.get(id(element))
         if known is None:
             inner = (self._content(part) for part in parts(element))
-            known = self.contents[id(element)] = (type(element), self._own(element), *inner)
+            known = self.contents[id(element)] = (type(element), squeezed(self._own(element)), *inner)
         return known
 
 

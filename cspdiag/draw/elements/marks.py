@@ -37,19 +37,32 @@ def marks_of(places: Mapping[str, Sequence[Span]], diagnostics: Mapping[int, Dia
     """The marks of elements, given the places in the text that each stands for.
 
     A diagnostic belongs to the element with the smallest range that contains the place of the diagnostic (the first of equals). One whose place is in no
-    element marks nothing.
+    element marks nothing. Elements at the other places of a diagnostic are highlighted with its number, where they have no mark of their own.
     """
     found: dict[str, list[int]] = {}
     for number, diagnostic in diagnostics.items():
         key = _owner(places, diagnostic.span)
         if key is not None:
             found.setdefault(key, []).append(number)
-    return {key: _mark([diagnostics[number] for number in numbers], numbers) for key, numbers in found.items()}
+    marks = {key: _mark([diagnostics[number] for number in numbers], numbers) for key, numbers in found.items()}
+    return marks | _related(places, diagnostics, marks)
+
+
+def _related(
+    places: Mapping[str, Sequence[Span]], diagnostics: Mapping[int, Diagnostic], marked: Marks
+) -> dict[str, Mark]:
+    found: dict[str, dict[int, str]] = {}
+    for number, diagnostic in diagnostics.items():
+        for label in diagnostic.labels:
+            key = _owner(places, label.span)
+            if key is not None and key not in marked:
+                found.setdefault(key, {})[number] = label.message
+    return {key: Mark("highlighted", tuple(said), "\n".join(said.values())) for key, said in found.items()}
 
 
 def mark_of_rest(diagnostics: Mapping[int, Diagnostic], placed: Iterable[Mark]) -> dict[str, Mark]:
     """The mark of the whole diagram for the diagnostics that belong to none of the elements that were marked."""
-    numbers = {number for mark in placed for number in mark.numbers}
+    numbers = {number for mark in placed if mark.kind != "highlighted" for number in mark.numbers}
     rest = [number for number in diagnostics if number not in numbers]
     return {WHOLE: _mark([diagnostics[number] for number in rest], rest)} if rest else {}
 

@@ -21,6 +21,16 @@ def written_span(span: Span) -> str:
     return " ".join(_COMMENT.sub(" ", span.text).split())
 
 
+def squeezed(text: str) -> str:
+    """The text without blanks, which mean nothing but that words are two."""
+    return "".join(text.split())
+
+
+def same_text(one: str, other: str) -> bool:
+    """Whether two pieces of text differ in blanks at most."""
+    return squeezed(one) == squeezed(other)
+
+
 def optional(node: ast.Node | None) -> str | None:
     """The same, or None for nothing."""
     return None if node is None else written(node)
