@@ -29,8 +29,8 @@ from cspdiag.sources import read_source
 ROOT = Path(__file__).parent.parent
 FOLDER = ROOT / "docs" / "pictures"
 
-MISTAKE = ("alignL.max -> leftmax  : double<rad>", "alignL.max -> leftmax  : double<deg>")
-"""What the picture of a review shows: the label of a channel with another unit than its ports."""
+MISTAKE = ("joystick_buttons    -> broadcast ->", "joystick_buttons    ->")
+"""What the picture of a review shows: a press of the button that one joint can take from the other."""
 
 CHANGES = (
     ("alignR        : Align(T, speed = alignSpeed,", "alignR        : Align(T, speed = 2 * alignSpeed,"),
@@ -82,9 +82,9 @@ def _review() -> Scene:
     checked = _checked("jiwy/jiwy", MISTAKE)
     assert checked.readable is not None
     pictures = Pictures(checked.readable, checked.report.diagnostics)
-    definition = pictures.named("JointControl")
+    definition = pictures.named("Jiwy")
     assert definition is not None
-    return pictures.scene(definition, Wish("communication"))
+    return pictures.scene(definition)
 
 
 def _difference() -> Scene:
