@@ -16,6 +16,7 @@ from cspdiag.analyses.transitions.template import ParallelId, Template
 from cspdiag.analyses.transitions.thread import Role, resolve
 from cspdiag.network.actions import Group, RunInstance
 from cspdiag.network.ir import ProcessClass
+from cspdiag.network.walk import instances_run
 
 ParallelKey: TypeAlias = tuple[Occurrence, Node]
 """A parallel composition of an instance."""
@@ -55,6 +56,7 @@ class Strands:
         self._asking: defaultdict[Medium, set[Strand]] = defaultdict(set)
         self._pending: deque[Strand] = deque()
         self._waiting: set[Strand] = set()
+        self._names: dict[str, int] = {world.top.path: 1}
         top = world.top
         self.top = Strand(top, top.definition.body, top.path, None, 0)
         self._again(self.top)
@@ -116,9 +118,16 @@ class Strands:
             for number, child in enumerate(node.children):
                 branch = _branch(occurrence, child, strand, number)
                 branch.parallel = absolute
+                self._name(branch)
                 known.append(branch)
                 self._again(branch)
         return known
+
+    def _name(self, strand: Strand) -> None:
+        """A branch of another parallel may have the name already."""
+        uses = self._names[strand.name] = self._names.get(strand.name, 0) + 1
+        if uses > 1:
+            strand.name = f"{strand.name} ({uses})"
 
     def _template(self, strand: Strand) -> Template:
         occurrence = strand.occurrence
@@ -169,4 +178,6 @@ def _branch(occurrence: Occurrence, node: Node, parent: Strand, number: int) -> 
             child = occurrence.child(name)
             return Strand(child, child.definition.body, child.path, parent, number)
         return Strand(occurrence, node, f"{occurrence.path}.{name}", parent, number)
-    return Strand(occurrence, node, f"{occurrence.path}.{label or number + 1}", parent, number)
+    run = set(instances_run(node.action))
+    name = label or (run.pop() if len(run) == 1 else str(number + 1))
+    return Strand(occurrence, node, f"{occurrence.path}.{name}", parent, number)

@@ -214,7 +214,7 @@ def test_law_reads_its_inputs_in_any_order() -> None:
         "process P { out x : double composition { mu (x ! 1) } }\n"
         + main("law : Law p : P q : P p.x -> law.x q.x -> law.z law.y -> y", "p || q || mu law", "out y : double")
     )
-    assert listing(system_of(text), "Main.3").splitlines() == [
+    assert listing(system_of(text), "Main.law").splitlines() == [
         "state 0 initial",
         "communication Main.p.x with Main.p -> 1",
         "communication Main.q.x with Main.q -> 2",
@@ -341,3 +341,13 @@ def test_deep_hierarchies_are_followed() -> None:
         inner = f"communication {{ p : P{depth - 1} p.c -> c }} composition {{ p || wait 1 ms }}"
         text += f"process P{depth} {{ out c : int {inner} }}\n"
     assert len(system_of(text, "P149").components) == 1 + 2 * 149
+
+
+def test_branches_have_names_of_their_own() -> None:
+    text = "submodel Law { in x : double out y : double y = x }\n" + main(
+        "law : Law x -> law.x law.y -> y",
+        "(law || wait 1 ms) ; ((law ; wait 2 ms) || group: (wait 1 ms ; wait 1 ms))",
+        "in x : double out y : double",
+    )
+    names = [one.name for one in system_of(text).components]
+    assert names == ["Main", "Main.law", "Main.2", "Main.law (2)", "Main.group"]
