@@ -1,12 +1,12 @@
 """Runs that go on for ever with some events only: a trace to a cycle of global states.
 
-First the loops of the components (``local_loops``), which often exclude it; then a short look along stubborn sets; then all reachable states, from which
-those without a step to one that is left are taken away until none or only cycles with the ways to them remain.
+First the loops of the components (``local_loops``), which often exclude it; then a short look along stubborn sets; then what large systems do as seen from
+outside; then all reachable states, from which those without a step to one that is left are taken away until none or only cycles with the ways to them remain.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,8 +16,9 @@ from cspdiag.analyses.proofs.breadth_first import CHUNK, Exploration, explore, t
 from cspdiag.analyses.proofs.closed_sets import ClosedSets
 from cspdiag.analyses.proofs.local_loops import looping_part
 from cspdiag.analyses.proofs.packing import Flags, Packing, Words
+from cspdiag.analyses.proofs.reduction import can_livelock, is_large, seen_from_outside
 from cspdiag.analyses.proofs.traces import causes
-from cspdiag.analyses.proofs.verdict import Limits, Method, Move
+from cspdiag.analyses.proofs.verdict import LimitError, Limits, Method, Move
 from cspdiag.analyses.transitions.system import System
 
 _SHORT_LOOK = 3000
@@ -40,17 +41,20 @@ class Endless:
 class Finite:
     """No run has infinitely many of the events in a row; ``states`` were looked at, or none if the loops of the components excluded it."""
 
+    method: Method
     states: int | None = None
 
 
-def endless_run(system: System, events: Iterable[int], limits: Limits) -> Endless | Finite:
+def endless_run(system: System, events: Collection[int], limits: Limits) -> Endless | Finite:
     """A run that ends in a cycle of these events and internal steps, if there is one. Raises LimitError."""
     part = looping_part(system, events)
     if part is None:
-        return Finite()
+        return Finite("rules")
     found = _short_look(system, part, limits)
     if found is not None:
         return found
+    if is_large(system) and _is_excluded_outside(system, set(events), limits):
+        return Finite("minimization")
     return _among_all_states(system, part, limits)
 
 
@@ -89,13 +93,23 @@ def _ways(sets: ClosedSets, state: tuple[int, ...]) -> list[tuple[Move, tuple[in
     return [way for event in sets.smallest(state) for way in sets.moves(state, event)]
 
 
+def _is_excluded_outside(system: System, events: set[int], limits: Limits) -> bool:
+    """Whether the smallest system that does the same, with these events hidden, has no internal loop."""
+    kept = set(range(len(system.events))) - events
+    try:
+        reduced = seen_from_outside(system, kept, Limits(limits.remaining / 2, limits.memory))
+    except LimitError:
+        return False
+    return reduced is not None and not can_livelock(reduced)
+
+
 def _among_all_states(system: System, part: System, limits: Limits) -> Endless | Finite:
     packing = Packing(system)
     search = explore(packing, limits, _nothing)
     sources, targets = _edges(search, Packing(part), limits)
     left = _without_ends(search.states, sources, targets)
     if not len(left):
-        return Finite(search.states)
+        return Finite("breadth-first", search.states)
     return _shortest_cycle(search, part, left, limits)
 
 

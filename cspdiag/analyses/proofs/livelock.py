@@ -23,13 +23,15 @@ def livelock_free(system: System, limits: Limits) -> Verdict:
     except LimitError as stop:
         return Unknown("breadth-first", str(stop))
     if isinstance(found, Finite):
-        if found.states is None:
-            return Proved(
-                "rules", "every loop waits for the environment or for time, in at least one process that takes part"
-            )
-        return Proved(
-            "breadth-first",
-            f"no cycle among the {found.states} reachable states is without environment and time",
-            found.states,
-        )
+        return Proved(found.method, _reason(found), found.states)
     return Refuted(found.method, found.trace, cycle=found.cycle, states=found.states)
+
+
+def _reason(found: Finite) -> str:
+    match found.method:
+        case "rules":
+            return "every loop waits for the environment or for time, in at least one process that takes part"
+        case "minimization":
+            return "put together two by two and made minimal, the processes have no loop without environment and time"
+        case _:
+            return f"no cycle among the {found.states} reachable states is without environment and time"

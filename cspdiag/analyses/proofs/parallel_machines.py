@@ -100,10 +100,11 @@ def _with_one(machine: Machine, restless: Collection[int]) -> Machine:
 
 
 class Pairs:
-    """Machines of pairs, each made once."""
+    """Machines of pairs, each made once. With ``only_deadlocks`` they are equal only as to who stands still."""
 
-    def __init__(self, limits: Limits) -> None:
+    def __init__(self, limits: Limits, only_deadlocks: bool = False) -> None:
         self._limits = limits
+        self._only_deadlocks = only_deadlocks
         self._known: dict[Machine, Machine] = {}
         self._minimal: dict[int, Machine] = {}
         self._made: dict[tuple[int, int, tuple[tuple[int, int], ...], frozenset[int]], Machine] = {}
@@ -112,7 +113,7 @@ class Pairs:
         """The smallest equivalent part."""
         machine = self._same(part.machine)
         if id(machine) not in self._minimal:
-            self._minimal[id(machine)] = self._same(minimized(without_the_restless(machine)))
+            self._minimal[id(machine)] = self._smallest(machine)
         return Part(self._minimal[id(machine)], part.events)
 
     def together(self, one: Part, other: Part, hidden: Collection[int]) -> Part:
@@ -129,8 +130,11 @@ class Pairs:
             number = {event: at for at, event in enumerate(events)}
             its = {at: final.get(number[event], INTERNAL) for at, event in enumerate(other.events)}
             product = _product(one.machine, other.machine, joints, mine, its, self._limits)
-            self._made[key] = self._same(minimized(without_the_restless(product)))
+            self._made[key] = self._smallest(product)
         return Part(self._made[key], tuple(events[at] for at in kept))
+
+    def _smallest(self, machine: Machine) -> Machine:
+        return self._same(minimized(without_the_restless(machine) if self._only_deadlocks else machine))
 
     def _same(self, machine: Machine) -> Machine:
         """The one machine that is kept of equal ones: keys hold its identity."""

@@ -19,6 +19,7 @@ from cspdiag.analyses.proofs.livelock import livelock_free
 from cspdiag.analyses.proofs.normal_form import Node, normal_form
 from cspdiag.analyses.proofs.packed_conditions import Deadlocks
 from cspdiag.analyses.proofs.packing import Flags, Packing, Words
+from cspdiag.analyses.proofs.reduction import is_large, seen_from_outside
 from cspdiag.analyses.proofs.traces import end_of
 from cspdiag.analyses.proofs.verdict import LimitError, Limits, Move, Proved, Refuted, Unknown, Verdict
 from cspdiag.analyses.transitions.system import Component, System
@@ -38,25 +39,62 @@ def _refines(
     system: System, specification: System, limits: Limits, hidden: Collection[str], *, failures: bool
 ) -> Verdict:
     labels = Labels(specification, hidden)
-    seen = {number: label for number, event in enumerate(system.events) if (label := labels.of(event)) is not None}
-    own = {
-        number: label for number, event in enumerate(specification.events) if (label := labels.of(event)) is not None
-    }
+    answer: Verdict | None = None
     try:
-        nodes = normal_form(specification, own, dict.fromkeys(seen.values()), limits)
-        product = _followed(system, seen, nodes)
-        packing = Packing(product)
-        condition = _Violations(packing, seen, nodes, failures=failures)
-        search = explore(packing, limits, condition)
+        answer = _of_outside(system, specification, labels, limits, failures=failures) if is_large(system) else None
+        if isinstance(answer, Proved):
+            return answer
+        search, seen, nodes = _searched(system, specification, labels, limits, failures=failures)
     except LimitError as stop:
-        return Unknown("breadth-first", str(stop))
+        found = (
+            f"there is a violation, but no trace to it was found: {answer.reason}; "
+            if isinstance(answer, Refuted)
+            else ""
+        )
+        return Unknown("breadth-first", f"{found}{stop}")
     if search.found is not None:
         return _violation(search, seen, nodes, system)
     model = "stable failure" if failures else "trace"
     reason = f"every {model} in the {search.states} reachable states is one of the specification"
+    return Proved("breadth-first", reason + _caveat(specification, limits, failures), search.states)
+
+
+def _of_outside(
+    system: System, specification: System, labels: Labels, limits: Limits, *, failures: bool
+) -> Proved | Refuted | None:
+    """The answer for a smaller system that does the same as seen from outside; its trace is not one of the system. None if it is not small."""
+    share = Limits(limits.remaining / 2, limits.memory)
+    kept = [number for number, event in enumerate(system.events) if labels.of(event) is not None]
+    try:
+        small = seen_from_outside(system, kept, share)
+        if small is None:
+            return None
+        search, seen, nodes = _searched(small, specification, labels, share, failures=failures)
+    except LimitError:
+        return None
+    if search.found is not None:
+        return _violation(search, seen, nodes, small)
+    reason = f"put together two by two and made minimal, the processes have {search.states} states, and do only what the specification does"
+    return Proved("minimization", reason + _caveat(specification, limits, failures), search.states)
+
+
+def _caveat(specification: System, limits: Limits, failures: bool) -> str:
     if failures and isinstance(livelock_free(specification, limits), Refuted):
-        reason += ", which may livelock: what it refuses then is left open"
-    return Proved("breadth-first", reason, search.states)
+        return "; the specification may livelock, and what it refuses then is left open"
+    return ""
+
+
+def _searched(
+    system: System, specification: System, labels: Labels, limits: Limits, *, failures: bool
+) -> tuple[Exploration, dict[int, Label], tuple[Node, ...]]:
+    """All states of the system followed by the specification, the labels of its events, and the specification's normal form. Raises LimitError."""
+    seen = {number: label for number, event in enumerate(system.events) if (label := labels.of(event)) is not None}
+    own = {
+        number: label for number, event in enumerate(specification.events) if (label := labels.of(event)) is not None
+    }
+    nodes = normal_form(specification, own, dict.fromkeys(seen.values()), limits)
+    packing = Packing(_followed(system, seen, nodes))
+    return explore(packing, limits, _Violations(packing, seen, nodes, failures=failures)), seen, nodes
 
 
 def _followed(system: System, seen: dict[int, Label], nodes: tuple[Node, ...]) -> System:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from cspdiag.analyses.proofs import stubborn
 from cspdiag.analyses.proofs.cycles import Finite, endless_run
+from cspdiag.analyses.proofs.portfolio import prove_deadlock_free
 from cspdiag.analyses.proofs.verdict import LimitError, Limits, Proved, Refuted, Unknown, Verdict
 from cspdiag.analyses.transitions.system import System
 
@@ -14,7 +14,7 @@ from cspdiag.analyses.transitions.system import System
 def terminates(
     system: System,
     limits: Limits,
-    deadlock_free: Callable[[System, Limits], Verdict] = stubborn.deadlock_free,
+    deadlock_free: Callable[[System, Limits], Verdict] = prove_deadlock_free,
 ) -> Verdict:
     """Whether no run is infinite, and none stops where a process has not ended.
 
@@ -29,9 +29,14 @@ def terminates(
     verdict = deadlock_free(system, limits)
     if not isinstance(verdict, Proved):
         return verdict
-    why = (
-        "no process can repeat anything"
-        if found.states is None
-        else f"no cycle among the {found.states} reachable states"
-    )
-    return replace(verdict, reason=f"{why}, and no deadlock: {verdict.reason}")
+    return replace(verdict, reason=f"{_reason(found)}, and no deadlock: {verdict.reason}")
+
+
+def _reason(found: Finite) -> str:
+    match found.method:
+        case "rules":
+            return "no process can repeat anything"
+        case "minimization":
+            return "put together two by two and made minimal, the processes repeat nothing"
+        case _:
+            return f"no cycle among the {found.states} reachable states"
