@@ -212,3 +212,10 @@ def test_a_model_differs_from_nothing_in_all_its_definitions() -> None:
     backwards = differences(jiwy, program(""))
     assert {change.action for change in backwards.changes} == {"removed"}
     assert len(backwards.changes) == len(found.changes)
+
+
+def test_blanks_within_indexes_are_no_difference() -> None:
+    text = (ROOT / "models/ring/ring.csp").read_text(encoding="utf-8")
+    changed = text.replace("cell[i + 1].input", "cell[ i+1 ].input").replace("cell[cells - 1]", "cell[cells-1]")
+    assert changed != text
+    assert differences(program(text), program(changed)) == Difference()

@@ -8,6 +8,8 @@ from collections.abc import Iterable
 from cspdiag.diagnostics import Span
 from cspdiag.syntax import ast
 
+_WORDS = re.compile(r"\w\s+\w")
+_OPERATOR = re.compile(r"(?<=[\w\])])([-+*/%])")
 _COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.DOTALL)
 
 
@@ -37,8 +39,12 @@ def optional(node: ast.Node | None) -> str | None:
 
 
 def indexes(expressions: Iterable[ast.Expression]) -> str:
-    """``[i + 1][0]``, or nothing."""
-    return "".join(f"[{written(expression)}]" for expression in expressions)
+    """``[i + 1][0]``, or nothing; with one blank around operators, however it was written, since elements are known by it."""
+    return "".join(f"[{_spaced(written(expression))}]" for expression in expressions)
+
+
+def _spaced(text: str) -> str:
+    return text if _WORDS.search(text) else _OPERATOR.sub(r" \1 ", squeezed(text))
 
 
 def replicator(item: ast.Replicator) -> str:
