@@ -5,12 +5,14 @@ A reader is notched and a writer pointed, as inputs and outputs are in SDL (ITU-
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from typing import assert_never
 
 from cspdiag.draw import symbols
 from cspdiag.draw.composition_blocks import (
     LINE,
+    SIZE,
     Block,
     Look,
     badges,
@@ -18,15 +20,15 @@ from cspdiag.draw.composition_blocks import (
     group,
     lines_of,
     look,
-    width_of,
 )
 from cspdiag.draw.composition_tooltips import step_tooltip
 from cspdiag.draw.elements.composition import Activity, Case, Guard, Handler
 from cspdiag.draw.elements.diagram import Box as InstanceBox
 from cspdiag.draw.elements.marks import Mark
 from cspdiag.draw.geometry import Point, Rectangle
-from cspdiag.draw.scene import Box, Ellipse, Face, Ink, Item, Line, Text
+from cspdiag.draw.scene import Box, Ellipse, Face, Ink, Item, Line, Run, Text
 from cspdiag.draw.scene_geometry import moved
+from cspdiag.draw.text_metrics import text_width
 
 POINT = 10
 """How deep a notch is, or how far a point sticks out."""
@@ -108,148 +110,119 @@ def warning_sign(centre: Point, *, exclaims: bool, stroke: Ink = Ink.LINE) -> li
     return [outline, bar, Ellipse(Rectangle(x - 1, y + 3.4, 2, 2), stroke, None)]
 
 
-def _shape(
-    kind: str,
-    key: str,
-    texts: Callable[[Point], Sequence[Text]],
-    size: tuple[float, float],
-    outline: Outline,
-    shown: Look,
-    title: str,
-    mark: Mark | None,
-    inset: tuple[float, float] = (0, 0),
-    sign: _Sign | None = None,
-    link: str = "",
-) -> Block:
-    """A block of one shape around its texts; ``inset`` is what is missing of it on its axis at the left and the right."""
-    text_width, height = size
+@dataclass(frozen=True)
+class _Form:
+    """An outline; ``inset`` is what is missing of it on its axis at the left and the right, ``sign`` stands before the text."""
+
+    outline: Outline
+    inset: tuple[float, float] = (0, 0)
+    sign: _Sign | None = None
+
+
+@dataclass(frozen=True)
+class _Owner:
+    """What a shape is drawn for: class, key, tooltip, mark, and where a click leads."""
+
+    kind: str
+    key: str
+    title: str
+    mark: Mark | None
+    link: str = ""
+
+
+_READER = _Form(_notched, (POINT, 0))
+_WRITER = _Form(_pointed, (0, POINT))
+
+
+def _shape(owner: _Owner, lines: Sequence[Run], form: _Form, shown: Look) -> Block:
+    """A block of one shape around lines of text."""
+    sign, room = form.sign or ((), 0)
+    widest = max(text_width(line.text, SIZE, line.face) for line in lines)
+    narrowest = max(widest + _ROOM + sum(form.inset) + room, 56)
+    height = max(len(lines) * LINE + _ROOM, _LOWEST)
 
     def block(wanted: float) -> Block:
-        width = max(text_width, wanted)
+        width = max(narrowest, wanted)
         middle = height / 2
-        shift = 0.0
-        items: list[Item] = [*outline(width, height, shown)]
-        if sign is not None:
-            shift = sign[1] / 2
-            left = (width - text_width) / 2 + _ROOM / 2 + 9
-            items += [moved(item, left, middle) for item in sign[0]]
-        items += texts(Point((width + inset[0] - inset[1]) / 2 + shift, middle))
-        items += badges(mark, width)
-        return Block(
-            width,
-            height,
-            Point(inset[0], middle),
-            Point(width, middle),
-            width / 2,
-            (group(kind, key, items, title, mark, link),),
-            widened=block,
-        )
+        beside = (width - narrowest) / 2 + _ROOM / 2 + 9
+        centre = Point((width + form.inset[0] - form.inset[1] + room) / 2, middle)
+        items: list[Item] = [
+            *form.outline(width, height, shown),
+            *(moved(item, beside, middle) for item in sign),
+            *_centred(lines, centre),
+            *badges(owner.mark, width),
+        ]
+        drawn = group(owner.kind, owner.key, items, owner.title, owner.mark, owner.link)
+        entry, leave = Point(form.inset[0], middle), Point(width, middle)
+        return Block(width, height, entry, leave, width / 2, (drawn,), widened=block)
 
     return block(0)
 
 
+def _centred(lines: Sequence[Run], centre: Point) -> Iterator[Text]:
+    for number, line in enumerate(lines):
+        at = centre.moved(0, (number - (len(lines) - 1) / 2) * LINE)
+        yield from centred([line.text], at, line.face, line.ink)
+
+
+def _plain(text: str) -> list[Run]:
+    return [Run(line) for line in lines_of(text)]
+
+
 def activity_block(activity: Activity, mark: Mark | None, link: str = "") -> Block:
     """The shape of a process without parts."""
-    lines = lines_of(activity.text)
-    fill, outline, inset, face = Ink.PROCESS, _box(3), (0.0, 0.0), Face.SANS
-    sign: _Sign | None = None
+    kind = f"instance {activity.kind}" if activity.form == "run" else f"step {activity.form}"
+    owner = _Owner(kind, activity.key, step_tooltip(activity), mark, link)
+    shown = look(mark, Ink.BORDER, Ink.VARIABLE if activity.form == "assign" else Ink.PROCESS)
+    return _shape(owner, _plain(activity.text), _activity_form(activity, mark, shown), shown)
+
+
+def _activity_form(activity: Activity, mark: Mark | None, shown: Look) -> _Form:
     match activity.form:
         case "run":
-            outline = _instance(activity, mark)
+            return _Form(_instance(activity, mark))
         case "read":
-            outline, inset = _notched, (POINT, 0)
+            return _READER
         case "write":
-            outline, inset = _pointed, (0, POINT)
+            return _WRITER
         case "assign":
-            fill, outline = Ink.VARIABLE, _box(0)
+            return _Form(_box(0))
         case "skip" | "reset":
-            outline = _pill
+            return _Form(_pill)
         case "wait":
-            outline = _pill
-            sign = _clock(look(mark, Ink.BORDER, fill))
+            return _Form(_pill, sign=_clock(shown))
         case "stop":
-            outline = _octagon
+            return _Form(_octagon)
         case "raise":
-            outline = _pill
-            sign = warning_sign(Point(0, 0), exclaims=True, stroke=look(mark, Ink.BORDER, fill).stroke), 22
+            return _Form(_pill, sign=(warning_sign(Point(0, 0), exclaims=True, stroke=shown.stroke), 22))
         case _:
             assert_never(activity.form)
-    size = _size(lines, face, inset, 0 if sign is None else sign[1])
-    return _shape(
-        f"instance {activity.kind}" if activity.form == "run" else f"step {activity.form}",
-        activity.key,
-        lambda centre: centred(lines, centre, face),
-        size,
-        outline,
-        look(mark, Ink.BORDER, fill),
-        step_tooltip(activity),
-        mark,
-        inset,
-        sign,
-        link,
-    )
-
-
-def _size(lines: Sequence[str], face: Face, inset: tuple[float, float], sign: float = 0) -> tuple[float, float]:
-    width = max(width_of(lines, face) + _ROOM + sum(inset) + sign, 56)
-    return width, max(len(lines) * LINE + _ROOM, _LOWEST)
 
 
 def guard_block(guard: Guard, mark: Mark | None) -> Block:
     """The shape of a guard: that of what it does, on paper; its condition stands above."""
-    conditions = [] if guard.condition is None else lines_of(f"when {guard.condition}", face=Face.ITALIC)
-    lines = lines_of(guard.text)
-    outline, inset = _pill, (0.0, 0.0)
-    if guard.form in ("ready", "input"):
-        outline, inset = _notched, (POINT, 0)
-    elif guard.form == "output":
-        outline, inset = _pointed, (0, POINT)
-    widest = max([width_of(lines), *(width_of([line], Face.ITALIC) for line in conditions)])
+    condition = [] if guard.condition is None else lines_of(f"when {guard.condition}", face=Face.ITALIC)
     shown = look(mark, Ink.LINE, Ink.PAPER)
-    sign = _clock(shown) if guard.form == "after" else None
-    size = (
-        max(widest + _ROOM + sum(inset) + (0 if sign is None else sign[1]), 56),
-        max((len(lines) + len(conditions)) * LINE + _ROOM, _LOWEST),
-    )
-
-    def texts(centre: Point) -> Sequence[Text]:
-        whole = len(lines) + len(conditions)
-        top = centre.y - whole * LINE / 2
-        upper = centred(conditions, Point(centre.x, top + len(conditions) * LINE / 2), Face.ITALIC, Ink.FAINT)
-        return [*upper, *centred(lines, Point(centre.x, centre.y + len(conditions) * LINE / 2))]
-
-    tooltip = step_tooltip(guard)
-    return _shape(f"guard {guard.form}", guard.key, texts, size, outline, shown, tooltip, mark, inset, sign)
+    form = _Form(_pill, sign=_clock(shown) if guard.form == "after" else None)
+    if guard.form in ("ready", "input"):
+        form = _READER
+    elif guard.form == "output":
+        form = _WRITER
+    lines = [*(Run(line, Face.ITALIC, Ink.FAINT) for line in condition), *_plain(guard.text)]
+    return _shape(_Owner(f"guard {guard.form}", guard.key, step_tooltip(guard), mark), lines, form, shown)
 
 
 def exception_block(handler: Handler, mark: Mark | None) -> Block:
     """The name of an exception that is caught."""
-    lines = [handler.exception or ""]
-    return _shape(
-        "exception",
-        handler.key,
-        lambda centre: centred(lines, centre),
-        _size(lines, Face.SANS, (0, 0)),
-        _pill,
-        look(mark, Ink.LINE, Ink.PAPER),
-        step_tooltip(handler),
-        mark,
-    )
+    owner = _Owner("exception", handler.key, step_tooltip(handler), mark)
+    return _shape(owner, _plain(handler.exception or ""), _Form(_pill), look(mark, Ink.LINE, Ink.PAPER))
 
 
 def condition_block(case: Case, mark: Mark | None, *, is_first: bool) -> Block:
     """A condition that is tested once."""
-    lines = lines_of(f"{'if' if is_first else 'else if'} {case.condition}")
-    return _shape(
-        "condition",
-        case.key,
-        lambda centre: centred(lines, centre),
-        _size(lines, Face.SANS, (POINT, POINT)),
-        _hexagon,
-        look(mark, Ink.LINE, Ink.PAPER),
-        step_tooltip(case),
-        mark,
-    )
+    owner = _Owner("condition", case.key, step_tooltip(case), mark)
+    lines = _plain(f"{'if' if is_first else 'else if'} {case.condition}")
+    return _shape(owner, lines, _Form(_hexagon, (POINT, POINT)), look(mark, Ink.LINE, Ink.PAPER))
 
 
 def operator_sign(
