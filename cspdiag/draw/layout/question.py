@@ -27,6 +27,9 @@ HEADROOM = 3.0
 JOINT_GAP = 8.0
 """Between a label on a forked line and what is above or below it."""
 
+BOX_GAP = 16.0
+"""Between a box and a line that passes it."""
+
 _OPTIONS = {
     "elk.algorithm": "layered",
     "elk.hierarchyHandling": "SEPARATE_CHILDREN",
@@ -42,7 +45,7 @@ _OPTIONS = {
     "elk.layered.nodePlacement.bk.fixedAlignment": "RIGHTDOWN",
     "elk.layered.edgeLabels.sideSelection": "ALWAYS_UP",
     "elk.layered.edgeLabels.centerLabelPlacementStrategy": "MEDIAN_LAYER",
-    "elk.spacing.edgeNode": "16",
+    "elk.spacing.edgeNode": str(JOINT_GAP),
     "elk.spacing.edgeEdge": "9",
     "elk.spacing.edgeLabel": str(LABEL_GAP),
     "elk.spacing.componentComponent": "28",
@@ -136,6 +139,7 @@ def _node(question: Question, node: Node) -> Json:
         "elk.layered.layering.layerConstraint": _layer(question, node).value,
     }
     spacings = {
+        "elk.spacing.edgeNode": str(BOX_GAP),
         "elk.spacing.portPort": str(sizes.port_spacing(node)),
         "elk.spacing.portsSurrounding": f"[top={max(top - PORT_RISE, 0)},left=0,bottom=0,right=0]",
     }
@@ -255,7 +259,7 @@ def _add_joint(question: Question, edge: Edge) -> Joint:
         "width": width,
         "height": height,
         "layoutOptions": {"elk.portConstraints": "FIXED_POS"},
-        "individualSpacings": {"elk.spacing.nodeNode": str(JOINT_GAP), "elk.spacing.edgeNode": str(JOINT_GAP)},
+        "individualSpacings": {"elk.spacing.nodeNode": str(JOINT_GAP)},
         "ports": [
             {"id": name, "x": x, "y": y, "width": 0, "height": 0, "layoutOptions": {"elk.port.side": side.value}}
             for name, (x, y, side) in zip((joint.entry, joint.exit), ends, strict=True)
