@@ -56,8 +56,11 @@ def plain_svg(scene: Scene, scheme: Scheme) -> str:
 
 
 def embedded_svg(scene: Scene) -> str:
-    """The drawing for a page that defines the custom properties itself, such as by ``custom_properties``."""
-    writer = _Writer(Scheme.AUTO, scene.name)
+    """The drawing for a page that defines the custom properties itself, such as by ``custom_properties``.
+
+    Its links are part of the page for those who hear it or go through it with the keyboard.
+    """
+    writer = _Writer(Scheme.AUTO, scene.name, role="group")
     body = writer.opening(scene)
     for item in scene.items:
         body += writer.item(item, 1)
@@ -121,8 +124,9 @@ def _number(value: float) -> str:
 class _Writer:
     """Writes items line by line; keeps identifiers valid and different."""
 
-    def __init__(self, scheme: Scheme, name: str, look: str = "cspdiag") -> None:
+    def __init__(self, scheme: Scheme, name: str, look: str = "cspdiag", role: str = "img") -> None:
         self._classes = look
+        self._role = role
         self._colours = colours(scheme)
         self._name = name
         self._given: set[str] = set()
@@ -132,7 +136,7 @@ class _Writer:
         view = f'viewBox="0 0 {_number(scene.width)} {_number(scene.height)}"'
         identity = f' id="{self._identifier("")}"' if self._name else ""
         lines = [
-            f'<svg xmlns="http://www.w3.org/2000/svg" class="{self._classes}"{identity} {size} {view} role="img" '
+            f'<svg xmlns="http://www.w3.org/2000/svg" class="{self._classes}"{identity} {size} {view} role="{self._role}" '
             f'font-family="{SANS}" stroke-linejoin="round">'
         ]
         if scene.title:
