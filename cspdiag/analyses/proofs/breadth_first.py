@@ -61,12 +61,12 @@ def _search(system: System, limits: Limits, condition: type[Deadlocks | Knots], 
     looked_for = condition(packing)
     try:
         search = explore(packing, limits, looked_for)
+        if search.found is None:
+            return Proved("breadth-first", f"none of the {search.states} reachable states is {name}", search.states)
+        stuck = looked_for.stuck(search.state(search.found))
+        return Refuted("breadth-first", trace_to(search, search.found), stuck, states=search.states)
     except LimitError as stop:
         return Unknown("breadth-first", str(stop))
-    if search.found is None:
-        return Proved("breadth-first", f"none of the {search.states} reachable states is {name}", search.states)
-    stuck = looked_for.stuck(search.state(search.found))
-    return Refuted("breadth-first", trace_to(search, search.found), stuck, states=search.states)
 
 
 def explore(packing: Packing, limits: Limits, seen: Seen) -> Exploration:
