@@ -37,21 +37,20 @@ def refute_by_candidate(
     stuck: Sequence[int],
     limits: Limits,
     method: Method,
-    *,
-    thorough: bool = True,
+    most_states: int = MOST_STATES,
 ) -> Refuted | None:
     """Search for a trace to a deadlock or a knot that is like the candidate; None if none was found within the limits.
 
-    Without ``thorough`` only steps that lead nearer are tried.
+    With ``most_states`` 0 only steps that lead nearer are tried.
     """
     search = _Search(question, candidate, stuck)
     trace: list[Move] | None = None
     try:
         trace = search.descend(limits)
-        if trace is None and thorough:
-            trace = search.follow(limits, eager=True)
-        if trace is not None and len(candidate) <= SMALL:
-            shorter = search.follow(limits, eager=False)
+        if trace is None and most_states:
+            trace = search.follow(limits, most_states, eager=True)
+        if trace is not None and most_states and len(candidate) <= SMALL:
+            shorter = search.follow(limits, most_states, eager=False)
             if shorter is not None and len(shorter) < len(trace):
                 trace = shorter
     except LimitError:
@@ -130,10 +129,10 @@ class _Search:
             moves.append((party, after))
         return Move(event, tuple(moves)) if gain > 0 else None
 
-    def follow(self, limits: Limits, *, eager: bool) -> list[Move] | None:
+    def follow(self, limits: Limits, most_states: int, *, eager: bool) -> list[Move] | None:
         """Follow the nearest state first (``eager``), or the one with the least steps so far and at least to come, which finds a shortest trace."""
         start = self.system.initial
-        most = min(MOST_STATES, MOST_PLACES // max(1, len(start)))
+        most = min(most_states, MOST_PLACES // max(1, len(start)))
         parents: dict[tuple[int, ...], tuple[tuple[int, ...], Move] | None] = {start: None}
         steps = {start: 0}
         heap = [(self._rank(start, 0, eager), 0, start)]

@@ -12,14 +12,14 @@ from collections.abc import Sequence
 from fractions import Fraction
 from math import lcm
 
-from cspdiag.analyses.proofs.invariants_encoding import at_most
+from cspdiag.analyses.proofs.invariants_encoding import at_most, excluding
 from cspdiag.analyses.proofs.invariants_problem import Problem, Weights, problem_of
 from cspdiag.analyses.proofs.invariants_process import WeightsProcess
 from cspdiag.analyses.proofs.question import Question
-from cspdiag.analyses.proofs.sat import exclude_by_trap, refine
+from cspdiag.analyses.proofs.sat import Examination, exclude_by_trap, refine
 from cspdiag.analyses.proofs.sat_encoding import Encoding
 from cspdiag.analyses.proofs.sat_solver import Clause
-from cspdiag.analyses.proofs.verdict import Limits, Proved, Unknown
+from cspdiag.analyses.proofs.verdict import Limits, Unknown, Verdict
 
 LARGEST_PROBLEM = 50_000
 """Systems with more edges than this are left to other methods."""
@@ -28,18 +28,28 @@ DENOMINATORS = (1, 2, 6, 12, 60, 2520)
 """Weights are rounded to fractions with denominators up to each of these in turn."""
 
 
-def by_invariants(question: Question, limits: Limits) -> Proved | Unknown:
-    """Prove the property by SAT, traps and invariants, or give the candidate that is left."""
+def by_invariants(question: Question, limits: Limits, examine: Examination | None = None) -> Verdict:
+    """Prove the property by SAT, traps and invariants, or give the candidate that is left.
+
+    ``examine`` may find a refutation from a candidate before all are excluded. Invariants that were found for another question about the system are used.
+    """
     problem = problem_of(question.structure)
     if problem.size > LARGEST_PROBLEM:
         return Unknown("invariants", f"the marking equation has {problem.size} edges, more than {LARGEST_PROBLEM}")
+    known: list[Weights] = question.structure.remembered("invariants", list)
     with WeightsProcess(problem, limits.remaining) as process:
 
         def exclude(question: Question, encoding: Encoding, candidate: Sequence[int]) -> list[Clause]:
             weights = _exact(problem, process.weights(candidate), candidate)
-            return [] if weights is None else at_most(encoding, weights, candidate)
+            if weights is None:
+                return []
+            known.append(weights)
+            return at_most(encoding, weights) or [excluding(encoding, weights, candidate)]
 
-        return refine(question, limits, [exclude_by_trap, exclude], "invariants")
+        def begin(encoding: Encoding) -> list[Clause]:
+            return [clause for weights in known for clause in at_most(encoding, weights)]
+
+        return refine(question, limits, [exclude_by_trap, exclude], "invariants", begin, examine)
 
 
 def _exact(problem: Problem, found: Sequence[float] | None, candidate: Sequence[int]) -> Weights | None:

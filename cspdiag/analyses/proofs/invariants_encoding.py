@@ -9,11 +9,11 @@ from cspdiag.analyses.proofs.sat_encoding import Encoding
 from cspdiag.analyses.proofs.sat_solver import Clause
 
 MOST_SUMS = 20_000
-"""With more partial sums than this only the candidate is excluded, where the invariant speaks of it."""
+"""Invariants with more partial sums than this are not made clauses."""
 
 
-def at_most(encoding: Encoding, weights: Weights, candidate: Sequence[int]) -> list[Clause]:
-    """Clauses that the sum of the weights is at most 0, which a candidate violates: one variable for every partial sum (Eén and Sörensson, 2006)."""
+def at_most(encoding: Encoding, weights: Weights) -> list[Clause]:
+    """Clauses that the sum of the weights is at most 0, with one variable for every partial sum (Eén and Sörensson, 2006); none if there were too many."""
     members = [(variables, weight) for variables, weight in zip(encoding.variables, weights, strict=True) if weight]
     values = [_by_value(variables, weight) for variables, weight in members]
     # least[k], most[k]: of the sums of the members from k on.
@@ -42,7 +42,7 @@ def at_most(encoding: Encoding, weights: Weights, candidate: Sequence[int]) -> l
         sums = following
         total += len(sums)
         if total > MOST_SUMS:
-            return [_excluding(encoding, weights, candidate)]
+            return []
     return clauses
 
 
@@ -53,7 +53,8 @@ def _by_value(variables: dict[int, int], weight: dict[int, int]) -> dict[int, li
     return values
 
 
-def _excluding(encoding: Encoding, weights: Weights, candidate: Sequence[int]) -> Clause:
+def excluding(encoding: Encoding, weights: Weights, candidate: Sequence[int]) -> Clause:
+    """The clause that excludes a candidate which violates the invariant, and all that agree with it where there are weights."""
     return [
         -variables[state]
         for variables, weight, state in zip(encoding.variables, weights, candidate, strict=True)

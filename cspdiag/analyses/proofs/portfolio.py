@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from math import log2
 from typing import TypeAlias
 
+from cspdiag.analyses.proofs.candidates import MOST_STATES, refute_by_candidate
 from cspdiag.analyses.proofs.pairs import Structure
 from cspdiag.analyses.proofs.question import Question
-from cspdiag.analyses.proofs.verdict import Limits, Method, Proved, Refuted, Unknown, Verdict
+from cspdiag.analyses.proofs.verdict import Limits, Method, Refuted, Unknown, Verdict
 from cspdiag.analyses.transitions.system import System
 
 DEADLOCK_METHODS: tuple[Method, ...] = ("rules", "sat", "invariants", "stubborn", "minimization", "breadth-first")
@@ -28,8 +28,11 @@ SHORTENING_SECONDS = 0.5
 SMALL = 60
 """Systems with at most so many components may have their traces shortened by search."""
 
-FEW_STATES = 100_000
-"""A system with at most so many combinations of states is searched before the solver for invariants would have started."""
+BRIEF_SECONDS = 0.3
+"""Time for a search before the solver for invariants is started, which takes longer than that by itself."""
+
+STATES_OF_EXAMINATION = 1000
+"""So many states are looked at from a candidate that invariants may still exclude."""
 
 Engine: TypeAlias = Callable[[Question, Limits], Verdict]
 
@@ -49,37 +52,39 @@ def prove_knot_free(
 
 
 def _prove(question: Question, limits: Limits, chosen: Sequence[Method] | None, methods: Sequence[Method]) -> Verdict:
-    if chosen is not None:
-        methods = chosen
-    elif sum(log2(len(shape.reachable)) for shape in question.structure.shapes) <= log2(FEW_STATES):
-        methods = [method for method in methods if method != "invariants"]
     unknown: list[Unknown] = []
-    for at, method in enumerate(methods):
-        share = _share(limits, len(methods) - at)
+    for at, method in enumerate(chosen or methods):
+        if method == "invariants" and chosen is None:
+            brief = _searched_briefly(question, limits)
+            if not isinstance(brief, Unknown):
+                return _shortened(question, brief, limits)
+        share = _share(limits, len(chosen or methods) - at)
         verdict = _ENGINES[method](question, share)
         if isinstance(verdict, Unknown):
             # A candidate of SAT may still be excluded by invariants: only what costs little is tried with it before.
-            is_last = "invariants" not in methods[at + 1 :]
-            verdict = _followed(question, verdict, share, thorough=is_last)
-        match verdict:
-            case Proved():
-                return verdict
-            case Refuted():
-                return _shortened(question, verdict, limits)
-            case Unknown():
-                unknown.append(verdict)
+            is_last = "invariants" not in (chosen or methods)[at + 1 :]
+            verdict = _followed(question, verdict, share, MOST_STATES if is_last else 0)
+        if not isinstance(verdict, Unknown):
+            return _shortened(question, verdict, limits)
+        unknown.append(verdict)
         if limits.remaining <= 0:
             break
     return _together(unknown)
 
 
-def _followed(question: Question, verdict: Unknown, limits: Limits, *, thorough: bool) -> Verdict:
+def _searched_briefly(question: Question, limits: Limits) -> Verdict:
+    """What a search says that ends before the solver for invariants would have started."""
+    brief = Limits(min(BRIEF_SECONDS, limits.remaining), limits.memory)
+    if question.structure.fails and not question.together:
+        return _by_breadth_first(question, brief)
+    return _by_stubborn_sets(question, brief)
+
+
+def _followed(question: Question, verdict: Unknown, limits: Limits, most_states: int) -> Verdict:
     """The verdict, or a refutation that its candidate leads to."""
     if verdict.candidate is None:
         return verdict
-    from cspdiag.analyses.proofs.candidates import refute_by_candidate
-
-    found = refute_by_candidate(question, verdict.candidate, verdict.stuck, limits, verdict.method, thorough=thorough)
+    found = refute_by_candidate(question, verdict.candidate, verdict.stuck, limits, verdict.method, most_states)
     return verdict if found is None else found
 
 
@@ -94,12 +99,13 @@ def _together(unknown: Sequence[Unknown]) -> Unknown:
     return replace(last, reason="; ".join(f"{verdict.method}: {verdict.reason}" for verdict in unknown))
 
 
-def _shortened(question: Question, verdict: Refuted, limits: Limits) -> Refuted:
-    """The refutation with a shorter trace, if one is found quickly."""
-    if verdict.method == "breadth-first" or len(question.system.components) > SMALL or len(verdict.trace) < 2:
+def _shortened(question: Question, verdict: Verdict, limits: Limits) -> Verdict:
+    """A refutation with a shorter trace, if one is found quickly; a proof as it is."""
+    if not isinstance(verdict, Refuted) or verdict.method == "breadth-first" or len(verdict.trace) < 2:
         return verdict
-    seconds = min(SHORTENING_SECONDS, limits.remaining)
-    shorter = _by_breadth_first(question, Limits(seconds, limits.memory))
+    if len(question.system.components) > SMALL:
+        return verdict
+    shorter = _by_breadth_first(question, Limits(min(SHORTENING_SECONDS, limits.remaining), limits.memory))
     if isinstance(shorter, Refuted) and len(shorter.trace) < len(verdict.trace):
         return replace(verdict, trace=shorter.trace, stuck=shorter.stuck)
     return verdict
@@ -120,7 +126,10 @@ def _by_sat(question: Question, limits: Limits) -> Verdict:
 def _by_invariants(question: Question, limits: Limits) -> Verdict:
     from cspdiag.analyses.proofs.invariants import by_invariants
 
-    return by_invariants(question, limits)
+    def examine(candidate: Sequence[int], stuck: Sequence[int]) -> Refuted | None:
+        return refute_by_candidate(question, candidate, stuck, limits, "invariants", STATES_OF_EXAMINATION)
+
+    return by_invariants(question, limits, examine)
 
 
 def _by_stubborn_sets(question: Question, limits: Limits) -> Verdict:

@@ -7,14 +7,13 @@ excludes is handed on to a search.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Sequence
 from typing import TypeAlias
 
 from cspdiag.analyses.proofs.question import Question
 from cspdiag.analyses.proofs.sat_encoding import Encoding
 from cspdiag.analyses.proofs.sat_solver import Clause, Solver, SolverTimeoutError, find_solver
-from cspdiag.analyses.proofs.verdict import LimitError, Limits, Method, Proved, Unknown
+from cspdiag.analyses.proofs.verdict import LimitError, Limits, Method, Proved, Refuted, Unknown, Verdict
 
 SMALL = 60
 """Traps of systems with at most so many components are made smaller before they are used."""
@@ -25,26 +24,50 @@ MOST_REFINEMENTS = 2000
 Refinement: TypeAlias = Callable[[Question, Encoding, Sequence[int]], list[Clause]]
 """Clauses that exclude a candidate, given as the state of every component; none if it cannot."""
 
+Beginning: TypeAlias = Callable[[Encoding], list[Clause]]
+"""Clauses that are true of what is reachable."""
+
+Examination: TypeAlias = Callable[[Sequence[int], Sequence[int]], Refuted | None]
+"""A refutation that a candidate and its stuck components lead to."""
+
+FIRST_EXAMINATION = 4
+"""After so many candidates that traps do not exclude one is examined, then after twice as many, and so on."""
+
 
 def by_sat(question: Question, limits: Limits) -> Proved | Unknown:
     """Prove the property by SAT and traps, or give the candidate that is left."""
-    return refine(question, limits, [exclude_by_trap], "sat")
+    verdict = refine(question, limits, [exclude_by_trap], "sat")
+    assert not isinstance(verdict, Refuted), "nobody examines candidates"
+    return verdict
 
 
-def refine(question: Question, limits: Limits, refinements: Sequence[Refinement], method: Method) -> Proved | Unknown:
-    """Exclude candidates by ``refinements``, tried in their order, until none is left or one stays."""
+def refine(
+    question: Question,
+    limits: Limits,
+    refinements: Sequence[Refinement],
+    method: Method,
+    begin: Beginning | None = None,
+    examine: Examination | None = None,
+) -> Verdict:
+    """Exclude candidates by ``refinements``, tried in their order, until none is left or one stays.
+
+    ``begin`` gives clauses that hold beside those of the encoding. ``examine`` is shown a candidate now and then, before it is excluded.
+    """
     create = find_solver()
     if create is None:
         return Unknown(method, "no SAT solver is installed (pip install 'cspdiag[verify]')")
     try:
         encoding = Encoding(question.structure, question.waiting, together=question.together)
-        solver = create(limits.seconds - (time.monotonic() - limits.started))
+        solver = create(limits.remaining)
         try:
-            return _exclude_all(question, limits, encoding, solver, refinements, method)
+            solver.add(encoding.clauses)
+            if begin is not None:
+                solver.add(begin(encoding))
+            return _exclude_all(question, limits, encoding, solver, refinements, method, examine)
         finally:
             solver.close()
     except SolverTimeoutError:
-        return Unknown(method, f"the time limit of {limits.seconds:g} s was reached")
+        return Unknown(method, f"the time limit of {limits.seconds:.3g} s was reached")
     except LimitError as limit:
         return Unknown(method, str(limit))
 
@@ -56,22 +79,28 @@ def _exclude_all(
     solver: Solver,
     refinements: Sequence[Refinement],
     method: Method,
-) -> Proved | Unknown:
-    solver.add(encoding.clauses)
+    examine: Examination | None,
+) -> Verdict:
     used = [0] * len(refinements)
+    examined_at = FIRST_EXAMINATION
     for goal in encoding.goals:
         while (model := solver.solve(goal)) is not None:
             limits.check()
             if sum(used) >= MOST_REFINEMENTS:
                 return Unknown(method, f"candidates were left after {MOST_REFINEMENTS} refinements")
-            candidate = encoding.states(model)
+            candidate, stuck = encoding.states(model), encoding.stuck_components(model)
+            if examine is not None and sum(used[1:]) >= examined_at:
+                examined_at *= 2
+                found = examine(candidate, stuck)
+                if found is not None:
+                    return found
             for at, refinement in enumerate(refinements):
                 if clauses := refinement(question, encoding, candidate):
                     used[at] += 1
                     solver.add(clauses)
                     break
             else:
-                return Unknown(method, "a candidate could not be excluded", candidate, encoding.stuck_components(model))
+                return Unknown(method, "a candidate could not be excluded", candidate, stuck)
         solver.add([[-literal for literal in goal]])
     return Proved(method, _reason(used))
 
