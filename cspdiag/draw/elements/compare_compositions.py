@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import takewhile
 from typing import Literal, TypeAlias, cast
 
 from cspdiag.diagnostics import Span
@@ -227,6 +228,18 @@ class _Comparison:
 
     def _aligned(self, old: Sequence[Part], new: Sequence[Part]) -> list[_Pair]:
         """Pairs of what belongs together in two lists, in order, as many and as equal as can be; what has no partner is alone."""
+        begin = self._common(old, new)
+        end = self._common(reversed(old[begin:]), reversed(new[begin:]))
+        before = list(zip(old[:begin], new[:begin], strict=True))
+        after = list(zip(old[len(old) - end :], new[len(new) - end :], strict=True))
+        return [*before, *self._matched(old[begin : len(old) - end], new[begin : len(new) - end]), *after]
+
+    def _common(self, old: Iterable[Part], new: Iterable[Part]) -> int:
+        """How many parts at the beginning are the same."""
+        pairs = zip(old, new, strict=False)
+        return sum(1 for _ in takewhile(lambda pair: self._content(pair[0]) == self._content(pair[1]), pairs))
+
+    def _matched(self, old: Sequence[Part], new: Sequence[Part]) -> list[_Pair]:
         table = [[0] * (len(new) + 1) for _ in range(len(old) + 1)]
         for i in reversed(range(len(old))):
             for j in reversed(range(len(new))):
