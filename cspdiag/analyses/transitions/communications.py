@@ -98,7 +98,7 @@ class Communications:
             case InputEvent():
                 return self._input_guard(held, on, context, event)
             case ReadyEvent():
-                return self._ready_guard(on, context, event, id(body))
+                return self._ready_guard(on, context, event, body)
         raise AssertionError(type(event).__name__)
 
     def _input_guard(self, held: Configuration, on: Configuration, context: Context, event: InputEvent) -> list[Move]:
@@ -121,7 +121,7 @@ class Communications:
                 found.append((label, assigning(given, context, event.target, value)))
         return found
 
-    def _ready_guard(self, on: Configuration, context: Context, event: ReadyEvent, guard: int) -> list[Move]:
+    def _ready_guard(self, on: Configuration, context: Context, event: ReadyEvent, guard: Node) -> list[Move]:
         reference = context.reference(event.source)
         kind = self.thread.medium(reference).kind
         if on.fetched is not None or kind not in PATIENT:

@@ -6,7 +6,7 @@ from itertools import product
 
 from cspdiag.analyses.transitions.facts import FAULT
 from cspdiag.analyses.transitions.template import Reference
-from cspdiag.analyses.transitions.thread import Configuration, Context, NeedsLoad, Restart, Thread
+from cspdiag.analyses.transitions.thread import Configuration, Context, Frame, NeedsLoad, Restart, Thread
 from cspdiag.analyses.transitions.values import (
     UNKNOWN,
     Known,
@@ -57,15 +57,17 @@ class Computing:
                 return configuration._replace(stack=(handler, stack), fetched=None, loaded=())
             if frame[0] == "leave":
                 configuration = self.thread.closed(configuration, frame[1])
-        end = ("ended",) if configuration.doomed else ("raised", exception)
-        if exception == FAULT and not (self.thread.role.outermost or self.thread.role.caught):
+        end: Frame = ("raised", exception)
+        if configuration.doomed:
+            end = ("ended",)
+        elif exception == FAULT and not (self.thread.role.outermost or self.thread.role.caught):
             end = ("faulted",)
         return configuration._replace(stack=(end, None), doomed=False, fetched=None, loaded=())
 
     def cannot_fuse(self, c: Configuration) -> None:
         """What a ready guard has read cannot be handed to who reads it: the guard is taken without reading instead."""
         assert c.fetched is not None
-        self.thread.unfused.add(id(c.fetched[2]))
+        self.thread.unfused.add(c.fetched[2])
         raise Restart
 
     def evaluate(self, configuration: Configuration, context: Context, expression: Expression) -> Known:

@@ -53,7 +53,7 @@ class Configuration(NamedTuple):
     stack: Stack
     variables: tuple[Known, ...] = ()
     doomed: bool = False
-    fetched: tuple[Reference, Known, Node | int] | None = None
+    fetched: tuple[Reference, Known, Node] | None = None
     loaded: tuple[tuple[object, Known], ...] = ()
 
 
@@ -90,7 +90,7 @@ class Thread:
         self.role = role
         self.facts = occurrence.world.facts
         self.widened: set[Reference] = set()
-        self.unfused: set[int] = set()
+        self.unfused: set[Node] = set()
         self.template = Template()
         self._media: dict[Reference, Medium] = {}
         first: dict[int, Reference] = {}

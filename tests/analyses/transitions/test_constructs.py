@@ -351,3 +351,29 @@ def test_branches_have_names_of_their_own() -> None:
     )
     names = [one.name for one in system_of(text).components]
     assert names == ["Main", "Main.law", "Main.2", "Main.law (2)", "Main.group"]
+
+
+READY = "process P { out c : int composition { mu (c ! 1) } }\n" + main(
+    "p : P channel c : int p.c -> c var x : int",
+    "p || mu (c -> (BODY) [] a ? x -> skip)",
+    "in a : int out b : int",
+)
+
+
+def test_ready_guard_is_the_communication_that_its_process_begins_with() -> None:
+    system = system_of(READY.replace("BODY", "c ? x ; b ! x"))
+    assert listing(system, "Main.2").splitlines() == [
+        "state 0 initial",
+        "communication Main.c with Main.p -> 1",
+        "external visible Main.a -> 0",
+        "state 1",
+        "external visible Main.b -> 0",
+    ]
+    assert not system.abstractions
+
+
+def test_ready_guard_of_a_parallel_is_left_open() -> None:
+    system = system_of(READY.replace("BODY", "c ? x || b ! 1"))
+    (abstraction,) = system.abstractions
+    assert abstraction.what == "a ready guard is taken before its communication, which another process might make"
+    assert component(system, "Main.2").edges[0][0][0] == INTERNAL
