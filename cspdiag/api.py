@@ -125,7 +125,7 @@ class LoadedProgram:
         checked = self._checked
         if checked.readable is None or (checked.report.has_errors and not check):
             raise ProgramError(checked.report.diagnostics)
-        pictures = Pictures(checked.readable, checked.report.diagnostics if check else ())
+        pictures = Pictures(checked.readable, checked.report.diagnostics if check else (), checked.analysis)
         definition = pictures.outermost() if process is None else pictures.named(process)
         if definition is None:
             raise ValueError(f"there is no process or environment {process!r}" if process else "there is no process")

@@ -103,7 +103,7 @@ def run(arguments: Namespace) -> int:
     from cspdiag.draw.missing import MissingToolError
     from cspdiag.draw.pictures import Pictures
 
-    pictures = Pictures(checked.readable, found if arguments.check else ())
+    pictures = Pictures(checked.readable, found if arguments.check else (), checked.analysis)
     try:
         _draw(arguments, pictures)
     except MissingToolError as problem:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal, TypeAlias
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from cspdiag.diagnostics import Diagnostic, Span
 from cspdiag.draw.communication import draw_communication
@@ -21,6 +21,9 @@ from cspdiag.draw.scene import Scene
 from cspdiag.draw.scene_geometry import stacked
 from cspdiag.model.program import Program
 from cspdiag.syntax import ast
+
+if TYPE_CHECKING:
+    from cspdiag.network.analyse import Analysis
 
 Which: TypeAlias = Literal["communication", "composition", "both"]
 
@@ -43,14 +46,17 @@ class Pictures:
     With ``diagnostics`` each picture marks the elements that they concern and lists them.
     """
 
-    def __init__(self, program: Program, diagnostics: Iterable[Diagnostic] = ()) -> None:
+    def __init__(
+        self, program: Program, diagnostics: Iterable[Diagnostic] = (), analysis: Analysis | None = None
+    ) -> None:
         self.program = program
+        self.analysis = analysis
         self.diagnostics = tuple(diagnostics)
 
     @cached_property
     def facts(self) -> Facts:
         """What the compiler has found out."""
-        return Facts(self.program)
+        return Facts(self.program, self.analysis)
 
     def drawn(self, *, imported: bool = False) -> list[Drawn]:
         """The processes and environments of the main file in text order; also those of imported files where that is wished."""

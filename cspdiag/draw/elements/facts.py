@@ -13,6 +13,7 @@ from cspdiag.syntax import ast
 
 if TYPE_CHECKING:
     from cspdiag.model.program import Program
+    from cspdiag.network.analyse import Analysis
     from cspdiag.network.contexts import Fact, Placed
 
 _FLOW_KINDS: tuple[str, ...] = get_args(FlowKind)
@@ -33,17 +34,21 @@ NOTHING = Flow()
 
 
 class Facts:
-    """The facts of a program by what they are about; a program with errors has those that could still be found out."""
+    """The facts of a program by what they are about; a program with errors has those that could still be found out.
 
-    def __init__(self, program: Program) -> None:
+    ``analysis`` is what its check has found out, where there was one.
+    """
+
+    def __init__(self, program: Program, analysis: Analysis | None = None) -> None:
         from cspdiag.network.lower import analysed
 
+        known = analysed(program, Report()) if analysis is None else analysis
         self._ports: dict[tuple[ast.Node, str], list[Fact]] = {}
         self._channels: dict[tuple[ast.Node, ast.Node], list[Fact]] = {}
         self._samples: dict[tuple[ast.Node, ast.Node], list[int]] = {}
         self._stated: dict[tuple[ast.Node, str], list[int | None]] = {}
         """By definition, or by the declaration of an instance."""
-        for placed in analysed(program, Report()).contexts.placed:
+        for placed in known.contexts.placed:
             self._collect(placed)
 
     def _collect(self, placed: Placed) -> None:
