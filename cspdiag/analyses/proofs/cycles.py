@@ -1,13 +1,14 @@
 """Runs that go on for ever with some events only: a trace to a cycle of global states.
 
-First the loops of the components (``local_loops``), which often exclude it; then a short look along stubborn sets; then what large systems do as seen from
+First the loops of the components (``local_loops``), which often exclude it; then a short look in depth; then what large systems do as seen from
 outside; then all reachable states, from which those without a step to one that is left are taken away until none or only cycles with the ways to them remain.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -25,6 +26,8 @@ _SHORT_LOOK = 3000
 """States along stubborn sets before all states are looked at."""
 
 Edges = npt.NDArray[np.int64]
+State: TypeAlias = tuple[int, ...]
+Way: TypeAlias = tuple[Move, State]
 
 
 @dataclass(frozen=True)
@@ -59,14 +62,36 @@ def endless_run(system: System, events: Collection[int], limits: Limits) -> Endl
 
 
 def _short_look(system: System, part: System, limits: Limits) -> Endless | None:
-    """Follow stubborn sets in depth for a while; a state that comes again on the way closes a cycle."""
-    allowed = {event for component in part.components for edges in component.edges for event, _ in edges}
+    """The shorter of what two walks find: along stubborn sets, and always on with those that moved last."""
     sets = ClosedSets(system)
+    allowed = {event for component in part.components for edges in component.edges for event, _ in edges}
+
+    def stubborn(state: State, moves: Sequence[Move]) -> list[Way]:
+        return [way for event in sets.smallest(state) for way in sets.moves(state, event)]
+
+    def last_movers(state: State, moves: Sequence[Move]) -> list[Way]:
+        moved = {party: at for at, move in enumerate(moves) for party, _ in move.moves}
+        ways = [way for event in sets.possible(state) for way in sets.moves(state, event)]
+        return sorted(ways, key=lambda way: max(moved.get(party, -1) for party, _ in way[0].moves))
+
+    found = [_walk(system.initial, ways, allowed, limits) for ways in (stubborn, last_movers)]
+    return min(
+        (endless for endless in found if endless is not None),
+        key=lambda endless: len(endless.trace) + len(endless.cycle),
+        default=None,
+    )
+
+
+def _walk(
+    initial: State, ways_of: Callable[[State, Sequence[Move]], list[Way]], allowed: set[int], limits: Limits
+) -> Endless | None:
+    """Go on in depth for a while, by the last way first; a state that comes again on the path closes a cycle."""
     moves: list[Move] = []
-    on_path = {system.initial: 0}
-    seen = {system.initial}
-    path = [(system.initial, _ways(sets, system.initial))]
+    on_path = {initial: 0}
+    seen = {initial}
+    path = [(initial, ways_of(initial, moves))]
     while path and len(seen) < _SHORT_LOOK:
+        limits.check()
         state, ways = path[-1]
         if not ways:
             path.pop()
@@ -82,15 +107,10 @@ def _short_look(system: System, part: System, limits: Limits) -> Endless | None:
             return Endless("stubborn", causes(moves[:start], concerned), cycle, len(seen))
         if after not in seen:
             seen.add(after)
-            limits.check()
             on_path[after] = len(path)
             moves.append(move)
-            path.append((after, _ways(sets, after)))
+            path.append((after, ways_of(after, moves)))
     return None
-
-
-def _ways(sets: ClosedSets, state: tuple[int, ...]) -> list[tuple[Move, tuple[int, ...]]]:
-    return [way for event in sets.smallest(state) for way in sets.moves(state, event)]
 
 
 def _is_excluded_outside(system: System, events: set[int], limits: Limits) -> bool:

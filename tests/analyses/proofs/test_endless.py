@@ -65,6 +65,13 @@ def test_thirty_philosophers_livelock_and_the_cycle_is_that_of_one() -> None:
     assert replay(system, verdict.trace + verdict.cycle) == end
 
 
+def test_a_walk_with_those_that_moved_last_finds_the_cycle_of_a_pipeline_at_once() -> None:
+    pipeline = compose(cycle(f"place{at}", f"pass{at}", f"pass{at + 1}") for at in range(40))
+    verdict = terminates(pipeline, Limits())
+    assert isinstance(verdict, Refuted)
+    assert len(verdict.trace) + len(verdict.cycle) <= 41
+
+
 def compose_hidden(system: System) -> System:
     """The system with its external events hidden."""
     from dataclasses import replace

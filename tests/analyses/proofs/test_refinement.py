@@ -136,6 +136,11 @@ def test_a_large_process_is_made_small_first() -> None:
     assert verdict.states == 61
 
 
+def test_a_large_specification_is_made_small_first() -> None:
+    assert isinstance(refines_in_failures(counter(60), buffers(60), Limits()), Proved)
+    assert isinstance(refines_in_failures(counter(59), buffers(60), Limits()), Refuted)
+
+
 def test_a_violation_of_a_large_process_has_a_trace_of_its_own() -> None:
     system = buffers(21)
     verdict = refines_in_traces(system, counter(1), Limits())
