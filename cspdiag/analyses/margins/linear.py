@@ -198,6 +198,8 @@ class Linearization:
             return Number(value, smooth(x, value) * dx)
         match call.function:
             case "atan2":
+                if x == 0 and plain[1] == 0:
+                    raise ValueError("the angle of nothing has no slope")
                 return Number(value, (plain[1] * dx - x * slopes[1]) / (x * x + plain[1] ** 2))
             case "quantize":
                 self._simplified("quantization is taken as its mean, without steps", call.span, arguments[0])

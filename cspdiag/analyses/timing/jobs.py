@@ -25,7 +25,7 @@ class UnboundedError(Exception):
 @dataclass(slots=True)
 class Path:
     """The most that any way from here to the next wait takes: all work, the part before the first switch to another thread, the longest step after it, the
-    number of switches, of delays, of communications for each channel and side, the waits that it may come to, the laws that compute on the way, and
+    number of switches, of delays and how long these are together, of communications for each channel and side, the waits that it may come to, the laws that compute on the way, and
     the outputs that are written.
     """
 
@@ -34,6 +34,7 @@ class Path:
     later: int = 0
     switches: int = 0
     delays: int = 0
+    delayed: int = 0
     meets: dict[tuple[str, bool], int] = field(default_factory=dict)
     stops: frozenset[int] = frozenset()
     heaviest: tuple[int, str] = (0, "")
@@ -154,7 +155,8 @@ class Jobs:
             after = done.get(following)
             if after is None:
                 continue  # Around a loop without work.
-            path.work = max(path.work, after.work + delay)
+            path.work = max(path.work, after.work)
+            path.delayed = max(path.delayed, after.delayed + delay)
             path.first = max(path.first, 0 if switches else after.first)
             path.later = max(path.later, after.step if switches else after.later)
             path.switches = max(path.switches, after.switches + switches)

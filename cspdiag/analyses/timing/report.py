@@ -36,6 +36,7 @@ class _Loop:
     jobs: list[Job]
     together: Together
     delays: int
+    delayed: int
     has_one_step: bool
 
 
@@ -117,6 +118,7 @@ def _loops(one: Behaviour, demands: Demands, refusals: list[Refusal]) -> Iterato
         yield _Loop(
             name, one, tuple(dict.fromkeys(job.wait for job in jobs)), period, span, jobs, together,
             max(job.path.delays for job in jobs),
+            max(job.path.delayed for job in jobs),
             alone and all(not job.path.switches for job in jobs),
         )  # fmt: skip
 
@@ -179,8 +181,9 @@ class _Analysis:
         """The loop with its partners as a task."""
         together = loop.together
         final = together.work if loop.has_one_step else 0
+        # Time that it lets pass is as good as work to itself, and leaves the processor to others.
         return Task(
-            loop.name, loop.period, together.work, loop.period, together.level, step=min(together.step, together.work),
+            loop.name, loop.period, together.work + loop.delayed, loop.period, together.level, step=min(together.step, together.work),
             final=final, suspensions=loop.delays,
         )  # fmt: skip
 
@@ -189,9 +192,9 @@ class _Analysis:
         if part.late:
             jitter = self.lateness.get(part.origin, part.period)
         elif part.origin == part.thread and any(
-            len(loop.together.members) > 1 for loop in self.loops if loop.owner.number == part.thread
+            loop.delays or len(loop.together.members) > 1 for loop in self.loops if loop.owner.number == part.thread
         ):
-            # Waiting for partners delays the rest of its work.
+            # Waiting for partners or for time delays the rest of its work.
             jitter = max(0, self.lateness.get(part.thread, 0) - part.work)
         thread = self.behaviours[part.thread].thread
         return Task(
