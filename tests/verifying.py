@@ -26,11 +26,10 @@ def answers_to(files: dict[str, str], main: str = "case.csp", *, process: str | 
 
 
 def told(answer: Answer) -> str:
-    """An answer without times, as literate cases have it, below its diagnostic."""
+    """An answer as literate cases have it, without how it was found."""
     head = f"{answer.outcome.upper()} {answer.question.text}"
     if answer.outcome == "proved":
-        how = "" if answer.method is None else f"{answer.method}: "
-        return f"{head} ({how}{answer.reason})\n"
+        return f"{head}\n"
     lines = [head]
     if answer.counterexample is not None:
         lines += table(answer.counterexample).splitlines()

@@ -16,6 +16,7 @@ from cspdiag.runtime.composition import end_all, task_for
 from cspdiag.runtime.deadlock import DeadlockReport, report_deadlock
 from cspdiag.runtime.exceptions import Fault, ProcessError, Timeout
 from cspdiag.runtime.scheduler import Task, scheduler
+from cspdiag.settings import SettingError, parse_duration
 from cspdiag.simulate.package import LoadedPackage
 from cspdiag.simulate.replay_decisions import Decisions
 from cspdiag.simulate.replay_gates import Gate, Interruption, Option, conductor
@@ -149,19 +150,19 @@ class _Attempt:
             else:
                 self._respect_priorities(candidate, option)
                 conductor.release(candidate, option)
-            expected.append((option.action, option.channel))
+            expected.append((option.action, option.channel, candidate.task))
             self._settle()
-        for action, channel in expected:
+        for action, channel, task in expected:
             if action == "ready":
-                self._read_after_guard(channel)
-        for action, channel in expected:
+                self._read_after_guard(channel, task)
+        for action, channel, _ in expected:
             if (action, channel) not in conductor.done and not step.channel.endswith(_WRITTEN):
                 raise _DivergenceError(f"`{step}` does not come about")
 
     def _choose_ready(self, step: TraceStep) -> None:
         """A process takes a guard that leaves the reading to it; one that is alone in its alternative is no choice."""
         for option, candidate in self._offers(("ready",), step.channel):
-            if any(_belongs(candidate.path, path) for path in step.parties):
+            if any(_belongs(candidate.path, path) for _, path in step.parties):
                 if isinstance(candidate, Interruption):
                     candidate.fire()
                 else:
@@ -184,7 +185,7 @@ class _Attempt:
         """A process takes a guard that is always ready, if it is at one; whether it did. ``necessary``: otherwise the step cannot come."""
         for gate in list(conductor.halted.values()):
             silent = [option for option in gate.options if option.action == "skip"]
-            if silent and any(_belongs(gate.path, path) for path in step.parties):
+            if silent and any(_belongs(gate.path, path) for _, path in step.parties):
                 others = len(silent) < len(gate.options) and not necessary
                 chosen = self._decisions.choose(len(silent) + others)
                 if chosen < len(silent):
@@ -194,9 +195,10 @@ class _Attempt:
                     return True
         return False
 
-    def _read_after_guard(self, channel: str) -> None:
-        """A process that was told that it can read does so first."""
-        for gate in list(conductor.halted.values()):
+    def _read_after_guard(self, channel: str, task: Task) -> None:
+        """A process that was told that it can read does so first: ``task``, or a branch of it."""
+        own = conductor.halted.get(task)
+        for gate in [own] if own is not None else list(conductor.halted.values()):
             for option in gate.options:
                 if (option.action, option.channel) == ("read", channel):
                     conductor.release(gate, option)
@@ -222,6 +224,8 @@ class _Attempt:
         if step.kind == "time":
             time_out = step.channel.rpartition(": ")[2].startswith("after")
             offers = self._offers(("after",) if time_out else ("wait",), None)
+            lasting = [entry for entry in offers if entry[0].duration == _duration(step)]
+            offers = lasting or offers
         else:
             offers = self._offers(("write", "read", "ready"), step.channel.removesuffix(_WRITTEN))
         found = list(self._chosen(step, offers))
@@ -236,14 +240,11 @@ class _Attempt:
     ) -> Iterator[tuple[Option, Gate | Interruption]]:
         """For each process of the step what it goes on with; among several that would fit, a decision."""
         taken: set[int] = set()
-        for path in step.parties:
-            fitting = [
-                (option, candidate)
-                for option, candidate in offers
-                if id(candidate.task) not in taken and _belongs(candidate.path, path)
-            ]
-            exact = [entry for entry in fitting if entry[1].path == path]
-            fitting = exact or fitting
+        for name, path in step.parties:
+            free = [entry for entry in offers if id(entry[1].task) not in taken]
+            ranks = [_fit(candidate, name, path) for _, candidate in free]
+            best = min(ranks, default=_UNFIT)
+            fitting = [entry for entry, rank in zip(free, ranks, strict=True) if rank == best < _UNFIT]
             if fitting:
                 option, candidate = fitting[self._decisions.choose(len(fitting))]
                 taken.add(id(candidate.task))
@@ -253,7 +254,7 @@ class _Attempt:
         told = [
             f"`{gate.path}` waits {' or '.join(f'to {o.action} {o.channel}'.rstrip() for o in gate.options)}"
             for gate in conductor.halted.values()
-            if any(_belongs(gate.path, path) for path in step.parties)
+            if any(_belongs(gate.path, path) for _, path in step.parties)
         ]
         return f": {'; '.join(told[:3])}" if told else ""
 
@@ -289,6 +290,15 @@ class _Attempt:
             named = ", ".join(f"`{name}`" for name in changed[:3])
             raise _DivergenceError(f"each time round, {named} changes, so that this may come to an end")
 
+    def _end_silently(self) -> None:
+        """Nobody stays where a guard is always ready: transition systems leave out steps that make no difference."""
+        gates = [gate for gate in conductor.halted.values() if any(option.action == "skip" for option in gate.options)]
+        for gate in gates:
+            silent = [option for option in gate.options if option.action == "skip"]
+            if self._trace.failure == "deadlock" or len(silent) == len(gate.options):
+                conductor.release(gate, silent[self._decisions.choose(len(silent))])
+                self._settle()
+
     def _is_stuck(self, gate: Gate) -> bool:
         """Whether the trace says of a process that it never goes on; its parallel branches are told apart by where they wait."""
         waits = {option.channel for option in gate.options if option.channel}
@@ -311,6 +321,7 @@ class _Attempt:
             return None
         if self._ended:
             raise _DivergenceError("it ends instead of coming to a halt")
+        self._end_silently()
         before = len(self._communications)
         stuck = [
             gate for gate in conductor.halted.values() if self._trace.failure == "deadlock" or self._is_stuck(gate)
@@ -326,6 +337,14 @@ class _Attempt:
         return report_deadlock(root, scheduler.now)
 
 
+def _duration(step: TraceStep) -> int | None:
+    """How long a step of time lasts, where the text says so in a number."""
+    try:
+        return parse_duration(step.channel.rpartition(": ")[2].removeprefix("after").removeprefix("wait").strip())
+    except SettingError:
+        return None
+
+
 def _with(option: Option) -> str:
     return f" with `{option.channel}`" if option.channel else ""
 
@@ -335,6 +354,18 @@ class _Undriven(dict[str, None]):
 
     def __missing__(self, name: str) -> None:
         return None
+
+
+_UNFIT = 3
+
+
+def _fit(candidate: Gate | Interruption, name: str, path: str) -> int:
+    """How well a process that halts fits one of a trace: 0 is best, and ``_UNFIT`` not at all."""
+    if name in candidate.names:
+        return 0
+    if candidate.path.startswith(f"{name}."):
+        return 1
+    return 2 if _belongs(candidate.path, path) else _UNFIT
 
 
 def _belongs(process: str, path: str) -> bool:

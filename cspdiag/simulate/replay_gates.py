@@ -10,6 +10,7 @@ from collections.abc import Callable, Generator
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
+from cspdiag.runtime.composition import Branches
 from cspdiag.runtime.exceptions import Cancelled
 from cspdiag.runtime.scheduler import Party, Priority, Task, Waits, scheduler
 from cspdiag.runtime.selector import Selector
@@ -21,12 +22,14 @@ Action = Literal["read", "write", "ready", "wait", "after", "skip"]
 class Option:
     """Something that a process at a gate can go on with; ``index`` tells options of one gate apart.
 
-    ``ready`` is a guard that leaves the reading to the guarded process, ``wait`` a delay, ``after`` a time-out, ``skip`` the guard that is always ready.
+    ``ready`` is a guard that leaves the reading to the guarded process, ``wait`` a delay, ``after`` a time-out, ``skip`` the guard that is always ready. ``duration``, in
+    nanoseconds, belongs to ``wait`` and ``after``.
     """
 
     action: Action
     channel: str = ""
     index: int = 0
+    duration: int = 0
 
 
 class Gate:
@@ -45,6 +48,11 @@ class Gate:
         return "" if self.task.process is None else self.task.process.name
 
     @property
+    def names(self) -> tuple[str, ...]:
+        """What a trace may call it: its process, or so many a branch of that."""
+        return names_of(self.task)
+
+    @property
     def priority(self) -> Priority:
         """The level of priority of the task."""
         return self.task.priority
@@ -59,6 +67,17 @@ class Gate:
         return tuple((f"to {option.action} {option.channel}".rstrip(), None) for option in self.options)
 
 
+def names_of(task: Task) -> tuple[str, ...]:
+    """The path of the process that a task executes, and its number among the parallel branches of that."""
+    path = "" if task.process is None else task.process.name
+    join = task.join
+    while isinstance(join, Branches) and len(join.tasks) == 1:
+        join = join._parent.join
+    if not isinstance(join, Branches):
+        return (path,)
+    return path, *(f"{path}.{number}" for number, branch in enumerate(join.tasks, start=1) if branch is task)
+
+
 @dataclass
 class Interruption:
     """An interrupt whose body runs: ``fire`` abandons the body at the gate at which it halts."""
@@ -66,6 +85,11 @@ class Interruption:
     task: Task
     options: tuple[Option]
     fire: Callable[[], None]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """What a trace may call it: its process, or so many a branch of that."""
+        return names_of(self.task)
 
     @property
     def path(self) -> str:

@@ -156,7 +156,9 @@ class _Alternative(Alternative):
         delays: Mapping[int, int] = _NOTHING,
     ) -> Generator[None, None, int]:
         options = [
-            _option(guard, index) for index, guard in enumerate(self.guards) if enabled is None or enabled[index]
+            _option(guard, index) if index not in delays else Option("after", "", index, delays[index])
+            for index, guard in enumerate(self.guards)
+            if enabled is None or enabled[index]
         ]
         chosen = yield from conductor.hold(*options, prioritized=self._prioritized)
         if chosen is None:
@@ -179,8 +181,8 @@ def _option(guard: Guard, index: int) -> Option:
             return Option("ready", end.name, index)
         case Output(end=end):
             return Option("write", end.name, index)
-        case After():
-            return Option("after", "", index)
+        case After(duration=duration):
+            return Option("after", "", index, duration)
         case _:
             return Option("skip", "", index)
 
@@ -220,7 +222,7 @@ def _interrupt(
 
 @coroutine
 def _wait(duration: int) -> Generator[None, None, None]:
-    yield from conductor.hold(Option("wait"))
+    yield from conductor.hold(Option("wait", duration=duration))
     if conductor.free and duration > 0:
         yield
     conductor.done.append(("wait", ""))

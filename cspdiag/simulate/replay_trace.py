@@ -16,12 +16,12 @@ class TraceError(ValueError):
 
 @dataclass(frozen=True)
 class TraceStep:
-    """What is to happen next; ``parties`` are the paths of the processes that take part."""
+    """What is to happen next; ``parties`` are the processes that take part: their names, and the paths of the instances that they belong to."""
 
     kind: str
     channel: str
     value: str | None
-    parties: tuple[str, ...]
+    parties: tuple[tuple[str, str], ...]
 
     def __str__(self) -> str:
         return " ".join(filter(None, (self.channel or self.kind, self.value)))
@@ -77,8 +77,8 @@ def read_trace(text: str) -> Trace:
             settings={_text(name): _text(value) for name, value in whole["settings"].items()},
             assertion=_text(whole["assertion"]),
             failure=_text(whole["failure"]),
-            steps=tuple(map(_step, whole["steps"])),
-            cycle=tuple(map(_step, whole["cycle"])),
+            steps=tuple(_step(step, whole["process"]) for step in whole["steps"]),
+            cycle=tuple(_step(step, whole["process"]) for step in whole["cycle"]),
             exact=not whole["left_open"],
             stuck=tuple((_text(entry["path"]), frozenset(map(_text, entry["channels"]))) for entry in whole["waiting"]),
         )
@@ -86,13 +86,13 @@ def read_trace(text: str) -> Trace:
         raise TraceError(f"a trace that is not whole ({type(problem).__name__}: {problem})") from None
 
 
-def _step(entry: Mapping[str, Any]) -> TraceStep:
+def _step(entry: Mapping[str, Any], process: str) -> TraceStep:
     value = entry["value"]
     return TraceStep(
         kind=_text(entry["kind"]),
         channel=_text(entry["channel"]),
         value=None if value is None else _text(value),
-        parties=tuple(_text(party["path"]) for party in entry["parties"]),
+        parties=tuple((_whole(party["process"], process), _text(party["path"])) for party in entry["parties"]),
     )
 
 
@@ -100,3 +100,8 @@ def _text(value: object) -> str:
     if not isinstance(value, str):
         raise TypeError(f"a text is wanted, not {value!r}")
     return value
+
+
+def _whole(name: object, process: str) -> str:
+    """The hierarchical name of a process that is told below the outermost one."""
+    return process if name == process else f"{process}.{_text(name)}"
