@@ -100,7 +100,11 @@ def test_check_compile_and_run_work_elsewhere(installed: Installed) -> None:
 
 
 def test_the_benchmarks_run_elsewhere(installed: Installed) -> None:
-    for name, shown in (("commstime", "\n  -O1 "), ("check-cold", "\n  cspdiag ")):
+    for name, shown in (
+        ("commstime", "\n  -O1 "),
+        ("check-cold", "\n  cspdiag "),
+        ("prove-controller-4", "\n  cspdiag "),
+    ):
         result = installed("cspdiag", "bench", "--only", name, "--rounds", "1")
         assert result.returncode == 0, result.stderr
         assert shown in result.stdout
