@@ -9,9 +9,10 @@ from __future__ import annotations
 import json
 import threading
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future
 from functools import cache
 from importlib.util import find_spec
+from queue import SimpleQueue
 from typing import Any
 
 from cspdiag import resources
@@ -96,13 +97,35 @@ def _runner() -> Callable[[str], str]:
 
 def _in_quickjs(script: str) -> Callable[[str], str]:
     """A function that lays out in a thread of its own: a context belongs to the thread that made it, and needs more stack than others."""
-    before = threading.stack_size(_STACK)
-    try:
-        executor = ThreadPoolExecutor(1, thread_name_prefix="layout")
-        context = executor.submit(_context, script)
-    finally:
-        threading.stack_size(before)
-    return lambda graph: executor.submit(lambda: _ask(context.result(), graph)).result()
+    worker = _Worker()
+    context = worker.submit(lambda: _context(script))
+    return lambda graph: str(worker.submit(lambda: _ask(context.result(), graph)).result())
+
+
+class _Worker:
+    """A thread that does one job after the other. It ends with the program even in the middle of a job, so that Ctrl-C ends a long layout."""
+
+    def __init__(self) -> None:
+        self._jobs: SimpleQueue[tuple[Callable[[], Any], Future[Any]]] = SimpleQueue()
+        before = threading.stack_size(_STACK)
+        try:
+            threading.Thread(target=self._work, name="layout", daemon=True).start()
+        finally:
+            threading.stack_size(before)
+
+    def submit(self, job: Callable[[], Any]) -> Future[Any]:
+        """What the job will have returned or raised."""
+        future: Future[Any] = Future()
+        self._jobs.put((job, future))
+        return future
+
+    def _work(self) -> None:
+        while True:
+            job, future = self._jobs.get()
+            try:
+                future.set_result(job())
+            except BaseException as problem:
+                future.set_exception(problem)
 
 
 def _context(script: str) -> Any:
