@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TypeAlias
 
 from cspdiag.analyses.transitions.facts import TIMEOUT
@@ -70,6 +71,15 @@ class Communications:
         if domain is None:
             return [(("read", reference, UNKNOWN, where), UNKNOWN, c)]
         return [(("read", reference, value, where), value, c) for value in domain]
+
+    def watched(self, c: Configuration, context: Context, branches: Sequence[Branch]) -> Configuration:
+        """Guards were waited for: the sessions of their sampled inputs have begun, also if another guard was taken."""
+        for branch in branches:
+            if isinstance(branch.event, ReadyEvent | InputEvent):
+                end = branch.event.source
+                if self.thread.medium(context.reference(end)).kind == "sampled":
+                    c = self.thread.beginning(c, context, reading_end(context, end))
+        return c
 
     def _outside(self, reference: Reference) -> tuple[Known, ...]:
         """The values that the environment may give, as far as they are told apart."""

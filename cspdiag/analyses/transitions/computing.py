@@ -5,8 +5,9 @@ from __future__ import annotations
 from itertools import product
 
 from cspdiag.analyses.transitions.facts import FAULT
+from cspdiag.analyses.transitions.program import Node
 from cspdiag.analyses.transitions.template import Reference
-from cspdiag.analyses.transitions.thread import Configuration, Context, Frame, NeedsLoad, Restart, Thread
+from cspdiag.analyses.transitions.thread import Configuration, Context, Frame, NeedsLoad, Restart, Stack, Thread
 from cspdiag.analyses.transitions.values import (
     UNKNOWN,
     Known,
@@ -63,6 +64,15 @@ class Computing:
         elif exception == FAULT and not (self.thread.role.outermost or self.thread.role.caught):
             end = ("faulted",)
         return configuration._replace(stack=(end, None), doomed=False, fetched=None, loaded=())
+
+    def passing(self, c: Configuration, following: Stack, node: Node) -> Configuration:
+        """Goes on with ``following``; inside an interrupt, whose guard is looked at here as where the process waits."""
+        stack = following
+        while stack is not None:
+            if stack[0][0] == "interrupt":
+                return c._replace(stack=(("pass", node), following))
+            stack = stack[1]
+        return c._replace(stack=following)
 
     def cannot_fuse(self, c: Configuration) -> None:
         """What a ready guard has read cannot be handed to who reads it: the guard is taken without reading instead."""

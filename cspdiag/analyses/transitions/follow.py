@@ -8,7 +8,7 @@ from cspdiag.analyses.transitions.facts import FAULT
 from cspdiag.analyses.transitions.law_steps import LawSteps
 from cspdiag.analyses.transitions.occurrences import PATIENT
 from cspdiag.analyses.transitions.program import Node
-from cspdiag.analyses.transitions.thread import Configuration, Context, NeedsLoad, Restart, Stack
+from cspdiag.analyses.transitions.thread import Configuration, Context, NeedsLoad, Restart, Stack, reading_end
 from cspdiag.analyses.transitions.values import (
     UNKNOWN,
     EvaluationFault,
@@ -41,7 +41,7 @@ from cspdiag.network.expressions import Expression
 _MANY_STEPS = 5_000
 """After so many silent steps the variables that change are not followed any longer."""
 
-POINTS = frozenset({"run", "put", "delivering", "choice", "reading", "writing", "foreign", "foreign port"})
+POINTS = frozenset({"run", "put", "delivering", "choice", "reading", "writing", "foreign", "foreign port", "pass"})
 """What may be first on the stack where a cancelled or interrupted process ends."""
 
 
@@ -253,6 +253,12 @@ class Follower(LawSteps):
     def _interrupt(self, c: Configuration, node: Node, context: Context, rest: Stack) -> Configuration | None:
         if c.doomed:
             return self.abandoned(c)
+        return self.passing(c, (("interrupting", node, context), rest), node)
+
+    def _interrupting(self, c: Configuration, frame: tuple[object, ...], rest: Stack) -> Configuration | None:
+        _, node, context = frame
+        assert isinstance(node, Node)
+        assert isinstance(context, Context)
         assert isinstance(node.action, InterruptOn)
         branch = node.action.branch
         body = ("run", node.children[0], context)
@@ -267,6 +273,11 @@ class Follower(LawSteps):
         assert isinstance(context, Context)
         assert isinstance(node.action, InterruptOn)
         value = self.offered(c, context, node.action.branch)
+        event = node.action.branch.event
+        if isinstance(event, ReadyEvent | InputEvent):
+            reference = context.reference(event.source)
+            if self.thread.medium(reference).kind == "sampled":
+                c = self.thread.beginning(c, context, reading_end(context, event.source))
         guard = ("interrupt", node, context, value)
         return c._replace(stack=(("run", node.children[0], context), (guard, rest)), loaded=())
 
@@ -322,6 +333,7 @@ _FRAMES: dict[str, Callable[[Follower, Configuration, tuple[object, ...], Stack]
     "catch": Follower._pop,
     "interrupt": Follower._pop,
     "interruptible": Follower._interruptible,
+    "interrupting": Follower._interrupting,
     "leave": Follower._leave,
     "deciding": Follower._deciding,
     "offering": Follower._offering,

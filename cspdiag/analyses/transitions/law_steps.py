@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from cspdiag.analyses.transitions.computing import Computing
 from cspdiag.analyses.transitions.occurrences import PATIENT
+from cspdiag.analyses.transitions.program import Node
 from cspdiag.analyses.transitions.template import Reference
 from cspdiag.analyses.transitions.thread import Configuration, Context, Stack
 from cspdiag.analyses.transitions.values import (
@@ -28,6 +29,7 @@ class LawSteps(Computing):
     def _reading(self, c: Configuration, frame: tuple[object, ...], rest: Stack) -> Configuration | None:
         """The inputs that are still to be read: all at first."""
         _, context, instance, node, remaining = frame
+        assert isinstance(node, Node)
         assert isinstance(context, Context)
         assert isinstance(instance, str)
         if remaining is None:
@@ -43,6 +45,8 @@ class LawSteps(Computing):
                     self.cannot_fuse(c)
                 c = c if len(kept) == len(waiting) else c._replace(fetched=None)
                 waiting = kept
+            if not waiting:
+                return self.passing(c._replace(loaded=()), rest, node)
             return c._replace(stack=(("reading", context, instance, node, tuple(waiting)), rest), loaded=())
         return None if remaining else c._replace(stack=rest)
 
@@ -65,6 +69,7 @@ class LawSteps(Computing):
     def _writing(self, c: Configuration, frame: tuple[object, ...], rest: Stack) -> Configuration | None:
         """The outputs that are still to be written: all at first."""
         _, context, instance, node, remaining = frame
+        assert isinstance(node, Node)
         assert isinstance(context, Context)
         assert isinstance(instance, str)
         if remaining is None:
@@ -73,6 +78,8 @@ class LawSteps(Computing):
             outputs = self.connections(context, instance, "out")
             kinds = [self.thread.medium(reference).kind for _, reference in outputs]
             left = tuple(i for i, kind in enumerate(kinds) if kind not in ("var", "discard"))
+            if not left:
+                return self.passing(c, rest, node)
             return c._replace(stack=(("writing", context, instance, node, left), rest))
         return None if remaining else c._replace(stack=rest)
 

@@ -19,7 +19,9 @@ MediumKind: TypeAlias = Literal[
 ]
 """Kinds of channels; what the outside gives (``sampled``, ``event``) and takes (``output``); and ends that were left open."""
 
-PATIENT: frozenset[MediumKind] = frozenset({"sync", "broadcast", "any", "buffer", "overwrite", "sampled", "event"})
+CHANNELS: frozenset[MediumKind] = frozenset({"sync", "broadcast", "any", "buffer", "overwrite"})
+"""Kinds of channels between processes, but for variables."""
+PATIENT: frozenset[MediumKind] = CHANNELS | {"sampled", "event"}
 """Kinds at which a reader may have to wait."""
 
 

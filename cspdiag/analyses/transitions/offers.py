@@ -66,6 +66,8 @@ class Offers(Communications):
                 return self._writing(c, frame, rest)
             case "join":
                 return join_edges(self.thread, self.follower, c, frame, rest)
+            case "pass":
+                return [(INTERNAL_LABEL, c._replace(stack=rest))]
             case "either":
                 return [(INTERNAL_LABEL, self.follower.abandoned(c)), (INTERNAL_LABEL, c._replace(stack=rest))]
             case "open":
@@ -131,7 +133,8 @@ class Offers(Communications):
         held = c._replace(stack=rest)
         for branch, body, enabled in zip(node.action.branches, node.children, decided, strict=True):
             if enabled is not None:
-                found += self.guarded(held, context, branch, body, enabled[0])
+                others = [other for other in node.action.branches if other is not branch]
+                found += self.guarded(self.watched(held, context, others), context, branch, body, enabled[0])
         return found
 
     def _picking(self, c: Configuration, frame: Frame, rest: Stack) -> list[Move]:

@@ -42,6 +42,8 @@ def spot(thread: Thread, frame: Frame, configuration: Configuration) -> Spot:
             return Spot("decides", None, frame[1].span)
         case "open":
             return Spot("decides", None, frame[2].span)
+        case "pass":
+            return Spot("goes on", None, frame[1].span)
         case "load":
             return Spot("computes", None, frame[1][1]) if frame[1][0] == "risk" else Spot("looks at", frame[1])
         case "store":

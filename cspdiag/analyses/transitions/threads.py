@@ -10,10 +10,11 @@ from collections.abc import Hashable
 from typing import TypeAlias
 
 from cspdiag.analyses.transitions.explore import explore
-from cspdiag.analyses.transitions.occurrences import Medium, Occurrence, World
+from cspdiag.analyses.transitions.occurrences import CHANNELS, Medium, Occurrence, World
 from cspdiag.analyses.transitions.program import Node
 from cspdiag.analyses.transitions.template import ParallelId, Template
 from cspdiag.analyses.transitions.thread import Role, resolve
+from cspdiag.analyses.transitions.values import UNKNOWN
 from cspdiag.network.actions import Group, RunInstance
 from cspdiag.network.ir import ProcessClass
 from cspdiag.network.walk import instances_run
@@ -60,10 +61,17 @@ class Strands:
         top = world.top
         self.top = Strand(top, top.definition.body, top.path, None, 0)
         self._again(self.top)
-        while self._pending:
+        while self._pending or self._read_in_vain():
             strand = self._pending.popleft()
             self._waiting.discard(strand)
             self._follow(strand)
+
+    def _read_in_vain(self) -> bool:
+        """Channels that are read and that nobody writes: their readers wait for whatever value never comes. Returns whether there are new ones."""
+        for medium in [medium for medium in self._asking if medium.kind in CHANNELS and medium.values == set()]:
+            medium.admit({UNKNOWN})
+            self._news(medium)
+        return bool(self._pending)
 
     def all(self) -> list[Strand]:
         """The threads that can run, each before its branches."""

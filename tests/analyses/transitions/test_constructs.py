@@ -377,3 +377,43 @@ def test_ready_guard_of_a_parallel_is_left_open() -> None:
     (abstraction,) = system.abstractions
     assert abstraction.what == "a ready guard is taken before its communication, which another process might make"
     assert component(system, "Main.2").edges[0][0][0] == INTERNAL
+
+
+def test_sample_may_be_missed_after_another_guard_was_taken() -> None:
+    text = main(
+        "var x : double = 0 var n : int = 0",
+        "(mu (y ? x -> u ! 1 [] a ? n -> wait 3 ms) ) catch Timeout -> u ! 0",
+        "in y : double @ 1 ms in a : int out u : int",
+    )
+    system = system_of(text)
+    first, *others = component(system, "Main").edges
+    kinds = [sorted(system.events[event].kind for event, _ in edges) for edges in (first, *others)]
+    assert kinds[0] == ["external", "sample"]
+    assert ["external", "miss", "sample"] in kinds
+    assert all("sample" not in kind or "miss" in kind for kind in kinds[1:])
+
+
+def test_reader_of_a_value_that_nobody_writes_waits() -> None:
+    text = (
+        "process P { out c : bool composition { if 1 > 2 then c ! true else stop } }\n"
+        "process Q { in c : bool out d : int communication { var x : bool }"
+        " composition { c ? x ; if x then d ! 1 else d ! 2 } }\n"
+        + main("p : P q : Q p.c -> q.c q.d -> d", "p || q", "out d : int")
+    )
+    system = system_of(text)
+    ((event, _),) = component(system, "Main.q").edges[0]
+    assert [system.components[party].name for party in system.events[event].parties] == ["Main.q", "nobody"]
+
+
+def test_guard_of_an_interrupt_is_looked_at_where_the_body_begins_another() -> None:
+    text = main(
+        "var x : int var n : int = 0",
+        "((n := 1 interrupt after 1 ms -> skip) interrupt a ? x -> b ! 1)",
+        "in a : int out b : int",
+    )
+    system = system_of(text)
+    begins = component(system, "Main").edges[0]
+    assert sorted("internal" if event == INTERNAL else str(system.events[event]) for event, _ in begins) == [
+        "Main.a",
+        "internal",
+    ]
