@@ -263,7 +263,9 @@ class _Attempt:
             if other == option:
                 break
             if other.action == "skip" or self._offered_above(other, gate):
-                raise _DivergenceError(f"`{gate.path}` prefers `{other.channel or other.action}` to `{option.channel}`")
+                raise _DivergenceError(
+                    f"`{gate.path}` prefers `{other.channel or other.action}` to `{option.channel or option.action}`"
+                )
         for first in conductor.halted.values():
             for second in conductor.halted.values():
                 if first is not second and _meet_above(first, second, gate):
