@@ -12,6 +12,8 @@ from cspdiag.diagnostics import Diagnostic, SourceFile
 from cspdiag.sources import read_source
 
 if TYPE_CHECKING:
+    from cspdiag.analyses.margins.loops import LoopReport
+    from cspdiag.analyses.timing.result import TimingReport
     from cspdiag.analyses.verification.answer import Answer
     from cspdiag.draw.pictures import Which
     from cspdiag.draw.scene import Scene
@@ -132,6 +134,43 @@ class LoadedProgram:
         labels = hide_labels if isinstance(hide_labels, bool) else hidden(hide_labels)
         hide = (ALL_LABELS if labels else NOTHING_HIDDEN) if isinstance(labels, bool) else labels
         return Drawing(pictures.scene(definition, Wish(which=diagram, hidden=hide, depth=depth)))
+
+    def timing(
+        self,
+        *,
+        top: str | None = None,
+        set: Mapping[str, Setting] | None = None,
+        measured: Mapping[str, float] | None = None,
+    ) -> TimingReport:
+        """Response times, latencies and advice for the sampled loops, as ``cspdiag verify --timing`` tells them.
+
+        ``measured`` has execution times of laws in seconds by path, which count instead of stated ones. Raises what ``build`` raises.
+        """
+        from cspdiag.analyses.timing.report import timing_report
+
+        times = {path: round(seconds * 1e9) for path, seconds in (measured or {}).items()}
+        return timing_report(self.build(top=top, set=set), times)
+
+    def margins(
+        self,
+        environment: str | None = None,
+        *,
+        set: Mapping[str, Setting] | None = None,
+        at: Mapping[str, float] | None = None,
+    ) -> LoopReport:
+        """Stability and margins of the loops through the plant of an environment (the first one by default), as ``cspdiag margins`` tells them.
+
+        ``at`` has values of states of the plant at the operating point. Raises what ``build`` raises, ``cspdiag.simulate.execute.NoEnvironmentError``, and
+        ``cspdiag.analyses.margins.linear.NotLinearError`` where the plant cannot be looked into.
+        """
+        from cspdiag.analyses.margins.loops import analyse_loops
+        from cspdiag.simulate.execute import NoEnvironmentError, chosen_environment
+
+        network = self.build(environment=environment, set=set)
+        chosen = chosen_environment(network, environment)
+        if chosen is None:
+            raise NoEnvironmentError(f"`{network.top}` has no environment, and so no plant that would close its loops")
+        return analyse_loops(network, chosen, point=at)
 
     def run(
         self,

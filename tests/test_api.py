@@ -146,3 +146,13 @@ def test_a_program_is_verified() -> None:
 def test_a_program_with_errors_is_not_verified(broken: Path) -> None:
     with pytest.raises(ProgramError):
         cspdiag.load(broken).verify()
+
+
+def test_timing_and_margins_are_objects() -> None:
+    program = cspdiag.load(JIWY)
+    report = program.timing()
+    assert report.is_schedulable is True
+    slow = program.timing(measured={"Jiwy.vertical.homing.servo": 2e-3})
+    assert slow.is_schedulable is False
+    found = program.margins(set={"Tsh": "10 ms", "Tsv": "10 ms"})
+    assert {loop.margins.is_stable for loop in found.loops if "servo" in loop.opened.cut.name} == {False}
