@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from cspdiag.analyses.proofs.graph_components import strong_components
+from cspdiag.analyses.proofs.verdict import Limits
 from cspdiag.analyses.transitions.system import INTERNAL, Edge
 
 Signature: TypeAlias = frozenset[tuple[int, int]]
@@ -29,14 +30,14 @@ class Machine:
     ended: tuple[bool, ...]
 
 
-def minimized(machine: Machine) -> Machine:
-    """The smallest machine that is equivalent, its states in the order in which they are reached."""
+def minimized(machine: Machine, limits: Limits | None = None) -> Machine:
+    """The smallest machine that is equivalent, its states in the order in which they are reached. Raises LimitError."""
     machine = _without_internal_cycles(machine)
     order = [state for [state] in _internal_components(machine)]
     blocks = [int(ended) for ended in machine.ended]
     count = len(set(blocks))
     while True:
-        signatures = _signatures(machine, order, blocks)
+        signatures = _signatures(machine, order, blocks, limits)
         numbers: dict[tuple[int, Signature], int] = {}
         finer = [
             numbers.setdefault((block, signature), len(numbers))
@@ -47,10 +48,14 @@ def minimized(machine: Machine) -> Machine:
         blocks, count = finer, len(numbers)
 
 
-def _signatures(machine: Machine, order: Sequence[int], blocks: Sequence[int]) -> list[Signature]:
+def _signatures(
+    machine: Machine, order: Sequence[int], blocks: Sequence[int], limits: Limits | None
+) -> list[Signature]:
     """What each state can do, given its block; states come in an order in which internal steps lead to earlier ones."""
     found: list[Signature] = [frozenset()] * len(blocks)
-    for state in order:
+    for at, state in enumerate(order):
+        if limits is not None and at % 1024 == 0:
+            limits.check()
         steps: set[tuple[int, int]] = set()
         for event, target in machine.edges[state]:
             if event != INTERNAL or blocks[target] != blocks[state]:

@@ -17,6 +17,9 @@ from cspdiag.analyses.transitions.system import INTERNAL, System
 
 State: TypeAlias = tuple[int, ...]
 
+_BYTES_PER_STATE = 400
+"""A tuple of some tens of small numbers, in a set."""
+
 
 @dataclass(frozen=True)
 class Node:
@@ -35,7 +38,10 @@ def normal_form(
     numbers = {first: 0}
     pending = [first]
     nodes = []
+    held = 0
     for states in pending:
+        held += len(states)
+        limits.check(held * _BYTES_PER_STATE)
         after = {}
         for label in asked:
             reached = walk.closure(walk.after(states, label), limits)
@@ -74,7 +80,7 @@ class _Walk:
         seen = set(states)
         pending = list(seen)
         while pending:
-            limits.check(len(seen) * 400)
+            limits.check(len(seen) * _BYTES_PER_STATE)
             for label, after in self._ways(pending.pop()):
                 if label is None and after not in seen:
                     seen.add(after)

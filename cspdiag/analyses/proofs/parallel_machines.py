@@ -134,7 +134,9 @@ class Pairs:
         return Part(self._made[key], tuple(events[at] for at in kept))
 
     def _smallest(self, machine: Machine) -> Machine:
-        return self._same(minimized(without_the_restless(machine) if self._only_deadlocks else machine))
+        if self._only_deadlocks:
+            machine = without_the_restless(machine)
+        return self._same(minimized(machine, self._limits))
 
     def _same(self, machine: Machine) -> Machine:
         """The one machine that is kept of equal ones: keys hold its identity."""
