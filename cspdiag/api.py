@@ -135,6 +135,18 @@ class LoadedProgram:
         hide = (ALL_LABELS if labels else NOTHING_HIDDEN) if isinstance(labels, bool) else labels
         return Drawing(pictures.scene(definition, Wish(which=diagram, hidden=hide, depth=depth)))
 
+    def draw_deadlock(self, run: Run) -> Drawing:
+        """Who waits for whom in a run of this program that ended in a deadlock, as ``cspdiag run --draw-deadlock`` draws it.
+
+        Raises ValueError where it ended otherwise, and ``cspdiag.draw.missing.MissingToolError`` without ``cspdiag[draw]``.
+        """
+        from cspdiag.draw.deadlock import draw_deadlock
+        from cspdiag.simulate.deadlock_picture import deadlock_of
+
+        if run.outcome.deadlock is None:
+            raise ValueError(f"the run did not end in a deadlock: {run.outcome.ended}")
+        return Drawing(draw_deadlock(deadlock_of(run.outcome.deadlock, run.network), self._checked.program))
+
     def timing(
         self,
         *,

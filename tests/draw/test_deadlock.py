@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from cspdiag.api import load
 from cspdiag.cli.main import main
 from cspdiag.diagnostics import SourceFile, Span
 from cspdiag.draw.deadlock import Deadlock, draw_ring
@@ -265,6 +266,16 @@ def test_a_picture_that_could_not_be_written_is_refused_before_the_run(
     assert "the name must end in .svg or .png or .pdf" in shown
     assert "there is no folder" in shown
     assert "deadlock at" not in shown
+
+
+def test_a_deadlock_is_drawn_from_python(tmp_path: Path) -> None:
+    program = load(DINING)
+    drawing = program.draw_deadlock(program.run())
+    drawing.save(tmp_path / "deadlock.svg")
+    assert main(["run", DINING, "--quiet", "--draw-deadlock", str(tmp_path / "run.svg")]) == 1
+    assert (tmp_path / "deadlock.svg").read_text() == (tmp_path / "run.svg").read_text()
+    with pytest.raises(ValueError, match="did not end in a deadlock: terminated"):
+        program.draw_deadlock(load("models/dining/dining.csp").run())
 
 
 def test_drawings_are_always_alike() -> None:
