@@ -272,7 +272,7 @@ def _shape(
     """The shape of a component and its events, of which the ``expected`` ones that it never offers come last."""
     numbers: dict[int, int] = {INTERNAL: INTERNAL}
     renamed = tuple(
-        tuple((numbers.setdefault(event, len(numbers) - 1), after) for event, after in edges)
+        tuple((numbers.setdefault(event, len(numbers) - 1), after) for event, after in dict.fromkeys(edges))
         for edges in component.edges
     )
     if len(numbers) <= len(expected):

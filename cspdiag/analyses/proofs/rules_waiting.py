@@ -10,25 +10,40 @@ verification tools", 1997), which find such an order from the form of the proces
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import dataclass
 
 from cspdiag.analyses.proofs.pairs import Structure
 
 
-@dataclass(frozen=True)
 class Waiting:
     """What is left of the waiting states: ``left[i]`` of component ``i``; ``order`` are the components in the order in which they lost their last one."""
 
-    left: list[set[int]]
-    order: tuple[int, ...]
+    def __init__(self, structure: Structure, *, together: bool) -> None:
+        self._structure = structure
+        self._striking = _Striking(structure, together)
+        self._striking.begin()
+        self._striking.follow()
+        self.left: list[set[int]] = self._striking.left
+
+    @property
+    def order(self) -> tuple[int, ...]:
+        """The components without waiting states that are left."""
+        return tuple(self._striking.order)
+
+    def exclude(self, component: int) -> list[int]:
+        """Strike off the states in which a process asks, because it has been proved otherwise that it never waits for ever, and what follows from it.
+
+        Returns the components that lost their last state.
+        """
+        before = len(self._striking.order)
+        for state in self._structure.shapes[component].asking:
+            self._striking.strike(component, state)
+        self._striking.follow()
+        return self._striking.order[before:]
 
 
 def waiting_states(structure: Structure, *, together: bool) -> Waiting:
     """Strike off the states that cannot be part of a knot or, if all components wait ``together``, of a deadlock of the whole network."""
-    striking = _Striking(structure, together)
-    striking.begin()
-    striking.follow()
-    return Waiting(striking.left, tuple(striking.order))
+    return Waiting(structure, together=together)
 
 
 class _Meeting:

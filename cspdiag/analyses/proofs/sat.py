@@ -83,7 +83,9 @@ def _exclude_all(
 ) -> Verdict:
     used = [0] * len(refinements)
     examined_at = FIRST_EXAMINATION
-    for goal in encoding.goals:
+    for component, goal in encoding.goals:
+        if goal and encoding.left[component].isdisjoint(question.structure.shapes[component].asking):
+            continue
         while (model := solver.solve(goal)) is not None:
             limits.check()
             if sum(used) >= MOST_REFINEMENTS:
@@ -102,6 +104,10 @@ def _exclude_all(
             else:
                 return Unknown(method, "a candidate could not be excluded", candidate, stuck)
         solver.add([[-literal for literal in goal]])
+        if goal:
+            solver.add(
+                [[-encoding.stuck[free]] for free in question.waiting.exclude(component) if encoding.stuck[free]]
+            )
     return Proved(method, _reason(used))
 
 

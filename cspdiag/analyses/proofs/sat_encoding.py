@@ -20,8 +20,8 @@ class Encoding:
     """The formula for one system.
 
     ``variables[i][state]`` is the variable of a state of component ``i``; ``stuck[i]`` that of its membership in the stuck set, 0 for those that are never in
-    it. ``together``: all components are in the set (deadlock), so that only waiting states have variables. A model is wanted for one of the ``goals``, each a
-    conjunction of literals to assume: for knots, a process that waits. One at a time they are decided by propagation in networks where it is long, such as rings.
+    it. ``together``: all components are in the set (deadlock), so that only waiting states have variables. A model is wanted for one of the ``goals``, each with
+    literals to assume: for knots, that a component (its number is given too) asks and is stuck. One that is refuted often excludes many others.
     """
 
     def __init__(self, structure: Structure, waiting: Waiting, *, together: bool) -> None:
@@ -29,7 +29,7 @@ class Encoding:
         self.clauses: list[Clause] = []
         self.variables: list[dict[int, int]] = []
         self.stuck: list[int] = []
-        self.goals: list[Clause] = []
+        self.goals: list[tuple[int, Clause]] = []
         self._count = 0
         self._choose_states()
         for component, neighbours in enumerate(structure.neighbours):
@@ -134,20 +134,20 @@ class Encoding:
 
     def _have_somebody_wait(self) -> None:
         somebody = []
-        for shape, left, variables, stuck in zip(
-            self.structure.shapes, self.left, self.variables, self.stuck, strict=True
+        for component, (shape, left, variables, stuck) in enumerate(
+            zip(self.structure.shapes, self.left, self.variables, self.stuck, strict=True)
         ):
             if self.together:
                 somebody += [variables[state] for state in left if shape.process and state not in shape.terminal]
             elif left and left <= shape.asking:
-                self.goals.append([stuck])
+                self.goals.append((component, [stuck]))
             elif asking := [variables[state] for state in left if state in shape.asking]:
                 asks = self.fresh()
                 self.clauses += [[-asks, stuck], [-asks, *asking]]
-                self.goals.append([asks])
+                self.goals.append((component, [asks]))
         if self.together:
             self.clauses.append(somebody)
-            self.goals = [[]]
+            self.goals = [(-1, [])]
 
     def states(self, model: Collection[int]) -> tuple[int, ...]:
         """The state of every component in a model."""
