@@ -56,6 +56,9 @@ class Assembly:
         """Components that are no threads."""
         self.abstractions: dict[Abstraction, None] = {}
         self._of: list[dict[Label, list[int]]] = [{} for _ in self.threads]
+        self._echoes: list[dict[Label, list[int]]] = [{} for _ in self.threads]
+        """Events by which a thread shows what it offers, without taking part."""
+        self._alarms: dict[Medium, list[Use]] = defaultdict(list)
         self._nobody: int | None = None
         self._shapes: dict[tuple[int, bool], Shape] = {}
         self._uses: dict[Medium, list[Use]] = defaultdict(list)
@@ -100,6 +103,8 @@ class Assembly:
         edges: list[tuple[Edge, ...]] = []
         for compiled in shape.edges:
             edges.append(tuple([(event, target) for number, target in compiled for event in events[number]]))
+        if self._echoes[strand.number]:
+            edges = self._with_echoes(edges, strand, shape)
         return Component(
             strand.name,
             tuple(edges),
@@ -107,6 +112,14 @@ class Assembly:
             places=_Places(shape.spots, strand),
             path=strand.occurrence.path,
         )
+
+    def _with_echoes(self, edges: list[tuple[Edge, ...]], strand: Strand, shape: Shape) -> list[tuple[Edge, ...]]:
+        echoes = self._echoes[strand.number]
+        shown = [echoes.get(label, ()) for label in shape.labels]
+        return [
+            (*found, *dict.fromkeys((event, state) for number, _ in compiled for event in shown[number]))
+            for state, (found, compiled) in enumerate(zip(edges, shape.edges, strict=True))
+        ]
 
     def _event(
         self,
@@ -137,7 +150,9 @@ class Assembly:
     def _note(self, strand: Strand, label: Label) -> None:
         kind = label[0]
         alone = _ALONE.get(kind)
-        if alone is not None:
+        if kind == "alarm":
+            self._alarm(strand, label)
+        elif alone is not None:
             medium = resolve(strand.occurrence, label[1])
             value = label[2] if len(label) > 2 else UNKNOWN
             event = self._event(medium.name, (strand.number,), alone[0], value, medium.type, visible=alone[1])
@@ -149,10 +164,28 @@ class Assembly:
         elif kind == "fork" or kind == "join":
             self._forks.setdefault(parallel_key(strand.occurrence, label[1]), []).append(strand)
 
+    def _alarm(self, strand: Strand, label: Label) -> None:
+        """The guard of an interrupt is seen to be ready, and not yet taken."""
+        medium = resolve(strand.occurrence, label[1])
+        if medium.kind == "event":
+            self._for(strand, label, self._event(medium.name, (strand.number,), "ready"))
+        else:
+            self._alarms[medium].append((strand, label))
+
+    def _ring(self, medium: Medium, uses: list[Use]) -> None:
+        """Whoever would communicate with the guard of an interrupt lets it be seen, and stays as it is."""
+        for watcher, label in self._alarms.get(medium, ()):
+            for strand, offered in uses:
+                if strand is not watcher and (offered[0] == "read") == (label[2] == "read"):
+                    event = self._event(medium.name, (watcher.number, strand.number), "ready")
+                    self._for(watcher, label, event)
+                    self._echoes[strand.number].setdefault(offered, []).append(event)
+
     def _medium(self, medium: Medium, uses: list[Use]) -> None:
         match medium.kind:
             case "sync" | "any":
                 self._rendezvous(medium, uses)
+                self._ring(medium, uses)
             case "buffer" | "overwrite":
                 self._queue(medium, uses)
             case "broadcast":

@@ -41,7 +41,9 @@ from cspdiag.network.expressions import Expression
 _MANY_STEPS = 5_000
 """After so many silent steps the variables that change are not followed any longer."""
 
-POINTS = frozenset({"run", "put", "delivering", "choice", "reading", "writing", "foreign", "foreign port", "pass"})
+POINTS = frozenset(
+    {"run", "put", "delivering", "choice", "reading", "writing", "foreign", "foreign port", "pass", "guard only"}
+)
 """What may be first on the stack where a cancelled or interrupted process ends."""
 
 

@@ -41,6 +41,8 @@ class Medium:
         self.type = type_
         self.relevant = relevant
         self.period: int | None = None
+        self.is_contended = kind == "any"
+        """Whether several processes may be after the same communication."""
         self.capacity = 1
         self.ends = 1
         self.initial: Known = UNKNOWN
@@ -176,6 +178,7 @@ class World:
             relevant = ("port", network.top, base) in facts.relevant
             medium = Medium(f"{network.top}.{port.name}", kind, port.type, relevant=relevant, span=port.span)
             medium.period = port.period
+            medium.is_contended = port.kind == "any"
             media[base, index] = medium
         arguments: dict[str, Known] = dict(network.arguments)
         self.top = Occurrence(self, network.top, program.top, arguments, media)

@@ -10,11 +10,13 @@ from cspdiag.analyses.transitions.joining import LawParallels, fork_edges, join_
 from cspdiag.analyses.transitions.program import Node
 from cspdiag.analyses.transitions.template import INTERNAL_LABEL, Label, Reference
 from cspdiag.analyses.transitions.thread import Configuration, Context, Frame, Stack, Thread
-from cspdiag.analyses.transitions.values import UNKNOWN
+from cspdiag.analyses.transitions.values import UNKNOWN, Known
 from cspdiag.network.actions import (
     ChannelEnd,
     Choice,
+    InputEvent,
     InterruptOn,
+    OutputEvent,
     ParallelSteps,
     PortEnd,
     ReadValue,
@@ -66,6 +68,10 @@ class Offers(Communications):
                 return self._writing(c, frame, rest)
             case "join":
                 return join_edges(self.thread, self.follower, c, frame, rest)
+            case "guard only":
+                _, node, context, value = frame
+                branch = node.action.branch
+                return self.guarded(c._replace(stack=rest), context, branch, node.children[1], value)
             case "pass":
                 return [(INTERNAL_LABEL, c._replace(stack=rest))]
             case "either":
@@ -173,7 +179,9 @@ class Offers(Communications):
                 _, node, context, value = frame
                 assert isinstance(node.action, InterruptOn)
                 outside = held._replace(stack=stack)
-                for label, target in self.guarded(outside, context, node.action.branch, node.children[1], value):
+                moves = self.guarded(outside, context, node.action.branch, node.children[1], value)
+                moves += self._lost_races(outside, context, node, value)
+                for label, target in moves:
                     if present[0] == "delivering":
                         target = target._replace(stack=(("withdrawing", present[1]), target.stack))
                     if present[0] == "join":
@@ -181,6 +189,19 @@ class Offers(Communications):
                         target = target._replace(stack=(abandon, target.stack))
                     found.append((label, target))
         return found
+
+    def _lost_races(self, outside: Configuration, context: Context, node: Node, value: Known) -> list[Move]:
+        """The body was abandoned because the guard was ready, and then another process is faster: nothing is left but to wait for the guard again."""
+        assert isinstance(node.action, InterruptOn)
+        event = node.action.branch.event
+        if not isinstance(event, InputEvent | OutputEvent):
+            return []
+        reference = context.reference(event.source if isinstance(event, InputEvent) else event.sink)
+        if not self.thread.medium(reference).is_contended:
+            return []
+        waits = ("guard only", node, context, value)
+        side = "write" if isinstance(event, InputEvent) else "read"
+        return [(("alarm", reference, side), outside._replace(stack=(waits, outside.stack)))]
 
     def _reading(self, c: Configuration, frame: Frame, rest: Stack) -> list[Move]:
         _, context, instance, node, remaining = frame

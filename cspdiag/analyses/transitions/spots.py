@@ -42,6 +42,9 @@ def spot(thread: Thread, frame: Frame, configuration: Configuration) -> Spot:
             return Spot("decides", None, frame[1].span)
         case "open":
             return Spot("decides", None, frame[2].span)
+        case "guard only":
+            words, reference = _guard(frame[1].action.branch, frame[2])
+            return Spot(words, reference, frame[1].action.branch.span)
         case "pass":
             return Spot("goes on", None, frame[1].span)
         case "load":

@@ -417,3 +417,32 @@ def test_guard_of_an_interrupt_is_looked_at_where_the_body_begins_another() -> N
         "Main.a",
         "internal",
     ]
+
+
+def test_body_that_was_abandoned_in_vain_waits_for_its_guard() -> None:
+    text = (
+        "process Alarm { out ring : int composition { ring ! 1 } }\n"
+        "process Work { in ring : int out done : int communication { var x : int }"
+        " composition { (done ! 1) interrupt ring ? x -> skip } }\n"
+        + main(
+            "alarm : Alarm work[2] : Work alarm.ring -> any -> work[0].ring, work[1].ring"
+            " work[0].done, work[1].done -> any -> done",
+            "alarm || work[0] || work[1]",
+            "out done : int",
+        )
+    )
+    system = system_of(text)
+    assert listing(system, "Main.work[0]").splitlines()[:6] == [
+        "state 0 initial",
+        "external visible Main.done.1 -> 1",
+        "communication Main.alarm.ring with Main.alarm -> 1",
+        "ready Main.alarm.ring with Main.alarm -> 2",
+        "state 1 terminal",
+        "end Main: parallel end with Main, Main.alarm, Main.work[1] -> 3",
+    ]
+    assert "communication Main.alarm.ring with Main.alarm -> 1" in listing(system, "Main.work[0]").split("state 2")[1]
+    ready = [number for number, event in enumerate(system.events) if event.kind == "ready"]
+    assert [edge for edge in component(system, "Main.alarm").edges[0] if edge[0] in ready] == [
+        (ready[0], 0),
+        (ready[1], 0),
+    ]
