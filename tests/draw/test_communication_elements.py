@@ -293,7 +293,7 @@ def test_the_inside_of_instances_is_shown_as_deep_as_asked_for() -> None:
         assert levels == depth
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=30, deadline=None, suppress_health_check=list(HealthCheck))
 @given(programs())
 def test_random_programs_have_elements_with_keys_of_their_own(text: str) -> None:
     checked = check(SourceFile(name="random.csp", text=text), read_source)

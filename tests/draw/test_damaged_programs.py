@@ -28,7 +28,7 @@ def pictures(path: Path, text: str) -> Pictures | None:
     return None if checked.readable is None else Pictures(checked.readable, checked.report.diagnostics)
 
 
-@settings(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=25, deadline=None, suppress_health_check=list(HealthCheck))
 @given(damaged())
 def test_elements_and_differences_are_found(program: tuple[Path, str]) -> None:
     path, text = program
@@ -46,7 +46,7 @@ def test_elements_and_differences_are_found(program: tuple[Path, str]) -> None:
 
 
 @pytest.mark.skipif(not engine_available(), reason="the layout engine is not there: make setup fetches it")
-@settings(max_examples=12, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=6, deadline=None, suppress_health_check=list(HealthCheck))
 @given(damaged())
 def test_pictures_with_marks_are_drawn(program: tuple[Path, str]) -> None:
     found = pictures(*program)
@@ -75,7 +75,7 @@ def test_marked_mistakes_lie_on_nothing(start: int) -> None:
 
 
 @pytest.mark.skipif(not engine_available(), reason="the layout engine is not there: make setup fetches it")
-@settings(max_examples=12, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=6, deadline=None, suppress_health_check=list(HealthCheck))
 @given(damaged())
 def test_pictures_of_differences_have_nothing_on_anything(program: tuple[Path, str]) -> None:
     path, text = program
