@@ -12,8 +12,12 @@ from typing import Any, Literal
 
 from cspdiag.runtime.composition import Branches
 from cspdiag.runtime.exceptions import Cancelled
+from cspdiag.runtime.process import Process
 from cspdiag.runtime.scheduler import Party, Priority, Task, Waits, scheduler
 from cspdiag.runtime.selector import Selector
+
+__package__ = Process.__module__.rpartition(".")[0]
+"""That of the runtime: places of processes are looked for outside of it."""
 
 Action = Literal["read", "write", "ready", "wait", "after", "skip"]
 

@@ -16,11 +16,15 @@ from cspdiag.runtime.choice import After, Guard, Input, Output, Ready
 from cspdiag.runtime.composition import Branches
 from cspdiag.runtime.exceptions import Cancelled
 from cspdiag.runtime.ports import In, Out, T
+from cspdiag.runtime.process import Process
 from cspdiag.runtime.scheduler import Party, scheduler
 from cspdiag.runtime.selector import Selector
 from cspdiag.runtime.together import read_all, write_all
 from cspdiag.runtime.variable import Constant, Discard, Variable
 from cspdiag.simulate.replay_gates import Interruption, Option, conductor
+
+__package__ = Process.__module__.rpartition(".")[0]
+"""That of the runtime: places of processes are looked for outside of it."""
 
 _NOTHING: Mapping[int, Any] = {}
 
