@@ -48,15 +48,14 @@ def chains(network: Network, loops: Sequence[LoopTiming], modes: Sequence[tuple[
 
 
 def _ends(network: Network, loops: Sequence[LoopTiming]) -> tuple[list[set[str]], list[set[str]]]:
-    """The nets that each loop reads and writes: those of its law, and of processes that copy them into variables of the law."""
+    """The nets that each loop reads and writes: those of its laws and processes, and those that processes copy into variables of its laws."""
     from cspdiag.analyses.timing.copies import copied_nets
 
     copied = copied_nets(network)
     reads: list[set[str]] = []
     writes: list[set[str]] = []
     for loop in loops:
-        path = f"{network.top}.{loop.name}"
-        read = {net.path for net in network.nets if any(end == path for end, _ in net.readers)}
+        read = {net.path for net in network.nets if any(end in loop.leaves for end, _ in net.readers)}
         reads.append(read | {source for source, targets in copied.items() if targets & read})
-        writes.append({net.path for net in network.nets if any(end == path for end, _ in net.writers)})
+        writes.append({net.path for net in network.nets if any(end in loop.leaves for end, _ in net.writers)})
     return reads, writes

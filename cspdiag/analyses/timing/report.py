@@ -77,7 +77,7 @@ def timing_report(network: Network, measured: Mapping[str, int] | None = None) -
         tuple(dict.fromkeys(refusals)),
         tasks,
         sum(task.utilization for task in tasks if task.period < ONCE),
-        lcm(*(task.period for task in tasks if task.period < ONCE)) if tasks else 0,
+        lcm(*(row.period for row in rows), *(task.period for task in tasks if task.period < ONCE)) if rows else 0,
         edf.meets_deadlines([task for task in tasks if task.period < ONCE]),
         analysis.advice(rows),
         used,
@@ -167,15 +167,23 @@ class _Analysis:
         task = self.task(loop)
         others = [self._as_task(part) for part in self._beside(loop)]
         response = response_time(task, others)
-        written = frozenset(net for job in loop.jobs for net in job.path.outputs)
+        jobs = [*loop.jobs, *self._of_partners(loop)]
+        written = frozenset(net for job in jobs for net in job.path.outputs)
+        leaves = frozenset(leaf for job in jobs for leaf in job.path.leaves)
+        places = frozenset(loop.owner.thread.places[wait].path for wait in loop.waits)
         outputs = tuple(net.path.partition(".")[2] for net in network.nets if net.path in written)
         return LoopTiming(
             loop.name.partition(".")[2] or loop.name, loop.owner.thread.path, loop.span, loop.period, loop.together.level,
             loop.together.work, loop.together.step, response.blocking, response.worst, response.start,
             outputs, _latency(network, outputs, response.worst),
             tuple(self.behaviours[k].thread.path.partition(".")[2] for k in sorted(loop.together.members - {loop.owner.number})),
-            task,
+            leaves | places, task,
         )  # fmt: skip
+
+    def _of_partners(self, loop: _Loop) -> list[Job]:
+        """The jobs of partners that follow no samples of their own: what they write belongs to the loop."""
+        partners = [self.behaviours[number] for number in loop.together.members]
+        return [job for one in partners if not one.has_samples for job in one.jobs if job.wait in one.waits]
 
     def task(self, loop: _Loop) -> Task:
         """The loop with its partners as a task."""

@@ -15,7 +15,7 @@ class LoopTiming:
 
     ``work`` is what a sample needs, ``own`` the part of the loop itself where it waits for partners. ``response`` and
     ``start`` are None where there is no bound. ``outputs`` are the sampled outputs of the program that it writes; ``latency`` from the sample to the
-    outputs, the shortest and the longest, None without outputs.
+    outputs, the shortest and the longest, None without outputs. ``leaves`` are the paths of the laws and processes that take part.
     """
 
     name: str
@@ -31,6 +31,7 @@ class LoopTiming:
     outputs: tuple[str, ...]
     latency: tuple[int, int] | None
     partners: tuple[str, ...]
+    leaves: frozenset[str]
     task: Task
 
     @property

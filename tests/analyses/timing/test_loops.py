@@ -111,9 +111,12 @@ def test_laws_in_sequence_on_one_sample_add_up_in_one_step() -> None:
         }
         """
     )  # fmt: skip
-    (loop,) = report_of(text).loops
+    report = report_of(text)
+    (loop,) = report.loops
     assert (loop.work, loop.step, loop.response) == (300 * US, 300 * US, 300 * US)
     assert loop.outputs == ("y",)
+    (chain,) = report.chains
+    assert (chain.source, chain.sink, chain.reaction, chain.age) == ("x", "y", 2 * MS, 1 * MS)
 
 
 def test_of_two_sides_the_longer_counts() -> None:

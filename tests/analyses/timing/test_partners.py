@@ -80,6 +80,18 @@ def test_the_work_of_an_unsampled_partner_is_part_of_the_sample_that_wakes_it() 
     assert 350 * US <= (loops["log"].response or 0) <= 550 * US
 
 
+def test_what_an_unsampled_partner_writes_belongs_to_the_loop() -> None:
+    text = pipeline("mu sense || computing || mu log").replace("computing.output -> _", "computing.output -> v")
+    report = report_of(text.replace("out w    : double @ 1 ms", "out w, v : double @ 1 ms"))
+    loop = by_name(report)["sense"]
+    assert loop.outputs == ("v",)
+    assert loop.latency == (1 * MS, 1 * MS)
+    assert {(chain.source, chain.sink, chain.age) for chain in report.chains} == {
+        ("x", "v", 1 * MS),
+        ("z", "w", 1 * MS),
+    }
+
+
 def test_a_less_urgent_partner_makes_the_loop_as_urgent_as_itself() -> None:
     loops = by_name(report_of(pipeline("mu sense ||> mu log ||> computing")))
     assert loops["sense"].priority == 2
