@@ -22,9 +22,8 @@ def resolve_assertion(context: Context, assertion: ast.Assertion) -> None:
     if assertion.specification is None:
         return
     process, specification = (_scope_of(context, name) for name in (assertion.process, assertion.specification))
-    if process is not None and specification is not None:
-        if _hides_ports(context, assertion, process):
-            _check_ports(context, assertion, process, specification)
+    if process is not None and specification is not None and _hides_ports(context, assertion, process):
+        _check_ports(context, assertion, process, specification)
 
 
 def _scope_of(context: Context, name: ast.Identifier) -> Scope | None:
