@@ -188,6 +188,25 @@ def test_ends_of_the_diagram_stand_at_its_ends() -> None:
 
 
 @needs_engine
+def test_a_long_chain_is_broken_into_rows() -> None:
+    def chain(length: int) -> Layout:
+        boxes = tuple(box(f"b{index}") for index in range(length))
+        edges = tuple(
+            Edge(f"e{index}", (f"b{index}.out0",), (f"b{index + 1}.in0",), Label(f"e{index}.label", 60, 13))
+            for index in range(length - 1)
+        )
+        return lay_out(Graph(boxes, edges))
+
+    short, long = chain(6), chain(30)
+    assert len({place.y for place in short.nodes.values()}) == 1
+    assert len({place.y for place in long.nodes.values()}) > 3
+    assert long.width < 3 * long.height
+    places = [*long.nodes.values(), *(long.labels[f"e{index}.label"] for index in range(29))]
+    assert not any(first.overlaps(second) for first, second in combinations(places, 2))
+    assert all(reached(long.routes[f"e{index}"]) == {f"b{index + 1}.in0"} for index in range(29))
+
+
+@needs_engine
 def test_ports_in_a_fixed_order_are_in_the_order_of_the_text() -> None:
     ports = tuple(Port(f"p{index}", Side.WEST) for index in range(5))
     node = Node("n", 40, 40, Label("t", 20, 10), ports, PortOrder.FIXED_ORDER)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass, field
 
 from cspdiag.draw.geometry import Point, Rectangle
@@ -9,7 +10,11 @@ from cspdiag.draw.layout import engine, sizes
 from cspdiag.draw.layout.graph import Edge, Graph, Label, Layout, LayoutError, Route, Side
 from cspdiag.draw.layout.hierarchy import Hierarchy
 from cspdiag.draw.layout.joined import joined
-from cspdiag.draw.layout.question import LABEL_GAP, Json, Question, question, whole, without_text_order
+from cspdiag.draw.layout.question import LABEL_GAP, Json, Question, question, whole, without_text_order, wrapped
+
+WIDEST = 2400.0
+WIDEST_SHAPE = 6.0
+"""A drawing wider than both, in pixels and as a multiple of its height, is broken into rows, as long chains are."""
 
 
 def engine_available() -> bool:
@@ -27,6 +32,9 @@ def lay_out(graph: Graph) -> Layout:
         placed = engine.run(whole(asked))
     except LayoutError:
         placed = engine.run(without_text_order(asked))
+    if not asked.downwards and placed["width"] > max(WIDEST, WIDEST_SHAPE * placed["height"]):
+        with suppress(LayoutError):
+            placed = engine.run(wrapped(asked))
     return _answer(asked, placed)
 
 

@@ -118,6 +118,12 @@ def without_text_order(asked: Question) -> Json:
     return whole(asked)
 
 
+def wrapped(asked: Question) -> Json:
+    """The whole in ELK's format, to be broken into rows."""
+    asked.options |= {"elk.layered.wrapping.strategy": "MULTI_EDGE", "elk.aspectRatio": "1.8"}
+    return whole(asked)
+
+
 def whole(asked: Question) -> Json:
     """The whole in ELK's format."""
     return {"id": "", "layoutOptions": asked.options, "children": asked.top, "edges": asked.edges}
