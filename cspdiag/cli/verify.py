@@ -149,6 +149,8 @@ def _settings(arguments: Namespace) -> dict[str, str]:
 def _answers(asked: Asked, arguments: Namespace, read: Reader) -> list[Answer]:
     from cspdiag.analyses.proofs.verdict import Limits
     from cspdiag.analyses.transitions.explore import TransitionError
+    from cspdiag.codegen import target_errors
+    from cspdiag.simulate.execute import BodyError
     from cspdiag.simulate.spin import SpinError
     from cspdiag.simulate.verify import Verifier
 
@@ -157,7 +159,7 @@ def _answers(asked: Asked, arguments: Namespace, read: Reader) -> list[Answer]:
     verifier = Verifier(asked, read, arguments.method, spin=spin, settings=_settings(arguments))
     try:
         return [verifier.answer(question, Limits(arguments.time_limit, memory)) for question in asked.questions]
-    except (TransitionError, SpinError) as problem:
+    except (TransitionError, SpinError, BodyError, target_errors()) as problem:
         raise NoResultError(str(problem)) from None
 
 

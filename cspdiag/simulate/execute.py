@@ -74,7 +74,7 @@ def simulate(
         except Exception as problem:
             if not external_modules(network):
                 raise
-            raise BodyError(_account(problem)) from problem
+            raise BodyError(account_of(problem)) from problem
         if probe_variables:
             probe(running, network, recorder)
         if measured:
@@ -93,7 +93,7 @@ def simulate(
     return Run(network, chosen, outcome, recorder)
 
 
-def _account(problem: Exception) -> str:
+def account_of(problem: Exception) -> str:
     """What went wrong in a module that the program names, and at which line of it."""
     if isinstance(problem, SyntaxError):
         return f"{_module(problem.filename or '')}:{problem.lineno}: {problem.msg}"

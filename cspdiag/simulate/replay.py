@@ -15,8 +15,10 @@ from cspdiag.network.ir import Network
 from cspdiag.runtime.composition import end_all, task_for
 from cspdiag.runtime.deadlock import DeadlockReport, report_deadlock
 from cspdiag.runtime.exceptions import Fault, ProcessError, Timeout
+from cspdiag.runtime.network import Network as RunningNetwork
 from cspdiag.runtime.scheduler import Task, scheduler
 from cspdiag.settings import SettingError, parse_duration
+from cspdiag.simulate.execute import BodyError, account_of
 from cspdiag.simulate.package import LoadedPackage
 from cspdiag.simulate.replay_decisions import Decisions
 from cspdiag.simulate.replay_gates import Gate, Interruption, Option, conductor
@@ -54,7 +56,10 @@ class _DivergenceError(Exception):
 
 
 def replay(network: Network, files: Mapping[str, str], trace: Trace) -> Replay:
-    """Step the package ``files`` of ``network``, compiled without optimization, through a trace."""
+    """Step the package ``files`` of ``network``, compiled without optimization, through a trace.
+
+    Raises BodyError for a hand-written body that cannot be made.
+    """
     package = LoadedPackage(network.name, files, replaying_runtime())
     try:
         decisions = Decisions()
@@ -96,7 +101,7 @@ class _Attempt:
         conductor.reset()
         scheduler.reset()
         self._decisions.begin()
-        network = self._package.module("network").build(_Undriven())
+        network = self._built()
         root = task_for(network.process, self, None)
         scheduler.observe = self._observe
         scheduler.enqueue(root)
@@ -119,6 +124,13 @@ class _Attempt:
             scheduler.observe = None
             end_all(root)
         return Replay(done, divergence, tuple(self._communications), deadlock)
+
+    def _built(self) -> RunningNetwork:
+        try:
+            network: RunningNetwork = self._package.module("network").build(_Undriven())
+        except Exception as problem:
+            raise BodyError(account_of(problem)) from problem
+        return network
 
     def _observe(self, channel: str, value: Any, writer: object, reader: object) -> None:
         self._communications.append((channel, value))

@@ -108,6 +108,31 @@ def test_without_assertions_freedom_from_deadlock_and_livelock_is_asked(cspdiag:
     assert "2 properties: 2 proved" in result.err
 
 
+@pytest.mark.parametrize(
+    ("body", "code", "reason"),
+    [
+        (None, 2, "body.py: no such file"),
+        ("", 1, "body.py has no class `Own`"),
+        ("class Own:\n    pass\n\n\nraise LookupError('broken')\n", 1, "body.py:5: LookupError: broken"),
+    ],
+)
+def test_hand_written_bodies_that_cannot_be_had(
+    cspdiag: Command, tmp_path: Path, body: str | None, code: int, reason: str
+) -> None:
+    path = tmp_path / "whole.csp"
+    path.write_text(
+        'process Own python "body.py:Own" {\n  in a : int\n}\n\n'
+        "process Whole {\n  communication {\n    own : Own\n    channel c : int\n\n    c -> own.a\n  }\n\n"
+        "  composition { own || (c ! 1 ; c ! 2) }\n}\n\nassert Whole deadlock free\n"
+    )
+    if body is not None:
+        (tmp_path / "body.py").write_text(body)
+    result = cspdiag("verify", path)
+    assert result.code == code, result.err
+    assert reason in result.err
+    assert result.err.count("\n") == 1
+
+
 def test_only_what_is_asserted_of_a_process(cspdiag: Command, proved: Path) -> None:
     result = cspdiag("verify", proved, "--process", "First")
     assert "First deadlock free" in result.err
