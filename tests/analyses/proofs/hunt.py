@@ -9,6 +9,7 @@ import argparse
 import sys
 from collections import Counter
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -96,40 +97,44 @@ def system_of(seed: int) -> System:
     return random_system(seed) if form is None else random_network(seed, form=form)
 
 
-def hunt(first: int, count: int) -> tuple[list[str], Counter[tuple[str, str, str]]]:
-    """Ask every method about systems with seeds from ``first``. Returns the wrong answers, and how often who said what."""
+def ask(seed: int, said: Counter[tuple[str, str, str]]) -> list[str]:
+    """Ask every method about the system of a seed and count what they say. Returns the wrong answers."""
     found: list[str] = []
-    said: Counter[tuple[str, str, str]] = Counter()
-    for seed in range(first, first + count):
-        system = system_of(seed)
-        states = [state for layer in naive.layers(system) for state in layer]
-        for question in QUESTIONS:
-            holds = not any(question.refuted_by(system, state) for state in states)
-            said[question.name, "truth", "Proved" if holds else "Refuted"] += 1
-            for name, engine in (question.exact | question.partial).items():
-                verdict = engine(system, Limits())
-                said[question.name, name, type(verdict).__name__] += 1
-                mistake = wrong(question, system, holds, verdict, exact=name in question.exact)
-                if mistake is not None:
-                    found.append(f"seed {seed}, {question.name}, {name}: {mistake}")
-    return found, said
+    system = system_of(seed)
+    states = [state for layer in naive.layers(system) for state in layer]
+    for question in QUESTIONS:
+        holds = not any(question.refuted_by(system, state) for state in states)
+        said[question.name, "truth", "Proved" if holds else "Refuted"] += 1
+        for name, engine in (question.exact | question.partial).items():
+            verdict = engine(system, Limits())
+            said[question.name, name, type(verdict).__name__] += 1
+            mistake = wrong(question, system, holds, verdict, exact=name in question.exact)
+            if mistake is not None:
+                found.append(f"seed {seed}, {question.name}, {name}: {mistake}")
+    return found
 
 
 def main() -> int:
-    """Hunt as the command line says."""
+    """Hunt as the command line says; Ctrl-C ends it with what was found so far."""
     parser = argparse.ArgumentParser(prog="python -m tests.analyses.proofs.hunt")
     parser.add_argument("--random", type=int, default=2000, metavar="N", help="how many systems (default: 2000)")
     parser.add_argument("--first", type=int, default=0, metavar="SEED", help="the first seed (default: 0)")
     given = parser.parse_args()
-    found, said = hunt(given.first, given.random)
-    for mistake in found:
-        print(mistake)
+    said: Counter[tuple[str, str, str]] = Counter()
+    found: list[str] = []
+    done = 0
+    with suppress(KeyboardInterrupt):
+        for seed in range(given.first, given.first + given.random):
+            for mistake in ask(seed, said):
+                print(mistake, flush=True)
+                found.append(mistake)
+            done += 1
     for (question, name, answer), times in sorted(said.items()):
         print(f"{question:10} {name:14} {answer:8} {times:7}")
     for question in ("deadlock", "knots"):
         free, proved = said[question, "truth", "Proved"], said[question, "sat", "Proved"]
         print(f"{question}: {proved} of {free} systems without are proved without search ({proved / max(1, free):.2%})")
-    print(f"{len(found)} wrong answers in {given.random} random systems")
+    print(f"{len(found)} wrong answers in {done} random systems")
     return 1 if found else 0
 
 
