@@ -227,7 +227,7 @@ class LoadedProgram:
         """The answers to what the file asserts, or what it asserts of ``process``, in text order; see ``Answer``.
 
         Where nothing is asserted, freedom from deadlock and from livelock is asked. ``time_limit`` is in seconds, for each. Raises what ``build`` raises, and
-        ``cspdiag.analyses.transitions.explore.TransitionError`` for a process with too many states of its own.
+        ``cspdiag.simulate.verify.VerificationError`` where nothing can be answered.
         """
         from cspdiag.analyses.proofs.verdict import Limits
         from cspdiag.simulate.verify import Verifier

@@ -148,18 +148,14 @@ def _settings(arguments: Namespace) -> dict[str, str]:
 
 def _answers(asked: Asked, arguments: Namespace, read: Reader) -> list[Answer]:
     from cspdiag.analyses.proofs.verdict import Limits
-    from cspdiag.analyses.transitions.explore import TransitionError
-    from cspdiag.codegen import target_errors
-    from cspdiag.simulate.execute import BodyError
-    from cspdiag.simulate.spin import SpinError
-    from cspdiag.simulate.verify import Verifier
+    from cspdiag.simulate.verify import VerificationError, Verifier
 
     memory = int(arguments.memory_limit * 1e6)
     spin = arguments.engine == "spin"
     verifier = Verifier(asked, read, arguments.method, spin=spin, settings=_settings(arguments))
     try:
         return [verifier.answer(question, Limits(arguments.time_limit, memory)) for question in asked.questions]
-    except (TransitionError, SpinError, BodyError, target_errors()) as problem:
+    except VerificationError as problem:
         raise NoResultError(str(problem)) from None
 
 

@@ -52,11 +52,14 @@ def replayed(network: Network, trace: Trace, read: pipeline.Reader) -> Replay:
     return replay(network, pipeline.generate(network, read, level=0), trace)
 
 
+class VerificationError(Exception):
+    """A question that cannot be answered at all; the message is one line."""
+
+
 class Verifier:
     """Answers what was asked of a program, with counterexamples that its code was stepped through.
 
-    ``settings`` are those with which it was asked. ``method`` is the only method of proof to be used; with ``spin``, SPIN looks for deadlocks. Its methods raise TransitionError, where a process has too
-    many states of its own, and SpinError.
+    ``settings`` are those with which it was asked. ``method`` is the only method of proof to be used; with ``spin``, SPIN looks for deadlocks.
     """
 
     def __init__(
@@ -76,7 +79,11 @@ class Verifier:
         self._systems: dict[str, System] = {}
 
     def answer(self, question: Question, limits: Limits) -> Answer:
-        """The answer to one of the questions."""
+        """The answer to one of the questions.
+
+        Raises VerificationError where a process has too many states of its own, where SPIN is missing, or where the code cannot be run through a
+        counterexample; OSError for a file of the program that cannot be read.
+        """
         if question.claim == "schedulable":
             from cspdiag.analyses.verification.schedulable import schedulable
 
@@ -94,7 +101,10 @@ class Verifier:
         if process not in self._systems:
             network = self._asked.network(process)
             assert network is not None, "asked for a process with errors"
-            self._systems[process] = transition_system(network)
+            try:
+                self._systems[process] = transition_system(network)
+            except TransitionError as problem:
+                raise VerificationError(str(problem)) from problem
         return self._systems[process]
 
     def _asked_spin(self, question: Question, limits: Limits) -> Answer:
@@ -102,17 +112,26 @@ class Verifier:
 
         began = time.monotonic()
         system = self.system(question.process)
-        return answered(question, system, spin.deadlock_free(system, limits), "deadlock", time.monotonic() - began)
+        try:
+            verdict = spin.deadlock_free(system, limits)
+        except spin.SpinError as problem:
+            raise VerificationError(str(problem)) from problem
+        return answered(question, system, verdict, "deadlock", time.monotonic() - began)
 
     def _confirmed(self, answer: Answer) -> Answer:
         """The answer with its counterexample replayed; unknown where the program does not follow it."""
         if answer.counterexample is None:
             return answer
+        from cspdiag.codegen import target_errors
+        from cspdiag.simulate.execute import BodyError
         from cspdiag.simulate.replay_trace import read_trace
 
         network = self._asked.network(answer.question.process)
         assert network is not None, "asked for a process with errors"
-        result = replayed(network, read_trace(trace_of(answer, {})), self._read)
+        try:
+            result = replayed(network, read_trace(trace_of(answer, {})), self._read)
+        except (BodyError, target_errors()) as problem:
+            raise VerificationError(str(problem)) from problem
         if result.divergence is not None:
             return not_replayed(answer, result.divergence)
         return replace(answer, replayed=True, suggestions=self._suggestions(answer))
@@ -152,5 +171,5 @@ class Verifier:
                 return False
             remaining = Limits(limits.remaining, limits.memory)
             return prove(same, Verifier(asked, read).system, remaining).outcome == "proved"
-        except (SettingError, SelectionError, TransitionError):
+        except (SettingError, SelectionError, VerificationError):
             return False
