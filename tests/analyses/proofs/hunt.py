@@ -55,12 +55,9 @@ QUESTIONS = (
     Question(
         "knots",
         lambda system, state: bool(plain_knot(system, state)),
+        {"breadth-first": breadth_first.knot_free, "portfolio": prove_knot_free},
         {
-            "breadth-first": breadth_first.knot_free,
             "minimization": minimization.knot_free,
-            "portfolio": prove_knot_free,
-        },
-        {
             "stubborn": stubborn.knot_free,
             "rules": asked(prove_knot_free, "rules"),
             "sat": asked(prove_knot_free, "rules", "sat"),
