@@ -13,6 +13,7 @@ from functools import cached_property
 from itertools import combinations
 from typing import Any, NamedTuple, TypeAlias, TypeVar
 
+from cspdiag.analyses.proofs.merging import representatives
 from cspdiag.analyses.transitions.system import INTERNAL, Component, Edge, System
 
 T = TypeVar("T")
@@ -196,7 +197,10 @@ class Neighbour(NamedTuple):
 
 
 class Structure:
-    """A system by its shapes: ``shapes[i]`` and ``events[i]`` (the events of the shape) of every component, and its neighbours."""
+    """A system by its shapes: ``shapes[i]`` and ``events[i]`` (the events of the shape) of every component, and its neighbours.
+
+    Of several events that nobody needs to tell apart only one has parties here.
+    """
 
     def __init__(self, system: System) -> None:
         self.system = system
@@ -205,12 +209,14 @@ class Structure:
         self.events: list[tuple[int, ...]] = []
         alone = bytearray(len(event.parties) == 1 for event in system.events)
         known: dict[object, Shape] = {}
+        self.merged = merged = representatives(system)
         roles: list[list[int]] = [[] for _ in system.components]
         for number, event in enumerate(system.events):
-            for party in event.parties:
-                roles[party].append(number)
+            if merged[number] == number:
+                for party in event.parties:
+                    roles[party].append(number)
         for component, expected in zip(system.components, roles, strict=True):
-            shape, events = _shape(component, expected, alone, known)
+            shape, events = _shape(component, expected, merged, alone, known)
             self.shapes.append(shape)
             self.events.append(events)
 
@@ -267,12 +273,17 @@ class Structure:
 
 
 def _shape(
-    component: Component, expected: list[int], alone: bytearray, known: dict[object, Shape]
+    component: Component, expected: list[int], merged: list[int], alone: bytearray, known: dict[object, Shape]
 ) -> tuple[Shape, tuple[int, ...]]:
     """The shape of a component and its events, of which the ``expected`` ones that it never offers come last."""
     numbers: dict[int, int] = {INTERNAL: INTERNAL}
     renamed = tuple(
-        tuple((numbers.setdefault(event, len(numbers) - 1), after) for event, after in dict.fromkeys(edges))
+        tuple(
+            dict.fromkeys(
+                (event if event == INTERNAL else numbers.setdefault(merged[event], len(numbers) - 1), after)
+                for event, after in edges
+            )
+        )
         for edges in component.edges
     )
     if len(numbers) <= len(expected):

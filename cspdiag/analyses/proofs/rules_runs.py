@@ -89,17 +89,27 @@ def at_rest(structure: Structure, run: Run) -> set[int]:
 
 
 def moves_of(structure: Structure, run: Run) -> tuple[Move, ...]:
-    """The moves of a run."""
-    state = [shape.initial for shape in structure.shapes]
+    """The moves of a run, with the events of the system: one that all parties offer, of those that need not be told apart."""
+    system = structure.system
+    state = list(system.initial)
     moves = []
     for taken in run.taken:
-        event = taken if taken >= 0 else INTERNAL
-        parties = structure.system.events[event].parties if taken >= 0 else (~taken,)
-        targets = [dict(structure.system.components[party].edges[state[party]])[event] for party in parties]
+        parties = system.events[taken].parties if taken >= 0 else (~taken,)
+        offers = [dict(system.components[party].edges[state[party]]) for party in parties]
+        event = INTERNAL if taken < 0 else _told_apart(structure, taken, offers)
+        targets = [offered[event] for offered in offers]
         for party, after in zip(parties, targets, strict=True):
             state[party] = after
         moves.append(Move(event, tuple(zip(parties, targets, strict=True))))
     return tuple(moves)
+
+
+def _told_apart(structure: Structure, taken: int, offers: list[dict[int, int]]) -> int:
+    return next(
+        event
+        for event in offers[0]
+        if event != INTERNAL and structure.merged[event] == taken and all(event in offered for offered in offers)
+    )
 
 
 Step: TypeAlias = tuple[int, tuple[int, ...]]
