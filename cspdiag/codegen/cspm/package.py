@@ -10,14 +10,13 @@ from collections.abc import Iterator
 
 from cspdiag.analyses.transitions.system import INTERNAL, System
 from cspdiag.codegen.identifiers import distinct
+from cspdiag.codegen.models import system_of
 from cspdiag.network.ir import Network
 
 
 def generate(network: Network) -> dict[str, str]:
-    """The script of a network, by path."""
-    from cspdiag.analyses.transitions import transition_system
-
-    text = cspm(transition_system(network), network.source)
+    """The script of a network, by path. Raises TargetError where it would have too many states."""
+    text = cspm(system_of(network), network.source)
     return {f"{network.name}.csp": text}
 
 

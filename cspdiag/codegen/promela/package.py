@@ -11,6 +11,7 @@ from itertools import product
 
 from cspdiag.analyses.transitions.system import INTERNAL, Component, System
 from cspdiag.codegen.identifiers import distinct
+from cspdiag.codegen.models import system_of
 from cspdiag.network.ir import Network
 
 Command = tuple[int, tuple[tuple[int, int, int], ...]]
@@ -18,10 +19,8 @@ Command = tuple[int, tuple[tuple[int, int, int], ...]]
 
 
 def generate(network: Network) -> dict[str, str]:
-    """The model of a network, by path."""
-    from cspdiag.analyses.transitions import transition_system
-
-    text = promela(transition_system(network), network.source)
+    """The model of a network, by path. Raises TargetError where it would have too many states."""
+    text = promela(system_of(network), network.source)
     return {f"{network.name}.pml": text}
 
 
