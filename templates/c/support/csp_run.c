@@ -6,8 +6,9 @@
 #include "csp_internal.h"
 #include "csp_port.h"
 
-/* Steps of processes between looks at the clock, and at requests to stop. */
-enum { STEPS_IN_REAL_TIME = 64, STEPS_IN_VIRTUAL_TIME = 65536 };
+/* Steps of processes between looks at the clock, and at requests to stop. In real time a process of a higher priority waits for one step of
+ * the others, not for all of them that are ready. */
+enum { STEPS_IN_REAL_TIME = (CSP_LEVELS > 1U) ? 1 : 64, STEPS_IN_VIRTUAL_TIME = 65536 };
 
 static volatile bool stop_requested;
 static int64_t next_grid; /* of the environment */
