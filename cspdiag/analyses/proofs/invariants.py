@@ -49,7 +49,7 @@ def by_invariants(question: Question, limits: Limits, examine: Examination | Non
         def begin(encoding: Encoding) -> list[Clause]:
             return [clause for weights in known for clause in at_most(encoding, weights)]
 
-        return refine(question, limits, [exclude_by_trap, exclude], "invariants", begin, examine)
+        return refine(question, limits, [exclude_by_trap, exclude], "invariants", begin, examine, len(known))
 
 
 def _exact(problem: Problem, found: Sequence[float] | None, candidate: Sequence[int]) -> Weights | None:

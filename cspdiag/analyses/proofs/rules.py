@@ -71,6 +71,8 @@ def _judged(question: Question, run: Run) -> Verdict:
 
 def _order_in_words(question: Question) -> str:
     structure = question.structure
+    if not any(structure.neighbours):
+        return "no process ever waits for another"
     order = [at for at in question.waiting.order if structure.neighbours[at]]
     settled = set(order)
     if any(shape.asking and at not in settled for at, shape in enumerate(structure.shapes) if structure.neighbours[at]):
@@ -84,8 +86,6 @@ def _order_in_words(question: Question) -> str:
     servers = rules_forms.client_server_order(structure)
     if servers is not None:
         return f"a client-server network without circles{_listed(question, servers)}"
-    if not order:
-        return "no process ever waits for another"
     return f"everybody waits only for those before, in the order{_listed(question, order)}"
 
 

@@ -48,10 +48,11 @@ def refine(
     method: Method,
     begin: Beginning | None = None,
     examine: Examination | None = None,
+    known: int = 0,
 ) -> Verdict:
     """Exclude candidates by ``refinements``, tried in their order, until none is left or one stays.
 
-    ``begin`` gives clauses that hold beside those of the encoding. ``examine`` is shown a candidate now and then, before it is excluded.
+    ``begin`` gives clauses of ``known`` invariants, that hold beside those of the encoding. ``examine`` is shown a candidate now and then, before it is excluded.
     """
     create = find_solver()
     if create is None:
@@ -63,7 +64,7 @@ def refine(
             solver.add(encoding.clauses)
             if begin is not None:
                 solver.add(begin(encoding))
-            return _exclude_all(question, limits, encoding, solver, refinements, method, examine)
+            return _exclude_all(question, limits, encoding, solver, refinements, method, examine, known)
         finally:
             solver.close()
     except SolverTimeoutError:
@@ -80,6 +81,7 @@ def _exclude_all(
     refinements: Sequence[Refinement],
     method: Method,
     examine: Examination | None,
+    known: int,
 ) -> Verdict:
     used = [0] * len(refinements)
     examined_at = FIRST_EXAMINATION
@@ -108,16 +110,14 @@ def _exclude_all(
             solver.add(
                 [[-encoding.stuck[free]] for free in question.waiting.exclude(component) if encoding.stuck[free]]
             )
-    return Proved(method, _reason(used))
+    return Proved(method, _reason(used[0], known + sum(used[1:])))
 
 
-def _reason(used: Sequence[int]) -> str:
-    traps, others = used[0], sum(used[1:])
+def _reason(traps: int, invariants: int) -> str:
     helped = [f"{traps} trap{'s' if traps > 1 else ''}"] if traps else []
-    helped += [f"{others} invariant{'s' if others > 1 else ''}"] if others else []
-    if not helped:
-        return "no states that neighbours can be in together let anybody wait for ever"
-    return f"no states that neighbours can be in together, and that {' and '.join(helped)} allow, let anybody wait for ever"
+    helped += [f"{invariants} invariant{'s' if invariants > 1 else ''}"] if invariants else []
+    limits = f", and that {' and '.join(helped)} allow{'s' if traps + invariants == 1 else ''}," if helped else ""
+    return f"in no states that neighbours can be in together{limits} would anybody wait for ever"
 
 
 def exclude_by_trap(question: Question, encoding: Encoding, candidate: Sequence[int]) -> list[Clause]:
