@@ -96,7 +96,7 @@ class Computing:
 
     def risk(self, configuration: Configuration, span: Span | None) -> None:
         """A step that may end in a fault, where faults are caught."""
-        if any(loaded == RISK for loaded, _ in configuration.loaded):
+        if not self.thread.facts.catches_faults or any(loaded == RISK for loaded, _ in configuration.loaded):
             return
         if self.faults_are_caught(configuration):
             raise NeedsLoad((*RISK, span))
@@ -153,6 +153,9 @@ class Computing:
         """A variable, or an element of it, is given a value."""
         if target.channel == "":
             return configuration
+        faults = self.thread.facts.faults
+        if target.indexes and faults.of_target(target, context.definition.name):
+            self.risk(configuration, target.indexes[0].span)
         reference = ("channel", context.path, target.channel)
         if not self.thread.medium(reference).relevant:
             return configuration

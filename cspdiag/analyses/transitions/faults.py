@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from functools import cached_property
 
-from cspdiag.model.types import IntType, RealType, TimeType
-from cspdiag.network.actions import ChannelEnd, PortEnd
+from cspdiag.model.types import ArrayType, IntType, RealType, TimeType, Type, UnknownType
+from cspdiag.network.actions import ChannelEnd, PortEnd, Target
 from cspdiag.network.expression_walk import walk
 from cspdiag.network.expressions import (
     BinaryOperation,
@@ -22,7 +22,7 @@ from cspdiag.network.expressions import (
     UnaryOperation,
     VariableValue,
 )
-from cspdiag.network.ir import Attachment, ExternalCall, InstanceOf, Network, SubmodelClass
+from cspdiag.network.ir import Attachment, ExternalCall, InstanceOf, Network, ProcessClass, SubmodelClass
 from cspdiag.network.ranges import needs_check
 from cspdiag.network.unwritten import may_be_unwritten, ports_of_unwritten
 
@@ -52,6 +52,21 @@ class Faults:
         if known is None:
             known = self._known[key] = any(self._part(part, class_name) for part in walk(expression))
         return known
+
+    def of_target(self, target: Target, class_name: str) -> bool:
+        """Whether an index of what is assigned may be out of range, or its evaluation may fail."""
+        kind: Type = self._types[class_name, target.channel] if target.indexes else UnknownType()
+        for index in target.indexes:
+            if _out_of_range(index, kind) or self.of_expression(index, class_name):
+                return True
+            assert isinstance(kind, ArrayType)
+            kind = kind.element
+        return False
+
+    @cached_property
+    def _types(self) -> dict[tuple[str, str], Type]:
+        classes = [entry for entry in self._network.classes if isinstance(entry, ProcessClass)]
+        return {(entry.name, channel.name): channel.type for entry in classes for channel in entry.channels}
 
     def of_read(self, end: Attachment, class_name: str) -> bool:
         """Whether a variable behind an end of a class may not have been written yet."""
@@ -95,11 +110,18 @@ class Faults:
                 if isinstance(part.type, RealType):
                     return False
                 return isinstance(operand.type, RealType) or needs_check(part)
-            case ElementValue(index=index):
-                return not isinstance(index, LiteralValue)
+            case ElementValue(index=index, operand=operand):
+                return _out_of_range(index, operand.type)
             case PresentTime():
                 return False
         return False
+
+
+def _out_of_range(index: Expression, array: Type) -> bool:
+    """Whether an index may be none of an array's."""
+    if not isinstance(index, LiteralValue) or not isinstance(array, ArrayType) or array.size is None:
+        return True
+    return not (isinstance(index.value, int) and 0 <= index.value < array.size)
 
 
 def _operation(part: BinaryOperation) -> bool:

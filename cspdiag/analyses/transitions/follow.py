@@ -103,7 +103,7 @@ class Follower(LawSteps):
         assert isinstance(action, AssignValue)
         if not self.thread.medium(("channel", context.path, action.target.channel)).relevant:
             self.compute_risk(c, context, action.value)
-            return c._replace(stack=rest, loaded=())
+            return self.assigned(c._replace(stack=rest), context, action.target, UNKNOWN)._replace(loaded=())
         value = self.evaluate(c, context, action.value)
         return self.assigned(c._replace(stack=rest), context, action.target, value)._replace(loaded=())
 

@@ -308,6 +308,19 @@ def test_fault_is_left_open_only_where_it_is_caught() -> None:
     assert not system_of(main("var x : int", composition.replace("10 / x", "x / 10"), ports)).abstractions
 
 
+def test_index_out_of_range_is_a_fault() -> None:
+    composition = "((a ? x ; v[INDEX] := x ; b ! 1) catch Fault -> b ! 2)"
+    declarations = "var x : int = 0 var v : int[3] = [1, 2, 3]"
+    ports = "in a : int out b : int"
+    written = {
+        index: {
+            event.value for event in system_of(main(declarations, composition.replace("INDEX", index), ports)).events
+        }
+        for index in ("2", "7", "x")
+    }
+    assert {index for index, values in written.items() if "2" in values} == {"7", "x"}
+
+
 def test_nested_parallels_are_one() -> None:
     text = (
         WRITER
