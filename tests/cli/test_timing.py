@@ -79,6 +79,7 @@ def test_measured_times_are_taken_from_a_trace(cspdiag: Command, silent: Path, t
     report = json.loads(result.out)
     assert {loop["name"]: loop["work"] for loop in report["loops"]} == {"a": 12_500, "b": 900_000}
     assert report["measured"] == ["Main.a"]
+    assert cspdiag("verify", "--format", "json", "--wcet-from", trace, silent) == result
 
 
 @pytest.mark.parametrize(

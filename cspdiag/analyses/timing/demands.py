@@ -62,14 +62,6 @@ class Behaviour:
             and (job.offer.channel, job.offer.writes) == (channel, writes)
         ]
 
-    def meets(self, channel: str, *, writes: bool) -> bool:
-        """Whether the thread takes part in a channel on that side."""
-        return any(
-            offer.kind == "partner" and (offer.channel, offer.writes) == (channel, writes)
-            for place in self.thread.places
-            for offer in place.offers
-        )
-
 
 def behaviour(number: int, thread: Thread, level: int, refusals: list[Refusal]) -> Behaviour | None:
     """How a thread goes from wait to wait; None where its work has no bound, which is told."""
@@ -171,6 +163,12 @@ class Demands:
         self.behaviours = behaviours
         self.grid = grid
         self.own: dict[int, list[Demand]] = {}
+        self._sides: dict[tuple[str, bool], dict[int, Behaviour]] = {}
+        for one in behaviours:
+            for place in one.thread.places:
+                for offer in place.offers:
+                    if offer.kind == "partner":
+                        self._sides.setdefault((offer.channel, offer.writes), {})[one.number] = one
         self._activated: set[tuple[int, str, bool, int, int]] = set()
         for one in behaviours:
             self.own[one.number] = list(self._of(one, refusals))
@@ -242,7 +240,7 @@ class Demands:
                 continue
             self._activated.add(entry)
             number, channel, writes, period, count = entry
-            for other in self.behaviours:
+            for other in self.taking_part(channel, writes=not writes):
                 if other.number == number:
                     continue
                 jobs = other.jobs_on(channel, writes=not writes)
@@ -254,6 +252,10 @@ class Demands:
                     self.own[other.number].append(
                         Demand(other.number, other.level, period, count * work, step, 0, one.number, True)
                     )
+
+    def taking_part(self, channel: str, *, writes: bool) -> list[Behaviour]:
+        """The threads that may communicate on a channel, on that side."""
+        return list(self._sides.get((channel, writes), {}).values())
 
     def activators(self, channel: str, *, writes: bool) -> set[int]:
         """The threads that communicate on a channel, on that side."""

@@ -44,7 +44,7 @@ class Partners:
         return found
 
     def _add(self, found: Together, channel: str, writes: bool, count: int) -> None:
-        others = [one for one in self.demands.behaviours if one.meets(channel, writes=writes)]
+        others = self.demands.taking_part(channel, writes=writes)
         partners = [one for one in others if one.number not in found.members]
         if not others:
             self._refuse(channel, "nothing that has a bound takes part in it")
