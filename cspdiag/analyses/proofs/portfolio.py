@@ -13,7 +13,8 @@ from typing import TypeAlias
 from cspdiag.analyses.proofs.candidates import MOST_STATES, refute_by_candidate
 from cspdiag.analyses.proofs.pairs import Structure
 from cspdiag.analyses.proofs.question import Question
-from cspdiag.analyses.proofs.verdict import Limits, Method, Refuted, Unknown, Verdict
+from cspdiag.analyses.proofs.sat_solver import MISSING
+from cspdiag.analyses.proofs.verdict import Limits, Method, Proved, Refuted, Unknown, Verdict
 from cspdiag.analyses.transitions.system import System
 
 DEADLOCK_METHODS: tuple[Method, ...] = ("rules", "sat", "invariants", "stubborn", "minimization", "breadth-first")
@@ -57,7 +58,7 @@ def _prove(question: Question, limits: Limits, chosen: Sequence[Method] | None, 
         if method == "invariants" and chosen is None:
             brief = _searched_briefly(question, limits)
             if not isinstance(brief, Unknown):
-                return _shortened(question, brief, limits)
+                return _shortened(question, _noted(brief, unknown), limits)
         share = _share(limits, len(chosen or methods) - at)
         verdict = _ENGINES[method](question, share)
         if isinstance(verdict, Unknown):
@@ -65,11 +66,18 @@ def _prove(question: Question, limits: Limits, chosen: Sequence[Method] | None, 
             is_last = "invariants" not in (chosen or methods)[at + 1 :]
             verdict = _followed(question, verdict, share, MOST_STATES if is_last else 0)
         if not isinstance(verdict, Unknown):
-            return _shortened(question, verdict, limits)
+            return _shortened(question, _noted(verdict, unknown), limits)
         unknown.append(verdict)
         if limits.remaining <= 0:
             break
     return _together(unknown)
+
+
+def _noted(verdict: Verdict, unknown: Sequence[Unknown]) -> Verdict:
+    """The verdict, with a note if it had to be found without the solver."""
+    if isinstance(verdict, Proved) and any(before.reason == MISSING for before in unknown):
+        return replace(verdict, reason=f"{verdict.reason}; {MISSING}")
+    return verdict
 
 
 def _searched_briefly(question: Question, limits: Limits) -> Verdict:

@@ -12,7 +12,7 @@ from typing import TypeAlias
 
 from cspdiag.analyses.proofs.question import Question
 from cspdiag.analyses.proofs.sat_encoding import Encoding
-from cspdiag.analyses.proofs.sat_solver import Clause, Solver, SolverTimeoutError, find_solver
+from cspdiag.analyses.proofs.sat_solver import MISSING, Clause, Solver, SolverTimeoutError, find_solver
 from cspdiag.analyses.proofs.verdict import LimitError, Limits, Method, Proved, Refuted, Unknown, Verdict
 
 SMALL = 60
@@ -56,7 +56,7 @@ def refine(
     """
     create = find_solver()
     if create is None:
-        return Unknown(method, "no SAT solver is installed (pip install 'cspdiag[verify]')")
+        return Unknown(method, MISSING)
     try:
         encoding = Encoding(question.structure, question.waiting, together=question.together)
         solver = create(limits.remaining)

@@ -8,6 +8,8 @@ from importlib import import_module
 from threading import Timer
 from typing import Any, Protocol, TypeAlias
 
+MISSING = "no SAT solver is installed (pip install 'cspdiag[verify]')"
+
 Clause: TypeAlias = list[int]
 """A disjunction of literals: the positive number of a variable, or its negation."""
 
