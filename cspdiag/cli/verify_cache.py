@@ -67,13 +67,14 @@ def _folder() -> Path:
 def _installed() -> str:
     """Changes with every change of cspdiag itself, also in a checkout."""
     root = Path(__file__).parents[1]
-    newest = max(
-        (entry.stat().st_mtime_ns for folder in _CONCERNED for entry in (root / folder).rglob("*.py")), default=0
+    files = (
+        entry for folder in _CONCERNED for ending in ("py", "csp") for entry in (root / folder).rglob(f"*.{ending}")
     )
+    newest = max((entry.stat().st_mtime_ns for entry in files), default=0)
     return f"{__version__} {newest}"
 
 
-_CONCERNED = ("analyses", "cli", "model", "network", "runtime", "simulate", "std", "syntax")
+_CONCERNED = ("analyses", "cli", "codegen", "diagnostics", "model", "network", "runtime", "simulate", "std", "syntax")
 
 
 def _digest(text: str) -> str:
