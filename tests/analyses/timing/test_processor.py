@@ -21,6 +21,7 @@ from cspdiag.network.ir import Network, SubmodelClass
 from cspdiag.runtime import Submodel
 from cspdiag.simulate.execute import simulate
 from cspdiag.simulate.probes import parts_of
+from tests.analyses.timing.compositions import composed
 from tests.analyses.timing.programs import US, by_name, law, loops_of
 
 
@@ -120,6 +121,32 @@ def test_independent_loops_keep_their_bounds(order: str) -> None:
             assert varied[path] <= bound, text
             exact += steady[path] >= bound - 1
     assert exact >= 10
+
+
+def test_random_compositions_keep_their_bounds() -> None:
+    compared = exact = 0
+    for seed in range(16):
+        program = composed(seed)
+        text = program.text()
+        network = with_bench(text, [name for name, _ in program.inputs], [name for name, _ in program.outputs], "1 ms")
+        report = timing_report(network)
+        assert not report.missing
+        if not report.is_schedulable:
+            continue
+        bounds: dict[str, int] = {}
+        for loop in report.loops:
+            for leaf in loop.leaves:
+                bounds[leaf] = max(bounds.get(leaf, 0), loop.response or 0)
+        stated = wcets(network)
+        steady = longest(network, stated.__getitem__, program.periods, 20_000_000)
+        varied = longest(network, lambda path: program.source.randint(1, stated[path]), program.periods, 20_000_000)  # noqa: B023
+        for found in (steady, varied):
+            for path, time in found.items():
+                assert time <= bounds[path], text
+                compared += 1
+                exact += time >= bounds[path] - 1
+    assert compared >= 80
+    assert exact >= 5
 
 
 def test_an_urgent_loop_waits_for_one_step_of_the_others_not_for_all_that_are_ready() -> None:
