@@ -17,11 +17,8 @@ from cspdiag.analyses.proofs.sat_solver import MISSING
 from cspdiag.analyses.proofs.verdict import Limits, Method, Proved, Refuted, Unknown, Verdict
 from cspdiag.analyses.transitions.system import System
 
-DEADLOCK_METHODS: tuple[Method, ...] = ("rules", "sat", "invariants", "stubborn", "minimization", "breadth-first")
-"""The methods that decide freedom from deadlock, in their order."""
-
-KNOT_METHODS: tuple[Method, ...] = ("rules", "sat", "invariants", "stubborn", "breadth-first")
-"""The methods that decide freedom from knots, in their order."""
+METHODS: tuple[Method, ...] = ("rules", "sat", "invariants", "stubborn", "minimization", "breadth-first")
+"""The methods in their order."""
 
 SHORTENING_SECONDS = 0.5
 """Time for finding the shortest trace, when a longer one has been found without search."""
@@ -42,28 +39,29 @@ def prove_deadlock_free(
     system: System, limits: Limits, methods: Sequence[Method] | None = None, structure: Structure | None = None
 ) -> Verdict:
     """Whether no reachable state is a deadlock, by all methods in their order or by some of them; ``structure`` saves work where it is known."""
-    return _prove(Question(system, together=True, known=structure), limits, methods, DEADLOCK_METHODS)
+    return _prove(Question(system, together=True, known=structure), limits, methods)
 
 
 def prove_knot_free(
     system: System, limits: Limits, methods: Sequence[Method] | None = None, structure: Structure | None = None
 ) -> Verdict:
     """Whether no set of processes is ever stuck for ever, by all methods in their order or by some of them; ``structure`` as for deadlock."""
-    return _prove(Question(system, together=False, known=structure), limits, methods, KNOT_METHODS)
+    return _prove(Question(system, together=False, known=structure), limits, methods)
 
 
-def _prove(question: Question, limits: Limits, chosen: Sequence[Method] | None, methods: Sequence[Method]) -> Verdict:
+def _prove(question: Question, limits: Limits, chosen: Sequence[Method] | None) -> Verdict:
+    methods = chosen or METHODS
     unknown: list[Unknown] = []
-    for at, method in enumerate(chosen or methods):
+    for at, method in enumerate(methods):
         if method == "invariants" and chosen is None:
             brief = _searched_briefly(question, limits)
             if not isinstance(brief, Unknown):
                 return _shortened(question, _noted(brief, unknown), limits)
-        share = _share(limits, len(chosen or methods) - at)
+        share = _share(limits, len(methods) - at)
         verdict = _ENGINES[method](question, share)
         if isinstance(verdict, Unknown):
             # A candidate of SAT may still be excluded by invariants: only what costs little is tried with it before.
-            is_last = "invariants" not in (chosen or methods)[at + 1 :]
+            is_last = "invariants" not in methods[at + 1 :]
             verdict = _followed(question, verdict, share, MOST_STATES if is_last else 0)
         if not isinstance(verdict, Unknown):
             return _shortened(question, _noted(verdict, unknown), limits)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from cspdiag.analyses.proofs import sat_solver
-from cspdiag.analyses.proofs.portfolio import prove_deadlock_free, prove_knot_free
+from cspdiag.analyses.proofs.portfolio import METHODS, prove_deadlock_free, prove_knot_free
 from cspdiag.analyses.proofs.verdict import Limits, Method, Proved, Refuted, Unknown
 from tests.analyses.proofs import known, naive
 from tests.analyses.proofs.random_networks import FORMS, plain_knot, random_network, truth
@@ -45,7 +45,7 @@ def test_a_controller_of_four_joints_is_proved_without_search_and_a_hasty_one_re
         assert isinstance(prove(known.controller(2, commits=True), Limits()), Refuted)
 
 
-@pytest.mark.parametrize("method", ["rules", "sat", "invariants", "stubborn", "breadth-first"])
+@pytest.mark.parametrize("method", METHODS)
 def test_a_method_can_be_asked_alone(method: Method) -> None:
     for prove in (prove_deadlock_free, prove_knot_free):
         assert prove(known.milner(3), Limits(), [method]).method == method
