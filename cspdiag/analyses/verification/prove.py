@@ -23,19 +23,26 @@ def prove(question: Question, systems: Systems, limits: Limits, method: Method |
     """
     began = time.monotonic()
     system = systems(question.process)
+    try:
+        answer = _answer(question, system, systems, limits, method)
+    except MemoryError:
+        answer = Answer(question, "unknown", method, "the memory of this machine is used up", 0.0)
+    return replace(answer, seconds=time.monotonic() - began, abstractions=system.abstractions)
+
+
+def _answer(question: Question, system: System, systems: Systems, limits: Limits, method: Method | None) -> Answer:
     match question.claim:
         case "deadlock free":
-            answer = _deadlock_free(question, system, limits, method)
+            return _deadlock_free(question, system, limits, method)
         case "livelock free":
-            answer = _livelock_free(question, system, limits)
+            return _livelock_free(question, system, limits)
         case "terminates":
-            answer = _terminates(question, system, limits)
+            return _terminates(question, system, limits)
         case "refines":
             assert question.specification is not None
-            answer = _refines(question, system, systems(question.specification), limits)
+            return _refines(question, system, systems(question.specification), limits)
         case "schedulable":
-            answer = Answer(question, "unknown", None, "timing is the subject of `cspdiag verify --timing`", 0.0)
-    return replace(answer, seconds=time.monotonic() - began, abstractions=system.abstractions)
+            raise ValueError("timing is not a matter of transition systems")
 
 
 def _deadlock_free(question: Question, system: System, limits: Limits, method: Method | None) -> Answer:

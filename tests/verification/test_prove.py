@@ -1,0 +1,40 @@
+"""Questions and answers."""
+
+from __future__ import annotations
+
+import pytest
+
+from cspdiag.analyses.proofs import portfolio
+from cspdiag.analyses.proofs.verdict import Limits
+from cspdiag.analyses.verification.prove import prove
+from cspdiag.analyses.verification.question import Question
+from cspdiag.diagnostics import SourceFile, Span
+from tests.analyses.proofs import known
+
+SPAN = Span(SourceFile("a.csp", "assert P deadlock free"), 0, 22)
+
+
+def test_memory_that_is_used_up_is_no_answer(monkeypatch: pytest.MonkeyPatch) -> None:
+    def exhausted(*_: object) -> None:
+        raise MemoryError
+
+    monkeypatch.setattr(portfolio, "prove_deadlock_free", exhausted)
+    answer = prove(Question("P", "deadlock free", SPAN), lambda _: known.philosophers(3), Limits())
+    assert (answer.outcome, answer.reason) == ("unknown", "the memory of this machine is used up")
+
+
+def test_a_knot_beside_what_goes_on_is_told_apart_from_a_deadlock() -> None:
+    question = Question("P", "deadlock free", SPAN)
+    deadlock = prove(question, lambda _: known.philosophers(3), Limits())
+    knot = prove(question, lambda _: known.beside_a_loop(known.philosophers(3)), Limits())
+    assert deadlock.counterexample is not None
+    assert knot.counterexample is not None
+    assert (deadlock.counterexample.failure, knot.counterexample.failure) == ("deadlock", "knot")
+    assert len(deadlock.counterexample.ring) == len(knot.counterexample.ring) == 6
+    assert [entry.name for entry in knot.counterexample.waiting] == [e.name for e in deadlock.counterexample.waiting]
+
+
+def test_the_text_of_a_question_is_that_of_the_language() -> None:
+    refines = Question("P", "refines", SPAN, specification="Q", model="failures", hidden=("a", "b"))
+    assert refines.text == "P refines Q in failures hide a, b"
+    assert refines.processes == ("P", "Q")
