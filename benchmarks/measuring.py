@@ -87,7 +87,7 @@ BENCHMARKS = (
     Benchmark("respond-100", "response times of 100 tasks, a level of priority each", "ms", _RESPOND, "at most 50 ms"),
     Benchmark("respond-levels-100", "the same with five levels, first come, first served", "ms", _RESPOND, "at most 50 ms"),
     Benchmark(
-        "search-states-8", "states a second, breadth-first, 8 philosophers", "/s",
+        "search-states-8", "states a second of the processor, breadth-first, 8 philosophers", "/s",
         {"cspdiag": "searching", "SPIN": "peer_spin", "SPIN, our export": "peer_spin exported"},
         "SPIN 5 times", less=False,
     ),
