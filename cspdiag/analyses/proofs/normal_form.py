@@ -1,7 +1,7 @@
 """A specification as an automaton: after each sequence of labels, which go on it allows, and what it offers at least.
 
-Sets of states that one sequence can lead to are the nodes (Roscoe, "Understanding Concurrent Systems", section 16.1.4). ``acceptances`` are the smallest sets of
-labels that a state which takes no internal step offers.
+Sets of states that one sequence can lead to are the nodes (Roscoe, "Understanding Concurrent Systems", section 16.1.4). ``acceptances`` are the smallest
+sets of labels that a state which takes no internal step offers.
 """
 
 from __future__ import annotations
@@ -32,7 +32,10 @@ class Node:
 def normal_form(
     specification: System, labels: dict[int, Label], asked: Collection[Label], limits: Limits
 ) -> tuple[Node, ...]:
-    """The automaton; ``labels`` are those of the specification's events, ``asked`` those of the process. The first node is the initial one. Raises LimitError."""
+    """The automaton; its first node is the initial one. Raises LimitError.
+
+    ``labels`` are those of the specification's events, ``asked`` those of the process.
+    """
     walk = _Walk(specification, labels)
     first = walk.closure([specification.initial], limits)
     numbers = {first: 0}
