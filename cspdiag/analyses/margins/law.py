@@ -41,9 +41,9 @@ class LinearLaw:
 
 
 def linearize(
-    law: SubmodelClass, parameters: Mapping[str, Any], *, point: Mapping[str, float] | None = None, time: float = 0.0
+    law: SubmodelClass, parameters: Mapping[str, Any], *, point: Mapping[str, Any] | None = None, time: float = 0.0
 ) -> LinearLaw:
-    """The law about the point where its states have their initial values, but for those in ``point``, and its inputs are zero.
+    """The law about the point where its states have their initial values and its inputs are zero, but for those states and inputs that are in ``point``.
 
     Raises NotLinearError where it is computed elsewhere or has no slope there.
     """
@@ -161,7 +161,7 @@ class _Layout:
             if port.direction == "in":
                 names = [port.name] if port.size is None else [f"{port.name}[{k}]" for k in range(port.size)]
                 for name in names:
-                    starts[name] = _zero(port.type)
+                    starts[name] = point.get(name, _zero(port.type))
                     self.inputs += [(name, way) for way, _ in _numbers(starts[name], port.type)]
         order = {leaf: k for k, leaf in enumerate((*self.discrete, *self.continuous, *self.inputs))}
         self.evaluation = Linearization(parameters, len(order), time)

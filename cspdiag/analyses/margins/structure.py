@@ -23,7 +23,9 @@ from cspdiag.network.actions import (
     SequentialSteps,
     WhileLoop,
 )
-from cspdiag.network.ir import Network, ProcessClass
+from cspdiag.network.constant_value import constant_value
+from cspdiag.network.expressions import Value
+from cspdiag.network.ir import ConstantEnd, Network, ProcessClass
 
 Branching = tuple[str, int]
 """A step down the composition: ``parallel``, ``loop`` or ``other``, and which part."""
@@ -121,3 +123,25 @@ def end_name(end: End) -> str:
             return end.channel
         case PortEnd():
             return end.port if end.index is None else f"{end.port}[{end.index}]"
+
+
+def standing_inputs(network: Network, path: str) -> dict[str, Value]:
+    """What the inputs of a law read from the beginning: defaults, and the initial values of variables of the process around it."""
+    above, _, name = path.rpartition(".")
+    arguments = {instance.path: dict(instance.arguments) for instance in network.instances}.get(above, {})
+    owner = next((entry for entry in network.instances if entry.path == above), None)
+    process = None if owner is None else network.class_named(owner.class_name)
+    if not isinstance(process, ProcessClass):
+        return {}
+    variables = {channel.name: channel.initial for channel in process.channels if channel.kind == "var"}
+    declared = next(instance for instance in process.instances if instance.name == name)
+    found: dict[str, Value] = {}
+    for connection in declared.connections:
+        attached = connection.attachment
+        first = attached.value if isinstance(attached, ConstantEnd) else None
+        if isinstance(attached, ChannelEnd):
+            first = variables.get(attached.channel)
+        value = None if first is None else constant_value(first, lambda part: arguments.get(part.name))
+        if value is not None:
+            found[connection.port if connection.index is None else f"{connection.port}[{connection.index}]"] = value
+    return found

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from cspdiag.analyses.margins.law import Leaf, LinearLaw, linearize
 from cspdiag.analyses.margins.linear import NotLinearError
-from cspdiag.analyses.margins.structure import Structure, end_name
+from cspdiag.analyses.margins.structure import Structure, end_name, standing_inputs
 from cspdiag.network.ir import Environment, Network, SubmodelClass
 
 if TYPE_CHECKING:
@@ -104,7 +104,8 @@ class Loops:
         """The law at a path, linearized; raises NotLinearError."""
         found = self._laws.get(path)
         if found is None:
-            found = self._laws[path] = linearize(self.classes[path], self.parameters[path])
+            point = standing_inputs(self.network, path)
+            found = self._laws[path] = linearize(self.classes[path], self.parameters[path], point=point)
         return found
 
     def _periods(self) -> dict[str, int]:

@@ -10,6 +10,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
+from math import prod
 from typing import TypeAlias
 
 import numpy as np
@@ -121,19 +122,22 @@ class Packing:
     def _steps(self) -> Iterator[Step]:
         edges = [edges_by_event(component) for component in self.system.components]
         for party, by_event in enumerate(edges):
-            for source, target in by_event.get(INTERNAL, ()):
-                yield self._pattern(INTERNAL, [party], [(source, target)])
+            if INTERNAL in by_event:
+                yield from self._steps_of(INTERNAL, (party,), [by_event[INTERNAL]])
         for event, known in enumerate(self.system.events):
-            choices = [edges[party].get(event, []) for party in known.parties]
-            combinations = 1
-            for choice in choices:
-                combinations *= len(choice)
-            if 0 < combinations <= MOST_PATTERNS:
-                for combination in product(*choices):
-                    yield self._pattern(event, known.parties, combination)
-            elif combinations:
-                for functions in product(*(_functions(choice) for choice in choices)):
-                    yield self._lookup(event, known.parties, functions)
+            yield from self._steps_of(event, known.parties, [edges[party].get(event, []) for party in known.parties])
+
+    def _steps_of(
+        self, event: int, parties: Sequence[int], choices: Sequence[Sequence[tuple[int, int]]]
+    ) -> Iterator[Step]:
+        """The steps with one event, for whose parties there are these choices of states before and after."""
+        combinations = prod(len(choice) for choice in choices)
+        if 0 < combinations <= MOST_PATTERNS:
+            for combination in product(*choices):
+                yield self._pattern(event, parties, combination)
+        elif combinations:
+            for functions in product(*(_functions(choice) for choice in choices)):
+                yield self._lookup(event, parties, functions)
 
     def _pattern(self, event: int, parties: Sequence[int], edges: Sequence[tuple[int, int]]) -> Pattern:
         parts: dict[int, tuple[int, int, int]] = {}

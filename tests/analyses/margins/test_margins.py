@@ -148,3 +148,14 @@ def test_a_plant_in_another_language_is_refused() -> None:
     )
     with pytest.raises(NotLinearError, match="cannot be looked into"):
         loops(program(text, gain=1.0, latch=""))
+
+
+SCHEDULED = (
+    INTEGRATOR.replace("  in  y : double\n  out u : double\n  u = -({gain}) * y", "  in  y : double\n  in  gain, scale : double = 5\n  out u : double\n  u = -gain * scale * y", 1)
+    .replace("    law : Law\n", "    law : Law\n    var gain : double = 2\n    gain -> law.gain\n")
+)  # fmt: skip
+
+
+def test_inputs_that_stand_have_the_values_that_they_have_from_the_beginning() -> None:
+    loop = only_loop(program(SCHEDULED, latch=""))
+    assert loop.margins == only_loop(program(INTEGRATOR, gain=10.0, latch="")).margins
