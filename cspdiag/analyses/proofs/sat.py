@@ -104,7 +104,9 @@ def _exclude_all(
                     solver.add(clauses)
                     break
             else:
-                return Unknown(method, "a candidate could not be excluded", candidate, stuck)
+                ended = f"the time limit of {limits.seconds:.3g} s was reached"
+                reason = ended if limits.remaining <= 0 else "a candidate could not be excluded"
+                return Unknown(method, reason, candidate, stuck)
         solver.add([[-literal for literal in goal]])
         if goal:
             solver.add(
