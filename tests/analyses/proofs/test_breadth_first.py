@@ -9,7 +9,7 @@ import pytest
 from cspdiag.analyses.proofs.breadth_first import count, deadlock_free, explore, knot_free
 from cspdiag.analyses.proofs.packing import Flags, Packing, Words
 from cspdiag.analyses.proofs.verdict import Limits, Proved, Refuted, Unknown
-from cspdiag.analyses.transitions.system import System
+from cspdiag.analyses.transitions.system import INTERNAL, Component, System
 from tests.analyses.proofs import known
 from tests.analyses.proofs.naive import replay
 
@@ -101,4 +101,14 @@ def test_states_of_more_than_one_word_are_told_apart() -> None:
     explore(packing, Limits(), until_the_fourth_layer)
     assert sizes == [1, comb(34, 1), comb(34, 2), comb(34, 3) + 34], (
         "channels that communicated, or a node that computed"
+    )
+
+
+def test_a_component_with_many_internal_steps_takes_them_as_one() -> None:
+    count_of = 2000
+    chain = Component("chain", tuple(((INTERNAL, (state + 1) % count_of),) for state in range(count_of)))
+    system = System((chain, chain), ())
+    assert len(Packing(system).steps) == 2
+    assert deadlock_free(System((chain,), ()), Limits()) == Proved(
+        "breadth-first", "none of the 2000 reachable states is deadlocked", count_of
     )
