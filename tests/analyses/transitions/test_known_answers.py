@@ -16,7 +16,6 @@ from cspdiag.analyses.transitions import transition_system
 from cspdiag.analyses.transitions.system import System
 
 PROGRAMS = Path(__file__).parent / "programs"
-LIMITS = Limits(seconds=60)
 
 
 def system_of(name: str, top: str, number: int | None = None) -> System:
@@ -43,7 +42,7 @@ def system_of(name: str, top: str, number: int | None = None) -> System:
     ],
 )
 def test_states_and_deadlocks(name: str, top: str, number: int | None, states: int, deadlocks: int) -> None:
-    found = count(system_of(name, top, number), LIMITS)
+    found = count(system_of(name, top, number), Limits())
     assert found == (states, deadlocks)
 
 
@@ -58,7 +57,7 @@ def test_states_and_deadlocks(name: str, top: str, number: int | None, states: i
     ],
 )
 def test_shortest_trace(name: str, top: str, number: int | None, length: int) -> None:
-    verdict = deadlock_free(system_of(name, top, number), LIMITS)
+    verdict = deadlock_free(system_of(name, top, number), Limits())
     assert isinstance(verdict, Refuted)
     assert len(verdict.trace) == length
 
