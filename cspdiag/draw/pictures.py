@@ -74,22 +74,17 @@ class Pictures:
         return found if isinstance(found, Drawn) else None
 
     def outermost(self) -> Drawn | None:
-        """What is drawn when nothing is named: the process of the first environment, or the last that nobody instantiates."""
+        """What is drawn when nothing is named: the process of the first environment, or else what the other commands take for the outermost."""
         drawn = self.drawn()
         for definition in drawn:
             if isinstance(definition, ast.EnvironmentDefinition):
                 process = self.named(definition.process.text)
                 if process is not None:
                     return process
-        instantiated = {
-            item.definition.text
-            for definition in drawn
-            if isinstance(definition, ast.ProcessDefinition) and definition.communication is not None
-            for item in _instances(definition.communication.declarations)
-        }
-        roots = [definition for definition in drawn if definition.name.text not in instantiated]
-        candidates = roots or drawn
-        return candidates[-1] if candidates else None
+        from cspdiag.network.definitions import Definitions
+
+        found = Definitions(self.program).outermost()
+        return found if found in drawn else drawn[-1] if drawn else None
 
     def concerned(self, definition: Drawn) -> dict[int, Diagnostic]:
         """The diagnostics that lie in a definition, numbered from 1."""
@@ -157,11 +152,3 @@ def places_of(diagram: CommunicationDiagram, prefix: str = "") -> dict[str, tupl
         if box.inside is not None:
             places |= places_of(box.inside, f"{prefix}{box.key}/")
     return places
-
-
-def _instances(declarations: Iterable[ast.Declaration]) -> Iterable[ast.Instance]:
-    for item in declarations:
-        if isinstance(item, ast.Instance):
-            yield item
-        elif isinstance(item, ast.RepeatedDeclarations):
-            yield from _instances(item.declarations)

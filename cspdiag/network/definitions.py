@@ -48,6 +48,20 @@ class Definitions:
         }
         return [d for d in self.processes if d not in inner and d not in self.recursive]
 
+    def outermost(self) -> ast.ProcessDefinition | None:
+        """The process of a program without an environment: the last of the main file that nobody instantiates and that no assertion names as a specification.
+
+        Where that leaves none in the main file, a specification serves too, and then a process of an imported file.
+        """
+        roots = self.roots()
+        main = set(self.program.main.items)
+        specifications = {
+            assertion.specification.text for assertion in self.program.assertions if assertion.specification is not None
+        }
+        own = [root for root in roots if root in main]
+        candidates = [root for root in own if root.name.text not in specifications] or own or roots
+        return candidates[-1] if candidates else None
+
     def _sort(self) -> None:
         """Depth first by a loop; a process met again on the way down contains itself, which the model reports."""
         finished: set[ast.ProcessDefinition] = set()

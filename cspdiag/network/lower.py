@@ -75,7 +75,7 @@ def lower(
     """The network of an outermost process; None where something is wrong that was reported.
 
     ``top``: its name, by default that of the process of the environment, which is by default the first of the text; without any
-    environment the last process that nobody instantiates. ``overrides``: values of parameters by the path of the instance.
+    environment the last process that nobody instantiates and that is no specification of another. ``overrides``: values of parameters by the path of the instance.
     ``checked`` is what ``check`` has found out about the same program, with the same report. Raises SelectionError where there is no such process,
     or a parameter of it has no value.
     """
@@ -162,9 +162,7 @@ def _top(
     elif environment is not None:
         found = _process_of(program, environment)
     else:
-        roots = analysis.definitions.roots()
-        main = set(program.main.items)
-        found = next((d for d in reversed(roots) if d in main), roots[-1] if roots else None)
+        found = analysis.definitions.outermost()
     if isinstance(found, ast.ProcessDefinition) and found not in analysis.definitions.recursive:
         return found
     if top is not None:
