@@ -46,4 +46,4 @@ def headline(found: Counterexample) -> str:
                 return f"does not always end: {when}, it can repeat for ever what follows"
             return f"does not always end: {when}, {'a process waits' if stuck == 1 else f'{stuck} processes wait'} for what never comes"
         case "refinement":
-            return f"does more than it may: {found.reason or when}"
+            return f"does not refine its specification: {found.reason or when}"

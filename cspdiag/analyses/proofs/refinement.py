@@ -194,16 +194,15 @@ def _refusal(
 ) -> str:
     here = search.table.states(number, number + 1)
     offers = {seen[step.event] for step in packing.steps if step.event in seen and step.enabled(here)[0]}
-    if offers:
-        does = f"it offers only {_list(offers)}"
-    elif Deadlocks(packing)(here, np.zeros(1, np.bool_)) is None:
+    if not offers and Deadlocks(packing)(here, np.zeros(1, np.bool_)) is None:
         return f"it ends, where the specification {_allows(node)}"
-    else:
-        does = "it refuses everything"
-    wanted = [_list(accepted) for accepted in node.acceptances]
-    if not wanted:
-        return f"{does}, where the specification never waits"
-    return f"{does}, where the specification offers {', or else '.join(wanted)}"
+    offered = f"only {_list(offers)}" if offers else "nothing"
+    if not node.acceptances:
+        return f"it waits and offers {offered}, where the specification never waits"
+    met = offers | {(port, None) for port, _ in offers}
+    refused = {label for accepted in node.acceptances for label in accepted} - met
+    wanted = ", or else ".join(_list(accepted) for accepted in node.acceptances)
+    return f"it refuses {_list(refused)} and offers {offered}, where the specification demands {wanted}"
 
 
 def _allows(node: Node) -> str:

@@ -38,7 +38,7 @@ def test_a_protocol_that_deadlocks_keeps_the_traces_but_not_the_failures() -> No
     verdict = refines_in_failures(system, ONE_PLACE, Limits())
     assert isinstance(verdict, Refuted)
     assert len(verdict.trace) == 11
-    assert verdict.reason == "it refuses everything, where the specification offers `accept`"
+    assert verdict.reason == "it refuses `accept` and offers nothing, where the specification demands `accept`"
 
 
 def test_two_places_are_too_many_for_a_one_place_buffer() -> None:
@@ -66,7 +66,7 @@ def test_a_choice_that_a_process_makes_itself_is_a_refusal() -> None:
     assert isinstance(refines_in_traces(inside, outside, Limits()), Proved)
     verdict = refines_in_failures(inside, outside, Limits())
     assert isinstance(verdict, Refuted)
-    assert verdict.reason == "it offers only `a`, where the specification offers `a` and `b`"
+    assert verdict.reason == "it refuses `b` and offers only `a`, where the specification demands `a` and `b`"
     assert isinstance(refines_in_failures(outside, inside, Limits()), Proved)
 
 
