@@ -37,7 +37,7 @@ def split_name(name: str) -> tuple[str | None, str]:
     if not colon or not revision or not path or os.path.exists(name):
         return None, name
     if not path.startswith(("./", "../")):
-        top = _git(os.curdir, "rev-parse", "--show-toplevel").decode().rstrip("\n")
+        top = _git(path, os.curdir, "rev-parse", "--show-toplevel").decode().rstrip("\n")
         path = os.path.relpath(os.path.join(top, path))
     return revision, os.path.normpath(path)
 
@@ -49,6 +49,7 @@ def _shown(revision: str, path: str) -> bytes:
         folder, last = os.path.split(folder)
         rest = os.path.join(last, rest)
     _git(
+        path,
         folder,
         "rev-parse",
         "--verify",
@@ -58,19 +59,26 @@ def _shown(revision: str, path: str) -> bytes:
         says=f"no revision {revision!r}",
     )
     try:
-        return _git(folder, "show", "--end-of-options", f"{revision}:./{rest}")
+        return _git(path, folder, "show", "--end-of-options", f"{revision}:./{rest}")
     except UsageError:
         raise OSError(errno.ENOENT, f"not in revision {revision}", path) from None
 
 
-def _git(folder: str, *arguments: str, says: str = "") -> bytes:
+def _git(path: str, folder: str, *arguments: str, says: str = "") -> bytes:
+    """What git prints in a folder; ``path`` is the file that this is about."""
     try:
         done = subprocess.run(
-            ["git", "-C", folder, *arguments], stdin=subprocess.DEVNULL, capture_output=True, check=False
+            ["git", "-C", folder, *arguments],
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            check=False,
+            env={**os.environ, "LC_ALL": "C"},
         )
     except FileNotFoundError:
         raise UsageError("to read a revision git is needed, and it is not installed") from None
     if done.returncode != 0:
         told = done.stderr.decode(errors="replace").strip().partition("\n")[0].removeprefix("fatal: ")
+        if told.startswith("not a git repository"):
+            raise UsageError(f"{path} is not in a git repository, so name two files to compare: diff OLD NEW")
         raise UsageError(f"git: {told or says}")
     return done.stdout

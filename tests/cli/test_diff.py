@@ -158,7 +158,10 @@ def test_what_cannot_be_compared_is_refused_in_a_line(
 def test_outside_of_a_repository_two_files_are_needed(cspdiag: Command, versions: tuple[Path, Path]) -> None:
     result = cspdiag("diff", versions[0])
     assert result.code == 2
-    assert "not a git repository" in result.err
+    assert result.err == (
+        f"cspdiag: {versions[0]} is not in a git repository, so name two files to compare: diff OLD NEW\n"
+    )
+    assert cspdiag("diff", *versions).code == 1
 
 
 def test_a_version_that_cannot_be_read_is_shown_with_its_errors(cspdiag: Command, versions: tuple[Path, Path]) -> None:
