@@ -23,6 +23,7 @@ from cspdiag.simulate.package import LoadedPackage
 from cspdiag.simulate.replay_decisions import Decisions
 from cspdiag.simulate.replay_gates import Gate, Interruption, Option, conductor
 from cspdiag.simulate.replay_memory import memory
+from cspdiag.simulate.replay_priorities import excluded
 from cspdiag.simulate.replay_runtime import replaying_runtime
 from cspdiag.simulate.replay_trace import Trace, TraceStep
 from cspdiag.simulate.replay_values import Values, numbers_of
@@ -253,6 +254,8 @@ class _Attempt:
         """For each process of the step what it goes on with; among several that would fit, a decision."""
         taken: set[int] = set()
         for name, path in step.parties:
+            if _is_medium(name, step):
+                continue
             free = [entry for entry in offers if id(entry[1].task) not in taken]
             ranks = [_fit(candidate, name, path) for _, candidate in free]
             best = min(ranks, default=_UNFIT)
@@ -271,27 +274,9 @@ class _Attempt:
         return f": {'; '.join(told[:3])}" if told else ""
 
     def _respect_priorities(self, gate: Gate, option: Option) -> None:
-        for other in gate.options if gate.prioritized else ():
-            if other == option:
-                break
-            if other.action == "skip" or self._offered_above(other, gate):
-                raise _DivergenceError(
-                    f"`{gate.path}` prefers `{other.channel or other.action}` to `{option.channel or option.action}`"
-                )
-        for first in conductor.halted.values():
-            for second in conductor.halted.values():
-                if first is not second and _meet_above(first, second, gate):
-                    channel = next(o.channel for o in first.options if o.action == "write")
-                    raise _DivergenceError(f"`{channel}` comes first: each of its processes has a higher priority")
-
-    def _offered_above(self, option: Option, gate: Gate) -> bool:
-        """Whether a process of higher priority waits at the other side of a guard."""
-        opposite = "read" if option.action == "write" else "write"
-        return any(
-            other.priority < gate.priority
-            and any((entry.action, entry.channel) == (opposite, option.channel) for entry in other.options)
-            for other in conductor.halted.values()
-        )
+        reason = excluded(gate, option, conductor.halted.values())
+        if reason is not None:
+            raise _DivergenceError(reason)
 
     def _go_round_again(self, process: object) -> None:
         """What leaves everything as it was can be done for ever; the first time round may still have brought it there."""
@@ -370,6 +355,12 @@ class _Undriven(dict[str, None]):
         return None
 
 
+def _is_medium(name: str, step: TraceStep) -> bool:
+    """Whether a party of a step is the memory of its channel, or of one reading end of a broadcast, and no process."""
+    channel = step.channel.removesuffix(_WRITTEN)
+    return name == channel or name.startswith(f"{channel} to ")
+
+
 _UNFIT = 3
 
 
@@ -389,12 +380,3 @@ def _belongs(process: str, path: str) -> bool:
 
 def _order(option: Option, candidate: Gate | Interruption) -> tuple[bool, bool]:
     return isinstance(candidate, Interruption) or len(candidate.options) > 1, option.action == "write"
-
-
-def _meet_above(writer: Gate, reader: Gate, gate: Gate) -> bool:
-    """Whether two processes of higher priority than that of ``gate`` would communicate before it gets on."""
-    if len(writer.options) != 1 or len(reader.options) != 1:
-        return False
-    (written,), (read,) = writer.options, reader.options
-    meet = (written.action, read.action, written.channel) == ("write", "read", read.channel)
-    return meet and max(writer.priority, reader.priority) < gate.priority

@@ -208,3 +208,39 @@ def _trace(found: object, process: str) -> Trace:
     from cspdiag.simulate.replay_trace import trace_text
 
     return read_trace(trace_text(encoded(found), process, "", {}, []))  # type: ignore[arg-type]
+
+
+KEPT = """process Gives {
+  out y : int
+
+  composition { y ! 1 ; y ! 2 }
+}
+
+process Takes {
+  in y : int
+
+  communication { var value : int = 0 }
+
+  composition { y ? value }
+}
+
+process Fills {
+  communication {
+    gives : Gives
+    takes : Takes
+    var round : int = 0
+
+    gives.y -> buffer 3 -> takes.y
+  }
+
+  composition { mu ((gives || takes) ; round := round + 1) until round == 4 }
+}
+
+assert Fills deadlock free
+"""
+
+
+def test_a_value_that_is_taken_from_a_buffer_writes_none() -> None:
+    """Two values enter and one leaves in each repetition, so that the writer waits for ever in the last one."""
+    (answer,) = answers_to({"case.csp": KEPT})
+    assert (answer.outcome, answer.replayed) == ("refuted", True), answer.reason
