@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from cspdiag.network.actions import ChannelEnd, End, InputEvent, ReadValue
 from cspdiag.network.ir import Network, ProcessClass
 from cspdiag.network.walk import parts
@@ -19,13 +21,14 @@ def copied_nets(network: Network) -> dict[str, set[str]]:
     found: dict[str, set[str]] = {}
     for instance in network.instances:
         for read in reads.get(instance.class_name, ()):
-            source = _path(instance.path, read.source, net_of)
+            source = net_path(instance.path, read.source, net_of)
             if source is not None:
                 found.setdefault(source, set()).add(f"{instance.path}.{read.target.channel}")
     return found
 
 
-def _path(process: str, end: End, net_of: dict[tuple[str, str], str]) -> str | None:
+def net_path(process: str, end: End, net_of: Mapping[tuple[str, str], str]) -> str | None:
+    """The path of the net that an end of a process belongs to."""
     if isinstance(end, ChannelEnd):
         return f"{process}.{end.channel}"
     return net_of.get((process, end.port if end.index is None else f"{end.port}[{end.index}]"))

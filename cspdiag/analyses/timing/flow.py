@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from cspdiag.diagnostics import Span
+from cspdiag.network.actions import Action
 
 WaitKind = Literal["sample", "event", "delay", "partner", "join"]
 
@@ -61,13 +62,17 @@ class Place:
 
 @dataclass(slots=True)
 class Thread:
-    """A sequential part of the program. ``forks`` are the groups of threads that it starts and waits for."""
+    """A sequential part of the program. ``forks`` are the groups of threads that it starts and waits for.
+
+    ``branch`` is the branch of a parallel that it runs, with the path of the process that has it; None is the outermost process.
+    """
 
     path: str
     priority: tuple[int, ...]
     places: list[Place] = field(default_factory=list)
     entry: int = 0
     forks: list[list[Thread]] = field(default_factory=list)
+    branch: tuple[str, Action] | None = None
 
     def with_forks(self) -> Iterator[Thread]:
         """The thread and all that it starts."""

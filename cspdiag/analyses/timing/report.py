@@ -18,6 +18,7 @@ from cspdiag.analyses.timing.result import LoopTiming, Refusal, TimingReport
 from cspdiag.analyses.timing.task import Task
 from cspdiag.analyses.timing.threads import Threads
 from cspdiag.diagnostics import Span
+from cspdiag.network.actions import Action
 from cspdiag.network.ir import Network
 
 LARGEST_NUMBER_OF_ROUNDS = 50
@@ -67,10 +68,11 @@ def timing_report(network: Network, measured: Mapping[str, int] | None = None) -
     analysis = _Analysis(every, behaviours, demands, loops)
     rows = analysis.rows(network, refusals)
     tasks = tuple(analysis.tasks())
+    modes = [(loop.owner.number, loop.owner.loop_of[loop.waits[0]]) for loop in loops]
     return TimingReport(
         network.top,
         tuple(rows),
-        tuple(chains(network, rows, [(loop.owner.number, loop.owner.loop_of[loop.waits[0]]) for loop in loops]))
+        tuple(chains(network, rows, modes, [analysis.branches(loop) for loop in loops]))
         if not (missing or refusals)
         else (),
         missing,
@@ -182,6 +184,11 @@ class _Analysis:
         """The jobs of partners that follow no samples of their own: what they write belongs to the loop."""
         partners = [self.behaviours[number] for number in loop.together.members]
         return [job for one in partners if not one.has_samples for job in one.jobs if job.wait in one.waits]
+
+    def branches(self, loop: _Loop) -> list[tuple[str, Action]]:
+        """The branches that the loop's thread and its partners run."""
+        threads = [self.behaviours[number].thread for number in sorted(loop.together.members)]
+        return [thread.branch for thread in threads if thread.branch is not None]
 
     def task(self, loop: _Loop) -> Task:
         """The loop with its partners as a task."""

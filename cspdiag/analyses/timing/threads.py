@@ -355,7 +355,7 @@ class Threads:
             return following
         started: list[Thread] = []
         for step, rank in zip(action.steps, ranks, strict=True):
-            thread = Thread(self._named(step, context.path), rank)
+            thread = Thread(self._named(step, context.path), rank, branch=(context.path, step))
             inner = _Context(thread, context.path, rank, stated=context.stated)
             thread.entry = self._action(step, inner, self._place(inner, step))
             started.append(thread)

@@ -258,3 +258,34 @@ def test_work_after_events_needs_an_environment_that_says_how_often_they_come() 
     (loop,) = report.loops
     assert loop.response == 300 * US
     assert report.utilization == pytest.approx(0.9)
+
+
+def test_an_input_that_another_branch_of_the_same_process_reads_begins_no_chain() -> None:
+    text = (
+        law("Outer", "200 us") + law("Inner", "100 us", inputs="x, wish") +
+        """
+        process Main {
+          in  angle : double @ 10 ms
+          in  speed : double @ 1 ms
+          in  stop  : bool
+          out voltage : double @ 1 ms
+          communication {
+            outer : Outer
+            inner : Inner
+            var pressed : bool = false
+            var target  : double = 0
+            channel wish : double overwrite 1
+            angle   -> outer.x
+            outer.y -> wish
+            speed   -> inner.x
+            target  -> inner.wish
+            inner.y -> voltage
+          }
+          composition {
+            mu outer || mu (stop ? pressed -> skip [] wish ? target -> skip [] speed -> inner)
+          }
+        }
+        """
+    )  # fmt: skip
+    found = {(chain.source, chain.loops) for chain in report_of(text).chains}
+    assert found == {("angle", ("outer", "inner")), ("speed", ("inner",))}
