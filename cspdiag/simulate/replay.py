@@ -274,7 +274,7 @@ class _Attempt:
         return f": {'; '.join(told[:3])}" if told else ""
 
     def _respect_priorities(self, gate: Gate, option: Option) -> None:
-        reason = excluded(gate, option, conductor.halted.values())
+        reason = excluded(gate, option, conductor.halted.values(), self._ports)
         if reason is not None:
             raise _DivergenceError(reason)
 
@@ -295,7 +295,9 @@ class _Attempt:
         for gate in gates:
             silent = [option for option in gate.options if option.action == "skip"]
             if self._trace.failure == "deadlock" or len(silent) == len(gate.options):
-                conductor.release(gate, silent[self._decisions.choose(len(silent))])
+                chosen = silent[self._decisions.choose(len(silent))]
+                self._respect_priorities(gate, chosen)
+                conductor.release(gate, chosen)
                 self._settle()
 
     def _is_stuck(self, gate: Gate) -> bool:

@@ -37,12 +37,15 @@ class Option:
 
 
 class Gate:
-    """A task that halts; what it may go on with, in text order."""
+    """A task that halts; what it may go on with, in text order. ``selector`` is that of a prioritized alternative."""
 
-    def __init__(self, task: Task, options: tuple[Option, ...], prioritized: bool, halted: dict[Task, Gate]) -> None:
+    def __init__(
+        self, task: Task, options: tuple[Option, ...], selector: Selector | None, halted: dict[Task, Gate]
+    ) -> None:
         self.task = task
         self.options = options
-        self.prioritized = prioritized
+        self.prioritized = selector is not None
+        self._selector = selector
         self.chosen: Option | None = None
         self._halted = halted
 
@@ -60,6 +63,11 @@ class Gate:
     def priority(self) -> Priority:
         """The level of priority of the task."""
         return self.task.priority
+
+    def is_ready(self, option: Option) -> bool:
+        """Whether the other side of a guard of a prioritized alternative has come already."""
+        communicates = option.action in {"read", "write", "ready"}
+        return communicates and self._selector is not None and bool(self._selector.ready >> option.index & 1)
 
     def withdraw(self, party: Party) -> bool:
         """See ``Waiting.withdraw``."""
@@ -118,14 +126,14 @@ class Conductor:
         """Forget everything, for a new run."""
         self.__init__()  # type: ignore[misc]
 
-    def hold(self, *options: Option, prioritized: bool = False) -> Generator[None, None, Option | None]:
-        """Halts the current task until one of the options is its turn; None in a run that is not conducted."""
+    def hold(self, *options: Option, selector: Selector | None = None) -> Generator[None, None, Option | None]:
+        """Halts the current task until one of the options is its turn; None in a run that is not conducted. See ``Gate``."""
         task = scheduler.current
         if task.cancelled:
             raise Cancelled
         if self.free:
             return None
-        gate = self.halted[task] = Gate(task, options, prioritized, self.halted)
+        gate = self.halted[task] = Gate(task, options, selector, self.halted)
         task.waiting = gate
         yield
         return gate.chosen

@@ -2,24 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Container, Iterable
 
 from cspdiag.simulate.replay_gates import Gate, Option
 
+_LEFT_OUT = ", and proofs leave priorities out"
 
-def excluded(gate: Gate, option: Option, halted: Iterable[Gate]) -> str | None:
-    """Why a process cannot go on with an option now, where ``halted`` are all that halt; None if it can."""
+
+def excluded(gate: Gate, option: Option, halted: Iterable[Gate], outside: Container[str]) -> str | None:
+    """Why a process cannot go on with an option now, where ``halted`` are all that halt; None if it can.
+
+    ``outside`` are the channels of the environment, which may always come later.
+    """
     waiting = tuple(halted)
     for other in gate.options if gate.prioritized else ():
         if other == option:
             break
-        if other.action == "skip" or _offered_above(other, gate, waiting):
-            return f"`{gate.path}` prefers `{other.channel or other.action}` to `{option.channel or option.action}`"
+        comes = other.channel not in outside and gate.is_ready(other)
+        if other.action == "skip" or comes or _offered_above(other, gate, waiting):
+            preferred, later = other.channel or other.action, option.channel or option.action
+            return f"`{gate.path}` prefers `{preferred}` to `{later}`{_LEFT_OUT}"
     for first in waiting:
         for second in waiting:
             if first is not second and _meet_above(first, second, gate):
                 channel = next(option.channel for option in first.options if option.action == "write")
-                return f"`{channel}` comes first: each of its processes has a higher priority"
+                return f"`{channel}` comes first: each of its processes has a higher priority{_LEFT_OUT}"
     return None
 
 

@@ -164,7 +164,7 @@ class _Alternative(Alternative):
             for index, guard in enumerate(self.guards)
             if enabled is None or enabled[index]
         ]
-        chosen = yield from conductor.hold(*options, prioritized=self._prioritized)
+        chosen = yield from conductor.hold(*options, selector=self.selector if self._prioritized else None)
         if chosen is None:
             return (yield from Alternative.select(self, enabled, values=values, delays=delays))
         only = [index == chosen.index for index in range(len(self.guards))]

@@ -244,3 +244,85 @@ def test_a_value_that_is_taken_from_a_buffer_writes_none() -> None:
     """Two values enter and one leaves in each repetition, so that the writer waits for ever in the last one."""
     (answer,) = answers_to({"case.csp": KEPT})
     assert (answer.outcome, answer.replayed) == ("refuted", True), answer.reason
+
+
+SKIPS = """process Gives {
+  out y : int
+
+  composition { y ! 1 }
+}
+
+process Polls {
+  in y : int
+
+  communication { var value : int = 0 }
+
+  composition { y ? value -> skip []> skip -> skip }
+}
+
+process Pair {
+  communication {
+    gives : Gives
+    polls : Polls
+
+    gives.y -> polls.y
+  }
+
+  composition { gives ||> polls }
+}
+
+assert Pair deadlock free
+"""
+
+
+def test_a_guard_that_is_always_ready_comes_after_what_a_more_urgent_process_offers() -> None:
+    """The more urgent process has written before the other one looks; otherwise the writer may come too late."""
+    (answer,) = answers_to({"case.csp": SKIPS})
+    assert answer.outcome == "unknown"
+    assert "`Pair.polls` prefers `Pair.gives.y` to `skip`" in answer.reason
+    assert "priorities" in answer.reason
+    for changed in (SKIPS.replace("||>", "||"), SKIPS.replace("gives ||> polls", "polls ||> gives")):
+        (answer,) = answers_to({"case.csp": changed})
+        assert (answer.outcome, answer.replayed) == ("refuted", True)
+
+
+POLLED = """process Polls {
+  out told : int
+  in  kept : int
+
+  communication { var value : int = 0 }
+
+  composition { told ! 1 ; (kept ? value -> skip []> skip -> stop) }
+}
+
+process Keeps {
+  in  told : int
+  out kept : int
+
+  communication { var value : int = 0 }
+
+  composition { kept ! 1 ; told ? value }
+}
+
+process Both {
+  communication {
+    polls : Polls
+    keeps : Keeps
+
+    polls.told -> keeps.told
+    keeps.kept -> buffer 1 -> polls.kept
+  }
+
+  composition { polls || keeps }
+}
+
+assert Both deadlock free
+"""
+
+
+def test_a_value_in_a_buffer_comes_before_a_guard_that_is_always_ready() -> None:
+    (answer,) = answers_to({"case.csp": POLLED})
+    assert answer.outcome == "unknown"
+    assert "`Both.polls` prefers `Both.keeps.kept` to `skip`" in answer.reason
+    (answer,) = answers_to({"case.csp": POLLED.replace("[]>", "[]")})
+    assert (answer.outcome, answer.replayed) == ("refuted", True)
