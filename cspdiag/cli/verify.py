@@ -47,7 +47,10 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--memory-limit", metavar="MB", type=_positive, default=2000.0, help="megabytes for states (default: 2000)"
     )
-    parser.add_argument("--format", choices=FORMATS, default="text", help="how to tell the answers (default: text)")
+    parser.add_argument(
+        "--format", choices=FORMATS, default="text",
+        help="how to tell the answers: text and concise, for people, on standard error; the others on standard output (default: text)",
+    )  # fmt: skip
     parser.add_argument("--trace-out", type=Path, metavar="FILE", help="the first counterexample, for run --replay")
     parser.add_argument(
         "--draw", type=Path, metavar="FILE",

@@ -161,6 +161,19 @@ def test_junit_has_a_test_for_each_assertion(cspdiag: Command, refuted: Path, pr
     assert (suite.get("tests"), suite.get("failures")) == ("1", "0")
 
 
+@pytest.mark.parametrize(
+    ("format_", "for_people"),
+    [("text", True), ("concise", True), ("json", False), ("sarif", False), ("github", False), ("junit", False)],
+)
+def test_what_is_for_people_goes_to_standard_error_and_the_rest_to_standard_output(
+    cspdiag: Command, refuted: Path, format_: str, for_people: bool
+) -> None:
+    result = cspdiag("verify", refuted, "--format", format_)
+    told, silent = (result.err, result.out) if for_people else (result.out, result.err)
+    assert "Both" in told
+    assert silent == ""
+
+
 def test_sarif_github_and_concise_tell_what_is_not_proved(cspdiag: Command, refuted: Path, proved: Path) -> None:
     (run,) = json.loads(cspdiag("verify", refuted, "--format", "sarif").out)["runs"]
     assert [result["ruleId"] for result in run["results"]] == ["E1101"]
