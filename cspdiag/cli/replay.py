@@ -67,9 +67,11 @@ def _network(arguments: Namespace, trace: Trace) -> Network | None:
 
 
 def _told(trace: Trace, result: Replay) -> Iterator[str]:
+    from cspdiag.simulate.replay_values import told
+
     yield f"replay of the counterexample to `{trace.assertion}`"
     for number, (channel, value) in enumerate(result.communications, start=1):
-        yield f"{number:>5}  {channel.removeprefix(f'{trace.process}.')}  {value}"
+        yield f"{number:>5}  {channel.removeprefix(f'{trace.process}.')}  {told(value)}"
     if result.deadlock is not None:
         yield result.deadlock.text
     total = len(trace.steps) + len(trace.cycle)

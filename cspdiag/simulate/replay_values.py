@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from enum import Enum
 from itertools import islice, product
 from types import ModuleType
 from typing import Any
@@ -70,6 +71,19 @@ def written(value: Any, type_: Type) -> str:
             return "true" if value else "false"
         case EnumType(name=name, literals=literals):
             return f"{name}.{literals[int(value)]}"
+        case _:
+            return str(value)
+
+
+def told(value: Any) -> str:
+    """A value of a running program, as its text would have it."""
+    match value:
+        case bool():
+            return "true" if value else "false"
+        case Enum():
+            return f"{type(value).__name__}.{value.name}"
+        case tuple():
+            return f"[{', '.join(map(told, value))}]"
         case _:
             return str(value)
 

@@ -259,3 +259,31 @@ def test_models_for_other_tools_are_written(
 ) -> None:
     assert cspdiag("compile", refuted, "--target", target, "-o", tmp_path / "out").code == 0
     assert (tmp_path / "out" / "both" / f"both{ending}").read_text()
+
+
+CHECKED = """enum Part { good, bad }
+
+process Belt {
+  in  arrived : Part
+  out ready   : Part
+  out taken   : bool
+
+  communication { var part : Part = Part.good }
+
+  composition { arrived ? part ; ready ! part ; taken ! true ; (if part == Part.bad then stop) }
+}
+
+assert Belt deadlock free
+assert Belt terminates
+"""
+
+
+def test_values_are_told_in_the_words_of_the_text(cspdiag: Command, tmp_path: Path) -> None:
+    program, trace = tmp_path / "belt.csp", tmp_path / "trace.json"
+    program.write_text(CHECKED)
+    result = cspdiag("verify", program, "--trace-out", trace)
+    assert "arrived Part.bad" in result.err
+    told = cspdiag("run", program, "--replay", trace).err
+    assert "arrived  Part.bad" in told
+    assert "ready  Part.bad" in told
+    assert "taken  true" in told
