@@ -15,7 +15,7 @@ from cspdiag.cli.terminal import show_diagnostics
 from cspdiag.sources import read_source
 
 if TYPE_CHECKING:
-    from cspdiag.cli.progress import Progress
+    from cspdiag.cli.progress import Running
     from cspdiag.model.program import Program
     from cspdiag.network.ir import Network
     from cspdiag.pipeline import Built
@@ -127,6 +127,7 @@ def _built(arguments: Namespace) -> Built:
 
 def _simulate(arguments: Namespace, network: Network, until: int | None) -> Run:
     from cspdiag.cli.progress import Progress
+    from cspdiag.cli.standstill import Standstill
     from cspdiag.codegen import target_errors
     from cspdiag.simulate.execute import BodyError, NoEnvironmentError
     from cspdiag.simulate.modes import mode_groups
@@ -141,9 +142,19 @@ def _simulate(arguments: Namespace, network: Network, until: int | None) -> Run:
     progress = None
     if not arguments.quiet and sys.stderr.isatty():
         progress = Progress(recorder, mode_groups(network))
+    standstill = None
+    # Against the clock, and in a program of its own, the instant that is known may lag behind.
+    if not arguments.quiet and not arguments.real_time and arguments.target == "python":
+        standstill = Standstill(recorder, network.class_named(network.top).definition)
+    watchers = [watcher for watcher in (progress, standstill) if watcher is not None]
+
+    def attach(running: Running) -> None:
+        for watcher in watchers:
+            watcher.attach(running)
+
     try:
-        with progress or nullcontext():
-            return simulate(arguments, network, until, recorder, progress)
+        with progress or nullcontext(), standstill or nullcontext():
+            return simulate(arguments, network, until, recorder, attach)
     except NoEnvironmentError as problem:
         raise UsageError(str(problem)) from None
     except (BodyError, CompilerError, target_errors()) as problem:
@@ -151,7 +162,7 @@ def _simulate(arguments: Namespace, network: Network, until: int | None) -> Run:
 
 
 def _simulate_in_python(
-    arguments: Namespace, network: Network, until: int | None, recorder: Recorder, progress: Progress | None
+    arguments: Namespace, network: Network, until: int | None, recorder: Recorder, on_start: Callable[[Running], None]
 ) -> Run:
     from cspdiag import pipeline
     from cspdiag.simulate.execute import simulate
@@ -173,12 +184,12 @@ def _simulate_in_python(
         recorder=recorder,
         probe_variables=arguments.plot is not None,
         measured=_is_measured(arguments),
-        on_start=progress.attach if progress is not None else None,
+        on_start=on_start,
     )
 
 
 def _simulate_native(
-    arguments: Namespace, network: Network, until: int | None, recorder: Recorder, progress: Progress | None
+    arguments: Namespace, network: Network, until: int | None, recorder: Recorder, on_start: Callable[[Running], None]
 ) -> Run:
     from cspdiag.simulate.native import simulate
 
@@ -191,7 +202,7 @@ def _simulate_native(
         until=until,
         real_time=arguments.real_time,
         recorder=recorder,
-        on_start=progress.attach if progress is not None else None,
+        on_start=on_start,
         observed="all" if arguments.trace is not None else "ports" if ports else "none",
         measured=_is_measured(arguments),
     )

@@ -1,0 +1,71 @@
+"""One line on standard error where simulated time stands still while a program runs."""
+
+from __future__ import annotations
+
+import sys
+import threading
+from types import TracebackType
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from cspdiag.cli.progress import Running
+    from cspdiag.simulate.recorder import Recorder
+
+PATIENCE = 3.0
+_MOST_NAMES = 4
+
+
+class Standstill:
+    """Looks at the time of a run in virtual time now and then, from a thread of its own, so that the run pays nothing for it.
+
+    Used as a context manager around the run; ``attach`` is to be called when the network is there. ``top`` is the outermost process. Says once that
+    the instant is the same at two looks, ``patience`` seconds apart.
+    """
+
+    def __init__(self, recorder: Recorder, top: str, patience: float = PATIENCE) -> None:
+        self._recorder = recorder
+        self._top = top
+        self._patience = patience
+        self._network: Running | None = None
+        self._ended = threading.Event()
+        self.thread = threading.Thread(target=self._watch, name="standstill", daemon=True)
+
+    def attach(self, network: Running) -> None:
+        """Tell what runs."""
+        self._network = network
+        self.thread.start()
+
+    def __enter__(self) -> Standstill:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._ended.set()
+        if self._network is not None:
+            self.thread.join()
+
+    def _watch(self) -> None:
+        assert self._network is not None
+        before = self._network.now
+        while not self._ended.wait(self._patience):
+            now = self._network.now
+            if now == before:
+                # A line of progress may stand there.
+                clear = "\r\x1b[K" if sys.stderr.isatty() else ""
+                sys.stderr.write(f"{clear}{self.line(now)}\n")
+                sys.stderr.flush()
+                return
+            before = now
+
+    def line(self, now: int) -> str:
+        """What is said at an instant in nanoseconds."""
+        prefix = f"{self._top}."
+        # A copy in one step: the scheduler's thread goes on meanwhile.
+        names = [path.removeprefix(prefix) for path in list(self._recorder.running) if path != self._top]
+        more = f" and {len(names) - _MOST_NAMES} more" if len(names) > _MOST_NAMES else ""
+        running = f", with {', '.join(names[:_MOST_NAMES])}{more} running" if names else ""
+        return (
+            f"cspdiag: simulated time stands still at {now / 1e9:g} s{running}: Ctrl-C ends the run, "
+            f"and verify shows who communicates for ever (assert {self._top} livelock free)"
+        )

@@ -1,0 +1,61 @@
+"""The hint that simulated time stands still."""
+
+from __future__ import annotations
+
+import threading
+
+import pytest
+
+from cspdiag.cli.standstill import Standstill
+from cspdiag.simulate.recorder import Recorder
+
+
+class _Clock:
+    """Stands at an instant, or goes on by a nanosecond at each look; tells when it was looked at that often."""
+
+    def __init__(self, step: int, looks: int) -> None:
+        self.step = step
+        self.left = looks
+        self.seen = threading.Event()
+        self._now = 2_000_000_000
+
+    @property
+    def now(self) -> int:
+        self._now += self.step
+        self.left -= 1
+        if self.left == 0:
+            self.seen.set()
+        return self._now
+
+
+def _recorder(*names: str) -> Recorder:
+    recorder = Recorder()
+    for name in ("Top", *(f"Top.{name}" for name in names)):
+        recorder.process_started(0, name, "N")
+    return recorder
+
+
+def test_it_is_said_once_that_time_stands_still_and_what_runs(capsys: pytest.CaptureFixture[str]) -> None:
+    with Standstill(_recorder("c[0]", "c[1]", "c[2]", "c[3]", "c[4]"), "Top", patience=0.001) as standstill:
+        standstill.attach(_Clock(step=0, looks=2))
+        standstill.thread.join()
+    said = capsys.readouterr().err
+    assert said.startswith(
+        "cspdiag: simulated time stands still at 2 s, with c[0], c[1], c[2], c[3] and 1 more running: "
+    )
+    assert "assert Top livelock free" in said
+    assert said.count("\n") == 1
+
+
+def test_nothing_is_said_while_time_goes_on(capsys: pytest.CaptureFixture[str]) -> None:
+    clock = _Clock(step=1, looks=5)
+    with Standstill(_recorder("c"), "Top", patience=0.001) as standstill:
+        standstill.attach(clock)
+        assert clock.seen.wait(60)
+    assert capsys.readouterr().err == ""
+
+
+def test_a_run_that_does_not_begin_is_left_alone(capsys: pytest.CaptureFixture[str]) -> None:
+    with Standstill(_recorder(), "Top"):
+        pass
+    assert capsys.readouterr().err == ""
