@@ -8,7 +8,7 @@ open are tried one after the other.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from cspdiag.network.ir import Network
@@ -23,15 +23,18 @@ from cspdiag.simulate.package import LoadedPackage
 from cspdiag.simulate.replay_decisions import Decisions
 from cspdiag.simulate.replay_gates import Gate, Interruption, Option, conductor
 from cspdiag.simulate.replay_memory import memory
+from cspdiag.simulate.replay_names import UNFIT, WRITTEN, belongs, fit, is_medium
+from cspdiag.simulate.replay_orders import later, sooner
 from cspdiag.simulate.replay_priorities import excluded
 from cspdiag.simulate.replay_runtime import replaying_runtime
 from cspdiag.simulate.replay_trace import Trace, TraceStep
 from cspdiag.simulate.replay_values import Values, numbers_of
 
 MOST_ATTEMPTS = 400
+MOST_ORDERS = 4
+"""So many steps may be moved, sooner or later, where priorities want another order."""
+_STANDSTILLS = frozenset({"deadlock", "knot"})
 _SILENT = frozenset({"variable", "start", "end", "cancel", "exception", "failure", "delivered"})
-_WRITTEN = " (written)"
-"""With this ends the name of the event in which a broadcast is begun; each of its readers takes the value in an event of its own."""
 
 
 @dataclass(frozen=True)
@@ -45,6 +48,8 @@ class Replay:
     divergence: str | None
     communications: tuple[tuple[str, Any], ...]
     deadlock: DeadlockReport | None = None
+    by_priority: bool = False
+    """Whether priorities keep the program from following further."""
 
     @property
     def succeeded(self) -> bool:
@@ -56,27 +61,51 @@ class _DivergenceError(Exception):
     """The program does not follow the trace; the message says where."""
 
 
+class _PriorityError(_DivergenceError):
+    """Priorities keep the program from following the trace."""
+
+
 def replay(network: Network, files: Mapping[str, str], trace: Trace) -> Replay:
     """Step the package ``files`` of ``network``, compiled without optimization, through a trace.
+
+    Where priorities exclude the order of its steps, and only the state after them matters, steps without a common party are exchanged.
 
     Raises BodyError for a hand-written body that cannot be made.
     """
     package = LoadedPackage(network.name, files, replaying_runtime())
     try:
-        decisions = Decisions()
-        best: Replay | None = None
-        for _ in range(MOST_ATTEMPTS):
-            attempt = _Attempt(network, package, trace, decisions).run()
-            if attempt.succeeded:
-                return attempt
-            if best is None or attempt.steps > best.steps:
-                best = attempt
-            if not decisions.advance():
-                break
-        assert best is not None
-        return best
+        told, excluded_at = _best(network, package, trace)
+        for move in (sooner, later):
+            result, position, steps = told, excluded_at, trace.steps
+            for _ in range(MOST_ORDERS):
+                if result.succeeded or position is None or trace.failure not in _STANDSTILLS:
+                    break
+                steps = move(steps, position)
+                result, position = _best(network, package, replace(trace, steps=steps))
+            if result.succeeded:
+                return result
+        return told
     finally:
         package.close()
+
+
+def _best(network: Network, package: LoadedPackage, trace: Trace) -> tuple[Replay, int | None]:
+    """The attempt that comes furthest, and the first step that priorities exclude in any."""
+    decisions = Decisions()
+    best: Replay | None = None
+    position: int | None = None
+    for _ in range(MOST_ATTEMPTS):
+        attempt = _Attempt(network, package, trace, decisions).run()
+        if attempt.succeeded:
+            return attempt, None
+        if attempt.by_priority and attempt.steps < (len(trace.steps) if position is None else position):
+            position = attempt.steps
+        if best is None or attempt.steps > best.steps:
+            best = attempt
+        if not decisions.advance():
+            break
+    assert best is not None
+    return best, position
 
 
 class _Attempt:
@@ -107,7 +136,7 @@ class _Attempt:
         scheduler.observe = self._observe
         scheduler.enqueue(root)
         done = 0
-        deadlock, divergence = None, None
+        deadlock, divergence, by_priority = None, None, False
         try:
             self._settle()
             for step in self._trace.steps:
@@ -120,11 +149,11 @@ class _Attempt:
                 self._go_round_again(network.process)
             deadlock = self._conclude(root)
         except _DivergenceError as problem:
-            divergence = str(problem)
+            divergence, by_priority = str(problem), isinstance(problem, _PriorityError)
         finally:
             scheduler.observe = None
             end_all(root)
-        return Replay(done, divergence, tuple(self._communications), deadlock)
+        return Replay(done, divergence, tuple(self._communications), deadlock, by_priority)
 
     def _built(self) -> RunningNetwork:
         try:
@@ -169,13 +198,13 @@ class _Attempt:
             if action == "ready":
                 self._read_after_guard(channel, task)
         for action, channel, _ in expected:
-            if (action, channel) not in conductor.done and not step.channel.endswith(_WRITTEN):
+            if (action, channel) not in conductor.done and not step.channel.endswith(WRITTEN):
                 raise _DivergenceError(f"`{step}` does not come about")
 
     def _choose_ready(self, step: TraceStep) -> None:
         """A process takes a guard that leaves the reading to it; one that is alone in its alternative is no choice."""
         for option, candidate in self._offers(("ready",), step.channel):
-            if any(_belongs(candidate.path, path) for _, path in step.parties):
+            if any(belongs(candidate.path, path) for _, path in step.parties):
                 if isinstance(candidate, Interruption):
                     candidate.fire()
                 else:
@@ -198,7 +227,7 @@ class _Attempt:
         """A process takes a guard that is always ready, if it is at one; whether it did. ``necessary``: otherwise the step cannot come."""
         for gate in list(conductor.halted.values()):
             silent = [option for option in gate.options if option.action == "skip"]
-            if silent and any(_belongs(gate.path, path) for _, path in step.parties):
+            if silent and any(belongs(gate.path, path) for _, path in step.parties):
                 others = len(silent) < len(gate.options) and not necessary
                 chosen = self._decisions.choose(len(silent) + others)
                 if chosen < len(silent):
@@ -240,7 +269,7 @@ class _Attempt:
             lasting = [entry for entry in offers if entry[0].duration == _duration(step)]
             offers = lasting or offers
         else:
-            offers = self._offers(("write", "read", "ready"), step.channel.removesuffix(_WRITTEN))
+            offers = self._offers(("write", "read", "ready"), step.channel.removesuffix(WRITTEN))
         found = list(self._chosen(step, offers))
         if not found:
             if self._choose_silently(step, necessary=True):
@@ -254,12 +283,12 @@ class _Attempt:
         """For each process of the step what it goes on with; among several that would fit, a decision."""
         taken: set[int] = set()
         for name, path in step.parties:
-            if _is_medium(name, step):
+            if is_medium(name, step):
                 continue
             free = [entry for entry in offers if id(entry[1].task) not in taken]
-            ranks = [_fit(candidate, name, path) for _, candidate in free]
-            best = min(ranks, default=_UNFIT)
-            fitting = [entry for entry, rank in zip(free, ranks, strict=True) if rank == best < _UNFIT]
+            ranks = [fit(candidate, name, path) for _, candidate in free]
+            best = min(ranks, default=UNFIT)
+            fitting = [entry for entry, rank in zip(free, ranks, strict=True) if rank == best < UNFIT]
             if fitting:
                 option, candidate = fitting[self._decisions.choose(len(fitting))]
                 taken.add(id(candidate.task))
@@ -269,14 +298,14 @@ class _Attempt:
         told = [
             f"`{gate.path}` waits {' or '.join(f'to {o.action} {o.channel}'.rstrip() for o in gate.options)}"
             for gate in conductor.halted.values()
-            if any(_belongs(gate.path, path) for _, path in step.parties)
+            if any(belongs(gate.path, path) for _, path in step.parties)
         ]
         return f": {'; '.join(told[:3])}" if told else ""
 
     def _respect_priorities(self, gate: Gate, option: Option) -> None:
         reason = excluded(gate, option, conductor.halted.values(), self._ports)
         if reason is not None:
-            raise _DivergenceError(reason)
+            raise _PriorityError(reason)
 
     def _go_round_again(self, process: object) -> None:
         """What leaves everything as it was can be done for ever; the first time round may still have brought it there."""
@@ -303,7 +332,7 @@ class _Attempt:
     def _is_stuck(self, gate: Gate) -> bool:
         """Whether the trace says of a process that it never goes on; its parallel branches are told apart by where they wait."""
         waits = {option.channel for option in gate.options if option.channel}
-        return any(_belongs(gate.path, path) and waits & channels for path, channels in self._trace.stuck)
+        return any(belongs(gate.path, path) and waits & channels for path, channels in self._trace.stuck)
 
     def _require_stuck(self, stuck: list[Gate]) -> None:
         """Nobody among ``stuck`` can go on by himself, with the environment, or with those who go on."""
@@ -318,7 +347,7 @@ class _Attempt:
 
     def _conclude(self, root: Task) -> DeadlockReport | None:
         """What was refuted is the case now."""
-        if self._trace.failure not in {"deadlock", "knot"}:
+        if self._trace.failure not in _STANDSTILLS:
             return None
         if self._ended:
             raise _DivergenceError("it ends instead of coming to a halt")
@@ -355,29 +384,6 @@ class _Undriven(dict[str, None]):
 
     def __missing__(self, name: str) -> None:
         return None
-
-
-def _is_medium(name: str, step: TraceStep) -> bool:
-    """Whether a party of a step is the memory of its channel, or of one reading end of a broadcast, and no process."""
-    channel = step.channel.removesuffix(_WRITTEN)
-    return name == channel or name.startswith(f"{channel} to ")
-
-
-_UNFIT = 3
-
-
-def _fit(candidate: Gate | Interruption, name: str, path: str) -> int:
-    """How well a process that halts fits one of a trace: 0 is best, and ``_UNFIT`` not at all."""
-    if name in candidate.names:
-        return 0
-    if candidate.path.startswith(f"{name}."):
-        return 1
-    return 2 if _belongs(candidate.path, path) else _UNFIT
-
-
-def _belongs(process: str, path: str) -> bool:
-    """Whether a process is the one of a path, or inside it, or runs it."""
-    return process == path or process.startswith(f"{path}.") or path.startswith(f"{process}.")
 
 
 def _order(option: Option, candidate: Gate | Interruption) -> tuple[bool, bool]:

@@ -11,7 +11,7 @@ from cspdiag.analyses.counterexamples.counterexample import counterexample
 from cspdiag.analyses.proofs import breadth_first
 from cspdiag.analyses.proofs.verdict import Limits, Refuted
 from cspdiag.diagnostics import SourceFile
-from cspdiag.simulate.replay_trace import Trace, read_trace
+from cspdiag.simulate.replay_trace import Trace, TraceStep, read_trace
 from cspdiag.simulate.verify import Verifier, replayed, trace_of
 from cspdiag.sources import read_source
 from tests.models.programs import MODELS
@@ -326,3 +326,18 @@ def test_a_value_in_a_buffer_comes_before_a_guard_that_is_always_ready() -> None
     assert "`Both.polls` prefers `Both.keeps.kept` to `skip`" in answer.reason
     (answer,) = answers_to({"case.csp": POLLED.replace("[]>", "[]")})
     assert (answer.outcome, answer.replayed) == ("refuted", True)
+
+
+def test_steps_that_do_not_depend_on_each_other_may_come_in_another_order() -> None:
+    """The value may come into the buffer after the other process has looked, whatever the order in which a proof tells it."""
+    program = POLLED.replace("told ! 1 ;", "").replace("; told ? value", "").replace("  polls.told -> keeps.told\n", "")
+    program = program.replace("  out told : int\n", "").replace("  in  told : int\n", "")
+    asked = pipeline.ask(SourceFile(name="case.csp", text=program), read_source)
+    network = asked.network("Both")
+    assert network is not None
+    wrote = TraceStep("communication", "Both.keeps.kept", None, (("Both.keeps", "Both.keeps"),))
+    looked = TraceStep("internal", "", None, (("Both.polls", "Both.polls"),))
+    trace = Trace("Both", {}, "", "deadlock", (wrote, looked), (), (("Both.polls", frozenset()),), exact=True)
+    assert replayed(network, trace, read_source).succeeded
+    depending = replace(looked, parties=(*looked.parties, *wrote.parties))
+    assert not replayed(network, replace(trace, steps=(wrote, depending)), read_source).succeeded

@@ -1,0 +1,30 @@
+"""Which process of a running program a trace means."""
+
+from __future__ import annotations
+
+from cspdiag.simulate.replay_gates import Gate, Interruption
+from cspdiag.simulate.replay_trace import TraceStep
+
+UNFIT = 3
+WRITTEN = " (written)"
+"""With this ends the name of the event in which a broadcast is begun; each of its readers takes the value in an event of its own."""
+
+
+def is_medium(name: str, step: TraceStep) -> bool:
+    """Whether a party of a step is the memory of its channel, or of one reading end of a broadcast, and no process."""
+    channel = step.channel.removesuffix(WRITTEN)
+    return name == channel or name.startswith(f"{channel} to ")
+
+
+def fit(candidate: Gate | Interruption, name: str, path: str) -> int:
+    """How well a process that halts fits one of a trace: 0 is best, and ``UNFIT`` not at all."""
+    if name in candidate.names:
+        return 0
+    if candidate.path.startswith(f"{name}."):
+        return 1
+    return 2 if belongs(candidate.path, path) else UNFIT
+
+
+def belongs(process: str, path: str) -> bool:
+    """Whether a process is the one of a path, or inside it, or runs it."""
+    return process == path or process.startswith(f"{path}.") or path.startswith(f"{process}.")
