@@ -9,6 +9,7 @@ from cspdiag.codegen.python_environments import port_key
 from cspdiag.codegen.python_external import ExternalModules, installed_modules
 from cspdiag.codegen.python_names import PackageNames
 from cspdiag.codegen.python_types import quoted
+from cspdiag.model.durations import duration
 from cspdiag.network.ir import ExternalPort, Network
 
 
@@ -63,14 +64,7 @@ def project_view(network: Network, names: PackageNames, modules: ExternalModules
 
 def port_row(port: ExternalPort) -> PortRow:
     """An external port for a README."""
-    timing = "event" if port.period is None else f"every {_duration(port.period)}"
+    timing = "event" if port.period is None else f"every {duration(port.period)}"
     if port.immediate:
         timing += ", immediate"
     return PortRow(port_key(port), port.direction, str(port.type), timing, " ".join((port.doc or "").split()))
-
-
-def _duration(nanoseconds: int) -> str:
-    for unit, size in (("s", 1_000_000_000), ("ms", 1_000_000), ("us", 1_000)):
-        if nanoseconds % size == 0:
-            return f"{nanoseconds // size} {unit}"
-    return f"{nanoseconds} ns"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from cspdiag.draw.elements.diagram import Arrow, Box, BoxPort, Element, FlowKind, ParentPort, Store
-from cspdiag.network.durations import duration
+from cspdiag.model.durations import duration
 
 WORDS: dict[FlowKind, str] = {
     "sync": "rendezvous",

@@ -5,6 +5,7 @@ from __future__ import annotations
 from cspdiag.diagnostics import Report
 from cspdiag.model.diagnostics_constants import NegativeDuration
 from cspdiag.model.diagnostics_ports import MisplacedPortOption
+from cspdiag.model.durations import duration
 from cspdiag.model.evaluate import evaluate
 from cspdiag.model.program import Program
 from cspdiag.syntax import ast
@@ -33,12 +34,5 @@ def check_duration(program: Program, expression: ast.Expression, what: str, repo
     """Report a duration that is known and negative."""
     value = evaluate(program, expression, {}, report)
     if isinstance(value, int) and value < 0:
-        report.add(NegativeDuration(expression.span, what=what, value=_shown(value)))
+        report.add(NegativeDuration(expression.span, what=what, value=duration(value)))
         program.poisoned.add(expression)
-
-
-def _shown(nanoseconds: int) -> str:
-    for unit, size in (("s", 10**9), ("ms", 10**6), ("us", 10**3)):
-        if nanoseconds % size == 0:
-            return f"{nanoseconds // size} {unit}"
-    return f"{nanoseconds} ns"

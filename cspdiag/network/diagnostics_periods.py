@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from cspdiag.diagnostics import Diagnostic, Label, Span
 from cspdiag.diagnostics.record import record
-from cspdiag.network.durations import duration
+from cspdiag.model.durations import duration
 
 
 @record

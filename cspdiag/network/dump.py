@@ -8,12 +8,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import assert_never
 
+from cspdiag.model.durations import duration
 from cspdiag.model.types import Type
 from cspdiag.network.actions import ChannelEnd, End, PortEnd
 from cspdiag.network.dump_action import action_lines, end_text
 from cspdiag.network.dump_expression import expression_text, value_text
 from cspdiag.network.dump_submodel import doc_lines, external_text, guards_text, memory_lines, port_text, submodel_body
-from cspdiag.network.durations import duration
 from cspdiag.network.expressions import Value
 from cspdiag.network.ir import (
     Attachment,

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import assert_never
 
+from cspdiag.model.durations import duration
 from cspdiag.model.types import ArrayType, BoolType, EnumType, RealType, StructType, TimeType, Type
-from cspdiag.network.durations import duration
 from cspdiag.network.expressions import (
     ArrayElements,
     BinaryOperation,

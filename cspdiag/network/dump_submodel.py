@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from cspdiag.model.durations import duration
 from cspdiag.network.actions import RunLaw
 from cspdiag.network.dump_expression import expression_text
-from cspdiag.network.durations import duration
 from cspdiag.network.ir import (
     ExternalBody,
     ExternalCall,

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from cspdiag.analyses.timing.flow import Place, Thread
 from cspdiag.analyses.timing.jobs import Job, Jobs, UnboundedError, cycles
 from cspdiag.analyses.timing.result import Refusal
+from cspdiag.model.durations import duration
 
 ONCE = 2**60
 """The period of what happens at most once, in nanoseconds: longer than any program runs."""
@@ -130,7 +131,7 @@ def _refused(thread: Thread, loop: frozenset[int]) -> Iterator[Refusal]:
         shortest = min(min(_periods(place)) for place in sampled)
         longest = max(sampled, key=lambda place: max(_periods(place)))
         yield Refusal(
-            longest.path, f"one loop waits for samples of {shown(shortest)} and of {shown(max(_periods(longest)))}, so that it misses the faster ones",
+            longest.path, f"one loop waits for samples of {duration(shortest)} and of {duration(max(_periods(longest)))}, so that it misses the faster ones",
             longest.span, "read the slower input in an alternative with the faster one, or in a parallel process",
         )  # fmt: skip
 
@@ -144,13 +145,6 @@ def _awaited(place: Place) -> str:
         if offer.kind == "delay":
             return "time to pass"
     return "something else"
-
-
-def shown(nanoseconds: int) -> str:
-    """A duration as the language writes it."""
-    from cspdiag.network.durations import duration
-
-    return duration(nanoseconds)
 
 
 class Demands:

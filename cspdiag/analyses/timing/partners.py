@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from cspdiag.analyses.timing.demands import Behaviour, Demands, shown
+from cspdiag.analyses.timing.demands import Behaviour, Demands
 from cspdiag.analyses.timing.flow import Offer, Place
 from cspdiag.analyses.timing.jobs import Path
 from cspdiag.analyses.timing.result import Refusal
 from cspdiag.diagnostics import Span
+from cspdiag.model.durations import duration
 
 
 @dataclass
@@ -133,7 +134,7 @@ def _short(path: str) -> str:
 def _awaited(place: Place) -> str:
     for offer in place.offers:
         if offer.kind == "sample":
-            return f"a sample of {shown(offer.period)}"
+            return f"a sample of {duration(offer.period)}"
         if offer.kind == "event":
             return f"the event `{offer.channel.rpartition('.')[2]}`"
         if offer.kind == "delay":

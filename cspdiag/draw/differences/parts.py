@@ -8,7 +8,7 @@ from cspdiag.draw.differences.change import Part, Parts
 from cspdiag.draw.elements import texts
 from cspdiag.draw.elements.diagram import Arrow, Box, CommunicationDiagram, FlowKind, ParentPort, Store
 from cspdiag.draw.tooltips import WORDS
-from cspdiag.network.durations import duration
+from cspdiag.model.durations import duration
 from cspdiag.syntax import ast
 
 KINDS: dict[type[ast.Node], str] = {
