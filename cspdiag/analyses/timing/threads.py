@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import assert_never
+from typing import Any, assert_never
 
 from cspdiag.analyses.timing.flow import Missing, Offer, Place, Thread
 from cspdiag.network.actions import (
@@ -33,6 +33,7 @@ from cspdiag.network.actions import (
     SequentialSteps,
     SkipEvent,
     SkipStep,
+    Step,
     StopStep,
     WaitStep,
     WhileLoop,
@@ -40,7 +41,7 @@ from cspdiag.network.actions import (
 )
 from cspdiag.network.constant_value import constant_value
 from cspdiag.network.expressions import Expression, ParameterValue, SignalValue, Value
-from cspdiag.network.ir import Connection, Net, Network, ProcessClass, SubmodelClass
+from cspdiag.network.ir import Connection, Declared, Net, Network, ProcessClass, SubmodelClass
 from cspdiag.network.walk import parts
 
 
@@ -77,8 +78,8 @@ class Threads:
         end = self._place(context, entry)
         self.root.entry = self._process(network.top, context, end)
 
-    def _place(self, context: _Context, where: object, **fields: object) -> int:
-        context.thread.places.append(Place(where.span, context.path, **fields))  # type: ignore[attr-defined, arg-type]
+    def _place(self, context: _Context, where: Step | Declared, **fields: Any) -> int:
+        context.thread.places.append(Place(where.span, context.path, **fields))
         return len(context.thread.places) - 1
 
     def _process(self, path: str, context: _Context, following: int) -> int:
@@ -137,11 +138,11 @@ class Threads:
         return self.net_of.get((path, end.port if end.index is None else f"{end.port}[{end.index}]"))
 
     def _reading(
-        self, path: str, end: End, target: int, where: object, *, owner: str = "", takes: bool = True
+        self, path: str, end: End, target: int, where: Step | Declared, *, owner: str = "", takes: bool = True
     ) -> list[Offer]:
         """What reading waits for; nothing where it never waits. ``owner`` is the process that keeps books of samples."""
         net = self._net(path, end)
-        span = where.span  # type: ignore[attr-defined]
+        span = where.span
         if net is None or (net.kind == "var" and net.external is None):
             return []
         if net.external == "in" and net.period is not None:
@@ -151,13 +152,13 @@ class Threads:
             return [Offer("event", target, span, net.path)]
         return [Offer("partner", target, span, net.path)]
 
-    def _writing(self, path: str, end: End, target: int, where: object) -> list[Offer]:
+    def _writing(self, path: str, end: End, target: int, where: Step | Declared) -> list[Offer]:
         net = self._net(path, end)
         if net is None or net.external is not None or net.kind in ("var", "overwrite"):
             return []
-        return [Offer("partner", target, where.span, net.path, writes=True)]  # type: ignore[attr-defined]
+        return [Offer("partner", target, where.span, net.path, writes=True)]
 
-    def _waiting(self, context: _Context, where: object, offers: list[Offer], following: int) -> int:
+    def _waiting(self, context: _Context, where: Step | Declared, offers: list[Offer], following: int) -> int:
         """A place that waits for one communication; ``following`` where it never waits."""
         if not offers:
             return following
@@ -170,7 +171,7 @@ class Threads:
         self._interruptible(place, context)
         return waits
 
-    def _resumed(self, context: _Context, where: object, target: int) -> int:
+    def _resumed(self, context: _Context, where: Step | Declared, target: int) -> int:
         """Within a process that states its time, every step takes that long."""
         if context.stated is None:
             return target
@@ -334,7 +335,7 @@ class Threads:
             case _:
                 assert_never(event)
 
-    def _delay(self, duration: Expression, context: _Context, target: int, where: object) -> list[Offer]:
+    def _delay(self, duration: Expression, context: _Context, target: int, where: Step | Declared) -> list[Offer]:
         arguments = dict(self.instances[context.path].arguments)
 
         def lookup(part: ParameterValue | SignalValue) -> Value | None:
@@ -342,7 +343,7 @@ class Threads:
 
         known = constant_value(duration, lookup)
         length = known if isinstance(known, int) and known > 0 else 0
-        return [Offer("delay", target, where.span, period=length)]  # type: ignore[attr-defined]
+        return [Offer("delay", target, where.span, period=length)]
 
     def _parallel(self, action: ParallelSteps, context: _Context, following: int) -> int:
         ranks = [(*context.priority, k) if action.prioritized else context.priority for k in range(len(action.steps))]
