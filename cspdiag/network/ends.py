@@ -242,10 +242,11 @@ def all_actions(action: Action) -> Iterator[Action]:
     while pending:
         present = pending.pop()
         yield present
-        pending.extend(reversed(_inside(present)))
+        pending.extend(reversed(actions_inside(present)))
 
 
-def _inside(action: Action) -> tuple[Action, ...]:
+def actions_inside(action: Action) -> tuple[Action, ...]:
+    """Those of which an action consists, in text order; none for a communication and the like."""
     match action:
         case SequentialSteps() | ParallelSteps():
             return action.steps

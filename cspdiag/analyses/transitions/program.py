@@ -7,20 +7,8 @@ from functools import cached_property
 from typing import TypeAlias
 
 from cspdiag.diagnostics import Span
-from cspdiag.network.actions import (
-    Action,
-    CatchException,
-    Choice,
-    Group,
-    IfElse,
-    InterruptOn,
-    OptimizedStep,
-    ParallelSteps,
-    PortEnd,
-    Repeat,
-    SequentialSteps,
-    WhileLoop,
-)
+from cspdiag.network.actions import Action, Group, ParallelSteps, PortEnd
+from cspdiag.network.ends import actions_inside
 from cspdiag.network.ir import InstanceOf, Network, ProcessClass, SubmodelClass
 from cspdiag.network.walk import parts
 
@@ -46,24 +34,7 @@ class Node:
 
 
 def _inside(action: Action) -> tuple[Action, ...]:
-    match action:
-        case SequentialSteps():
-            return action.steps
-        case ParallelSteps():
-            return tuple(_flat(action))
-        case Choice():
-            return tuple(branch.body for branch in action.branches)
-        case Repeat() | WhileLoop() | Group():
-            return (action.body,)
-        case IfElse():
-            return (action.then, action.otherwise)
-        case CatchException():
-            return (action.body, action.handler)
-        case InterruptOn():
-            return (action.body, action.branch.body)
-        case OptimizedStep():
-            raise AssertionError("transition systems are made of networks that were not optimized")
-    return ()
+    return tuple(_flat(action)) if isinstance(action, ParallelSteps) else actions_inside(action)
 
 
 def _flat(action: ParallelSteps) -> Iterator[Action]:
