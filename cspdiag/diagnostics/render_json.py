@@ -7,11 +7,20 @@ from collections.abc import Sequence
 from typing import Any
 
 from cspdiag.diagnostics.diagnostic import Diagnostic
+from cspdiag.diagnostics.span import Span
 
 
 def render(diagnostics: Sequence[Diagnostic]) -> str:
     """A list with an object for each diagnostic; lines and columns count from 1, the end is exclusive."""
     return json.dumps([_object(diagnostic) for diagnostic in diagnostics], indent=2) + "\n"
+
+
+def place(span: Span | None) -> dict[str, Any]:
+    """``file``, ``line`` and ``column``; nothing where there is no place."""
+    if span is None:
+        return {}
+    line, column = span.source.position(span.start)
+    return {"file": span.file, "line": line, "column": column}
 
 
 def _object(diagnostic: Diagnostic) -> dict[str, Any]:
@@ -20,19 +29,9 @@ def _object(diagnostic: Diagnostic) -> dict[str, Any]:
         "code": diagnostic.code,
         "severity": diagnostic.severity,
         "message": diagnostic.message,
-        "file": span.file,
-        "line": span.line,
-        "column": span.column,
+        **place(span),
         "end_line": span.end_line,
         "end_column": span.end_column,
         "help": diagnostic.help,
-        "related": [
-            {
-                "message": label.message,
-                "file": label.span.file,
-                "line": label.span.line,
-                "column": label.span.column,
-            }
-            for label in diagnostic.labels
-        ],
+        "related": [{"message": label.message, **place(label.span)} for label in diagnostic.labels],
     }

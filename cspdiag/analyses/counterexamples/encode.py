@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from cspdiag.analyses.counterexamples.counterexample import Counterexample, Party, Step
-from cspdiag.diagnostics import Span
+from cspdiag.diagnostics.render_json import place
 
 
 def encoded(found: Counterexample) -> dict[str, Any]:
@@ -28,14 +28,6 @@ def encoded(found: Counterexample) -> dict[str, Any]:
         ],
         "ring": list(found.ring),
     }
-
-
-def place(span: Span | None) -> dict[str, Any]:
-    """``file``, ``line`` and ``column``; nothing where there is no place."""
-    if span is None:
-        return {}
-    line, column = span.source.position(span.start)
-    return {"file": span.file, "line": line, "column": column}
 
 
 def _step(step: Step) -> dict[str, Any]:

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from cspdiag.analyses.margins.loops import LoopReport
-from cspdiag.diagnostics import Span
+from cspdiag.diagnostics.render_json import place
 
 
 def as_json(report: LoopReport, periods: Mapping[str, tuple[int | None, str]] | None = None) -> dict[str, Any]:
@@ -31,13 +31,13 @@ def as_json(report: LoopReport, periods: Mapping[str, tuple[int | None, str]] | 
             "phase_crossover": found.phase_crossover,
             "drifts": found.drifts,
             "point": dict(loop.point),
-            "simplifications": [{"what": part.what, **_place(part.span)} for part in loop.simplifications],
+            "simplifications": [{"what": part.what, **place(part.span)} for part in loop.simplifications],
         }
         if periods and loop.opened.cut.name in periods:
             period, constant = periods[loop.opened.cut.name]
             entry["largest_period"] = {"constant": constant, "period": None if period is None else period * 1e-9}
         loops.append(entry)
-    refusals = [{"name": part.law, "reason": part.reason, **_place(part.span)} for part in report.refusals]
+    refusals = [{"name": part.law, "reason": part.reason, **place(part.span)} for part in report.refusals]
     return {"environment": report.environment, "loops": loops, "refusals": refusals}
 
 
@@ -48,7 +48,3 @@ def render(report: LoopReport, periods: Mapping[str, tuple[int | None, str]] | N
 
 def _finite(value: float) -> float | None:
     return value if math.isfinite(value) else None
-
-
-def _place(span: Span | None) -> dict[str, Any]:
-    return {} if span is None else {"file": span.source.name, "line": span.line, "column": span.column}

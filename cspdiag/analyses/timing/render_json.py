@@ -6,7 +6,7 @@ import json
 from typing import Any
 
 from cspdiag.analyses.timing.result import TimingReport
-from cspdiag.diagnostics import Span
+from cspdiag.diagnostics.render_json import place
 
 
 def as_json(report: TimingReport) -> dict[str, Any]:
@@ -22,7 +22,7 @@ def as_json(report: TimingReport) -> dict[str, Any]:
         "loops": [
             {
                 "name": loop.name,
-                **_place(loop.span),
+                **place(loop.span),
                 "period": loop.period,
                 "priority": loop.priority,
                 "work": loop.work,
@@ -50,9 +50,9 @@ def as_json(report: TimingReport) -> dict[str, Any]:
             }
             for chain in report.chains
         ],
-        "missing": [{"name": part.leaf, "definition": part.definition, **_place(part.span)} for part in report.missing],
+        "missing": [{"name": part.leaf, "definition": part.definition, **place(part.span)} for part in report.missing],
         "refusals": [
-            {"name": part.subject, "reason": part.reason, "help": part.help, **_place(part.span)}
+            {"name": part.subject, "reason": part.reason, "help": part.help, **place(part.span)}
             for part in report.refusals
         ],
         "measured": list(report.measured),
@@ -62,7 +62,3 @@ def as_json(report: TimingReport) -> dict[str, Any]:
 def render(report: TimingReport) -> str:
     """The report as text, with a line break at its end."""
     return json.dumps(as_json(report), indent=2) + "\n"
-
-
-def _place(span: Span) -> dict[str, Any]:
-    return {"file": span.source.name, "line": span.line, "column": span.column}

@@ -6,9 +6,10 @@ import json
 from collections.abc import Sequence
 from typing import Any
 
-from cspdiag.analyses.counterexamples.encode import encoded, place
+from cspdiag.analyses.counterexamples.encode import encoded
 from cspdiag.analyses.verification.answer import Answer
 from cspdiag.analyses.verification.diagnostics import diagnostic_of
+from cspdiag.diagnostics.render_json import place
 
 
 def render(answers: Sequence[Answer]) -> str:
@@ -31,9 +32,7 @@ def _object(answer: Answer) -> dict[str, Any]:
         "method": answer.method,
         "states": answer.states,
         "seconds": round(answer.seconds, 6),
-        "file": span.file,
-        "line": span.line,
-        "column": span.column,
+        **place(span),
         "candidate": list(answer.candidate),
         "abstractions": [
             {"what": abstraction.what, **({} if abstraction.span is None else place(abstraction.span))}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable
 
-from cspdiag.diagnostics import Span
+from cspdiag.diagnostics.render_json import place
 from cspdiag.draw.differences.change import Change
 
 
@@ -26,12 +26,6 @@ def _object(change: Change) -> dict[str, object]:
         "aspect": change.aspect or None,
         "before": change.before,
         "after": change.after,
-        "from": _place(change.span_before),
-        "to": _place(change.span_after),
+        "from": place(change.span_before) or None,
+        "to": place(change.span_after) or None,
     }
-
-
-def _place(span: Span | None) -> dict[str, object] | None:
-    if span is None:
-        return None
-    return {"file": span.file, "line": span.line, "column": span.column}
