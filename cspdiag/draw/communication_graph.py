@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import assert_never
 
@@ -280,8 +279,3 @@ def port_caption(port: BoxPort) -> Caption:
     if port.default is not None:
         runs.append(Run(f" = {port.default}", Face.ITALIC, Ink.FAINT))
     return Caption((tuple(runs),), PORT_SIZE)
-
-
-def words_of(runs: Iterable[Run]) -> str:
-    """A text without its looks."""
-    return "".join(run.text for run in runs)

@@ -255,10 +255,6 @@ class Demands:
         """The threads that communicate on a channel, on that side."""
         return {number for number, other, side, _, _ in self._activated if (other, side) == (channel, writes)}
 
-    def of_thread(self, number: int) -> list[Demand]:
-        """The demands of one thread with those of equal period, of which at most one comes at a time, merged."""
-        return merged([self.own[number]])
-
 
 def _met_at(one: Behaviour, job: Job, period: int, count: int) -> list[tuple[int, str, bool, int, int]]:
     """What a thread without samples then waits to communicate."""
