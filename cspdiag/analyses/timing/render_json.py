@@ -50,6 +50,7 @@ def as_json(report: TimingReport) -> dict[str, Any]:
             }
             for chain in report.chains
         ],
+        "allChains": report.are_all_chains,
         "missing": [{"name": part.leaf, "definition": part.definition, **place(part.span)} for part in report.missing],
         "refusals": [
             {"name": part.subject, "reason": part.reason, "help": part.help, **place(part.span)}

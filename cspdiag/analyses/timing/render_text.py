@@ -8,7 +8,7 @@ from cspdiag.analyses.timing.demands import ONCE
 from cspdiag.analyses.timing.flow import Missing
 from cspdiag.analyses.timing.result import LoopTiming, TimingReport
 
-_LOOPS_SHOWN = 200
+_ROWS_SHOWN = 200
 
 
 def table(report: TimingReport) -> str:
@@ -35,8 +35,13 @@ def _lines(report: TimingReport) -> Iterator[str]:
     if report.chains:
         yield ""
         rows = [("from", "through", "to", "reaction", "age")]
-        rows += [(c.source, ", ".join(c.loops), c.sink, time(c.reaction), time(c.age)) for c in report.chains]
+        rows += [
+            (c.source, ", ".join(c.loops), c.sink, time(c.reaction), time(c.age)) for c in report.chains[:_ROWS_SHOWN]
+        ]
         yield from _aligned(rows, right=2)
+        if len(report.chains) > _ROWS_SHOWN or not report.are_all_chains:
+            more = "at least " if not report.are_all_chains else ""
+            yield f"and {more}{len(report.chains) - len(rows) + 1} chains more"
         yield "reaction: from a change of the input to the first output that knows of it"
         yield "age: of a sample, when an output that is based on it is handed over"
 
@@ -47,7 +52,7 @@ def _loop_rows(loops: Sequence[LoopTiming]) -> list[tuple[str, ...]]:
     if len(levels) > 1:
         head.insert(1, "priority")
     rows = [tuple(head)]
-    for loop in loops[:_LOOPS_SHOWN]:
+    for loop in loops[:_ROWS_SHOWN]:
         row = [
             loop.name, time(loop.period), time(loop.work), f"{100 * loop.utilization:.1f} %", time(loop.step), time(loop.blocking),
             "no bound" if loop.response is None else time(loop.response),
@@ -67,8 +72,8 @@ def _interval(latency: tuple[int, int]) -> str:
 
 
 def _summary(report: TimingReport) -> Iterator[str]:
-    if len(report.loops) > _LOOPS_SHOWN:
-        yield f"and {len(report.loops) - _LOOPS_SHOWN} loops more"
+    if len(report.loops) > _ROWS_SHOWN:
+        yield f"and {len(report.loops) - _ROWS_SHOWN} loops more"
     yield f"the processor is used up to {100 * report.utilization:.1f} %; everything repeats after {time(report.hyperperiod)}"
     waiting = [loop for loop in report.loops if loop.partners]
     for loop in waiting:

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import lcm
 
 from cspdiag.analyses.timing import demand as edf
 from cspdiag.analyses.timing.assignment import feasible_order
 from cspdiag.analyses.timing.chains import chains
-from cspdiag.analyses.timing.demands import ONCE, Behaviour, Demand, Demands, across, behaviour, merged
+from cspdiag.analyses.timing.demands import ONCE, Behaviour, Demand, Demands, behaviour, merged
 from cspdiag.analyses.timing.flow import Thread
 from cspdiag.analyses.timing.jobs import Job
 from cspdiag.analyses.timing.partners import Partners, Together
-from cspdiag.analyses.timing.response import response_time
-from cspdiag.analyses.timing.result import LoopTiming, Refusal, TimingReport
+from cspdiag.analyses.timing.response import Response, response_time, response_times
+from cspdiag.analyses.timing.result import Chain, LoopTiming, Refusal, TimingReport
+from cspdiag.analyses.timing.surroundings import Surroundings
 from cspdiag.analyses.timing.task import Task
 from cspdiag.analyses.timing.threads import Threads
 from cspdiag.diagnostics import Span
@@ -69,12 +70,14 @@ def timing_report(network: Network, measured: Mapping[str, int] | None = None) -
     rows = analysis.rows(network, refusals)
     tasks = tuple(analysis.tasks())
     modes = [(loop.owner.number, loop.owner.loop_of[loop.waits[0]]) for loop in loops]
+    found_chains: list[Chain] = []
+    are_all_chains = True
+    if not (missing or refusals):
+        found_chains, are_all_chains = chains(network, rows, modes, [analysis.branches(loop) for loop in loops])
     return TimingReport(
         network.top,
         tuple(rows),
-        tuple(chains(network, rows, modes, [analysis.branches(loop) for loop in loops]))
-        if not (missing or refusals)
-        else (),
+        tuple(found_chains),
         missing,
         tuple(dict.fromkeys(refusals)),
         tasks,
@@ -83,6 +86,7 @@ def timing_report(network: Network, measured: Mapping[str, int] | None = None) -
         edf.meets_deadlines([task for task in tasks if task.period < ONCE]),
         analysis.advice(rows),
         used,
+        are_all_chains,
     )
 
 
@@ -129,56 +133,81 @@ class _Analysis:
     def __init__(
         self, threads: Sequence[Thread], behaviours: Sequence[Behaviour], demands: Demands, loops: Sequence[_Loop]
     ) -> None:
-        self.numbers = {id(thread): k for k, thread in enumerate(threads)}
-        self.root = threads[0]
         self.behaviours = {one.number: one for one in behaviours}
         self.demands = demands
+        self.surroundings = Surroundings(threads, demands.own)
         self.loops = loops
         self.lateness: dict[int, int] = {}
         """By thread, how late what its samples cause in others may come."""
+        self._causing = {part.origin for parts in demands.own.values() for part in parts if part.late}
+        self._waiting = {loop.owner.number for loop in loops if loop.delays or len(loop.together.members) > 1}
+        self._tasks: dict[Demand, Task] = {}
+        self._together: dict[tuple[int, int], dict[int, Response]] = {}
 
     def rows(self, network: Network, refusals: list[Refusal]) -> list[LoopTiming]:
         """Every loop with its bound; rounds until those that wait for each other agree."""
-        matters = any(loop.delays or len(loop.together.members) > 1 or self._causes(loop) for loop in self.loops)
+        ports = _Ports(network)
+        matters = self._waiting or any(loop.owner.number in self._causing for loop in self.loops)
         for _ in range(LARGEST_NUMBER_OF_ROUNDS):
-            rows = [self._row(network, loop) for loop in self.loops]
+            rows = [self._row(ports, loop) for loop in self.loops]
             lateness: dict[int, int] = {}
             for loop, row in zip(self.loops, rows, strict=True):
                 late = loop.period if row.response is None else min(row.response, loop.period)
                 lateness[loop.owner.number] = max(late, lateness.get(loop.owner.number, 0))
             if lateness == self.lateness or not matters:
                 return rows
-            self.lateness = lateness
+            self._come_late(lateness)
         # Nothing of a loop that is in time comes later than a period after its tick: if all are even so, the bounds hold.
+        most = dict(self.lateness)
         for loop in self.loops:
-            self.lateness[loop.owner.number] = max(loop.period, self.lateness[loop.owner.number])
-        rows = [self._row(network, loop) for loop in self.loops]
+            most[loop.owner.number] = max(loop.period, most[loop.owner.number])
+        self._come_late(most)
+        rows = [self._row(ports, loop) for loop in self.loops]
         if not all(row.is_met for row in rows):
             reason = "the response times of its loops depend on each other and do not settle"
             refusals.append(Refusal(network.top, reason, self.loops[0].span, "use fewer rendezvous between loops"))
         return rows
 
-    def _causes(self, loop: _Loop) -> bool:
-        return any(
-            part.late and part.origin == loop.owner.number for parts in self.demands.own.values() for part in parts
-        )
+    def _come_late(self, lateness: dict[int, int]) -> None:
+        self.lateness = lateness
+        self._tasks.clear()
+        self._together.clear()
 
-    def _row(self, network: Network, loop: _Loop) -> LoopTiming:
+    def _row(self, ports: _Ports, loop: _Loop) -> LoopTiming:
         task = self.task(loop)
-        others = [self._as_task(part) for part in self._beside(loop)]
-        response = response_time(task, others)
+        response = self._response(loop, task)
         jobs = [*loop.jobs, *self._of_partners(loop)]
         written = frozenset(net for job in jobs for net in job.path.outputs)
         leaves = frozenset(leaf for job in jobs for leaf in job.path.leaves)
         places = frozenset(loop.owner.thread.places[wait].path for wait in loop.waits)
-        outputs = tuple(net.path.partition(".")[2] for net in network.nets if net.path in written)
+        outputs = ports.outputs(written)
         return LoopTiming(
             loop.name.partition(".")[2] or loop.name, loop.owner.thread.path, loop.span, loop.period, loop.together.level,
             loop.together.work, loop.together.step, response.blocking, response.worst, response.start,
-            outputs, _latency(network, outputs, response.worst),
+            outputs, ports.latency(outputs, response.worst),
             tuple(self.behaviours[k].thread.path.partition(".")[2] for k in sorted(loop.together.members - {loop.owner.number})),
             leaves | places, task,
         )  # fmt: skip
+
+    def _response(self, loop: _Loop, task: Task) -> Response:
+        """The bound of a loop; those of a parallel of which each is alone in its branch are found together."""
+        number = loop.owner.number
+        group = self.surroundings.group_of(number)
+        alone = self.surroundings.below(number)
+        beside = self._beside_own(loop)
+        if (
+            group is not None
+            and not beside
+            and len(alone) == 1
+            and replace(self._as_task(alone[0]), name=task.name) == task
+        ):
+            if group not in self._together:
+                parts = self.surroundings.together(group)
+                found = response_times([self._as_task(part) for part in parts])
+                self._together[group] = {part.thread: response for part, response in zip(parts, found, strict=True)}
+            return self._together[group][number]
+        beside = merged([beside]) + self.surroundings.beside(number, loop.together.replaced)
+        return response_time(task, [self._as_task(part) for part in beside])
 
     def _of_partners(self, loop: _Loop) -> list[Job]:
         """The jobs of partners that follow no samples of their own: what they write belongs to the loop."""
@@ -201,12 +230,16 @@ class _Analysis:
         )  # fmt: skip
 
     def _as_task(self, part: Demand) -> Task:
+        found = self._tasks.get(part)
+        if found is None:
+            found = self._tasks[part] = self._made_task(part)
+        return found
+
+    def _made_task(self, part: Demand) -> Task:
         jitter = 0
         if part.late:
             jitter = self.lateness.get(part.origin, part.period)
-        elif part.origin == part.thread and any(
-            loop.delays or len(loop.together.members) > 1 for loop in self.loops if loop.owner.number == part.thread
-        ):
+        elif part.origin == part.thread and part.thread in self._waiting:
             # Waiting for partners or for time delays the rest of its work.
             jitter = max(0, self.lateness.get(part.thread, 0) - part.work)
         thread = self.behaviours[part.thread].thread
@@ -215,13 +248,12 @@ class _Analysis:
             final=part.work if part.step == part.work else 0, suspensions=part.delays,
         )  # fmt: skip
 
-    def _beside(self, loop: _Loop) -> list[Demand]:
-        """Everything that may want the processor while the loop does, apart from what is part of it."""
-        beside = [
+    def _beside_own(self, loop: _Loop) -> list[Demand]:
+        """What else the loop's own thread may want to do while the loop does."""
+        return [
             part for part in self.demands.own[loop.owner.number]
             if (part.period < ONCE and (part.origin != loop.owner.number or part.late)) or self._of_same_loop(loop, part)
         ]  # fmt: skip
-        return merged([beside]) + self._around(self.root, loop)
 
     def _of_same_loop(self, loop: _Loop, part: Demand) -> bool:
         """Samples of another period that the same loop follows."""
@@ -237,31 +269,9 @@ class _Analysis:
             for job in owner.jobs
         )
 
-    def _around(self, thread: Thread, loop: _Loop) -> list[Demand]:
-        """What runs in parallel with the loop below a thread: the branches beside the one that it is in."""
-        for group in thread.forks:
-            for inner in group:
-                if any(part is loop.owner.thread for part in inner.with_forks()):
-                    beside = [part for other in group if other is not inner for part in self._below(other, loop)]
-                    return beside + self._around(inner, loop)
-        # Within the loop's own thread nothing that it starts runs at the same time.
-        return []
-
-    def _below(self, thread: Thread, loop: _Loop | None) -> list[Demand]:
-        """What a thread or, at other times, the threads that it starts demand."""
-        number = self.numbers[id(thread)]
-        replaced = set() if loop is None else loop.together.replaced
-        own = [
-            part for part in self.demands.own.get(number, ()) if (part.thread, part.period, part.origin) not in replaced
-        ]
-        groups = [merged([own])]
-        groups += [[part for inner in group for part in self._below(inner, loop)] for group in thread.forks]
-        return groups[0] if len(groups) == 1 else across(groups)
-
-    def tasks(self) -> Iterator[Task]:
+    def tasks(self) -> list[Task]:
         """What the whole program demands at most at any time."""
-        for part in self._below(self.root, None):
-            yield replace(self._as_task(part), name=self.behaviours[part.thread].thread.path)
+        return [self._as_task(part) for part in self.surroundings.everything()]
 
     def advice(self, rows: Sequence[LoopTiming]) -> tuple[str, ...] | None:
         """Another order of priorities, where it helps."""
@@ -276,20 +286,26 @@ class _Analysis:
         )
 
 
-def _latency(network: Network, outputs: Sequence[str], response: int | None) -> tuple[int, int] | None:
-    """From the sample to the outputs: a latched one changes at the tick that ends the work, an immediate one when it is written."""
-    if not outputs or response is None:
-        return None
-    shortest: list[int] = []
-    longest: list[int] = []
-    for port in network.external_ports:
-        name = port.name if port.index is None or port.name.endswith("]") else f"{port.name}[{port.index}]"
-        if name not in outputs:
-            continue
-        if port.period is None or port.immediate:
-            shortest.append(0)
-            longest.append(response)
-        else:
-            shortest.append(port.period)
-            longest.append(max(1, -(-response // port.period)) * port.period)
-    return (min(shortest), max(longest)) if shortest else None
+class _Ports:
+    """The outputs of a program, by the nets that lead to them."""
+
+    def __init__(self, network: Network) -> None:
+        self._order = {net.path: k for k, net in enumerate(network.nets)}
+        self._ports = {
+            port.name if port.index is None or port.name.endswith("]") else f"{port.name}[{port.index}]": port
+            for port in network.external_ports
+        }
+
+    def outputs(self, written: Iterable[str]) -> tuple[str, ...]:
+        """The outputs at the end of some nets, in the order of the text."""
+        return tuple(net.partition(".")[2] for net in sorted(written, key=self._order.__getitem__))
+
+    def latency(self, outputs: Sequence[str], response: int | None) -> tuple[int, int] | None:
+        """From the sample to the outputs: a latched one changes at the tick that ends the work, an immediate one when it is written."""
+        ports = [self._ports[name] for name in outputs if name in self._ports]
+        if not ports or response is None:
+            return None
+        latched = [port.period for port in ports if port.period is not None and not port.immediate]
+        shortest = [*latched, *([0] if len(latched) < len(ports) else [])]
+        longest = [max(1, -(-response // period)) * period for period in latched]
+        return min(shortest), max([*longest, *([response] if len(latched) < len(ports) else [])])

@@ -83,7 +83,8 @@ class Refusal:
 @dataclass(frozen=True)
 class TimingReport:
     """The timing of a whole program. ``advice`` lists the threads from the most to the least urgent, where another order of priorities
-    would meet all deadlines and the present one does not; ``is_edf_feasible`` tells whether earliest deadline first would; ``tasks`` is what was analysed.
+    would meet all deadlines and the present one does not; ``is_edf_feasible`` tells whether earliest deadline first would; ``tasks`` is what was analysed;
+    ``are_all_chains`` unless there are too many to follow.
     """
 
     process: str
@@ -97,6 +98,7 @@ class TimingReport:
     is_edf_feasible: bool
     advice: tuple[str, ...] | None
     measured: tuple[str, ...] = ()
+    are_all_chains: bool = True
 
     @property
     def is_schedulable(self) -> bool | None:

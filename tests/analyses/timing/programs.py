@@ -8,6 +8,7 @@ from cspdiag.analyses.timing.report import timing_report
 from cspdiag.analyses.timing.result import LoopTiming, TimingReport
 from cspdiag.api import LoadedProgram
 from cspdiag.diagnostics import SourceFile
+from cspdiag.network.ir import Network
 
 US = 1000
 MS = 1_000_000
@@ -29,9 +30,14 @@ def loops_of(*loops: tuple[str, str, str | None], order: str = "||", latch: str 
     return f"{laws}process Main {{\n{ports}  communication {{\n{parts}  }}\n  composition {{ {runs} }}\n}}\n"
 
 
+def network_of(text: str) -> Network:
+    """The network of a program in a text."""
+    return LoadedProgram(SourceFile("main.csp", text)).network
+
+
 def report_of(text: str, measured: Mapping[str, int] | None = None) -> TimingReport:
     """The timing of a program in a text."""
-    return timing_report(LoadedProgram(SourceFile("main.csp", text)).network, measured)
+    return timing_report(network_of(text), measured)
 
 
 def by_name(report: TimingReport) -> dict[str, LoopTiming]:
