@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from cspdiag.analyses.verification.question import Question
     from cspdiag.model.program import Program, Value
     from cspdiag.network.analyse import Analysis
+    from cspdiag.network.contexts import Surroundings
     from cspdiag.network.ir import Network
     from cspdiag.settings import Overrides
 
@@ -59,7 +60,14 @@ class Asked:
     def network(self, process: str) -> Network | None:
         """The network of a process as the outermost one; None where that reports an error."""
         if process not in self.networks:
-            network = compile_network(self.checked, top=process, overrides=self.parameters)
+            is_specification = process in {question.specification for question in self.questions}
+            is_asked = process in {question.process for question in self.questions}
+            network = compile_network(
+                self.checked,
+                top=process,
+                overrides=self.parameters,
+                surroundings="specification" if is_specification and not is_asked else "environment",
+            )
             if network is None:
                 return None
             self.networks[process] = network
@@ -107,17 +115,26 @@ def compile_network(
     top: str | None = None,
     environment: str | None = None,
     overrides: Mapping[str, Value] | None = None,
+    surroundings: Surroundings = "environment",
 ) -> Network | None:
     """Lower a program that has no errors to its network; None where that reports an error.
 
     ``top`` names the outermost process and ``environment`` the environment it is compiled for (defaults: those of
-    the text); ``overrides`` replaces parameters of instances by path.
+    the text); ``overrides`` replaces parameters of instances by path. ``surroundings`` says what its ports meet.
     """
     from cspdiag.network.lower import lower
 
     if checked.program is None or checked.report.has_errors:
         return None
-    network = lower(checked.program, top, environment, overrides or {}, checked.report, checked=checked.analysis)
+    network = lower(
+        checked.program,
+        top,
+        environment,
+        overrides or {},
+        checked.report,
+        surroundings=surroundings,
+        checked=checked.analysis,
+    )
     return None if checked.report.has_errors else network
 
 

@@ -11,7 +11,7 @@ from cspdiag.diagnostics import Report
 from cspdiag.model.program import Program, Value
 from cspdiag.network.assignment import Flow, check_assignment
 from cspdiag.network.composition import check_progress, check_runs
-from cspdiag.network.contexts import Contexts, Placed
+from cspdiag.network.contexts import Contexts, Placed, Surroundings
 from cspdiag.network.definitions import Definitions
 from cspdiag.network.diagnostics_arrays import TooManyInstances
 from cspdiag.network.diagnostics_periods import SampleUnknown
@@ -46,7 +46,7 @@ class Analysis:
         self.contexts = Contexts(self.rates, report)
         self.flows: dict[Shape, Flow] = {}
         self._sizes: dict[Shape, int] = {}
-        self._roots: list[tuple[Shape, bool]] = []
+        self._roots: list[tuple[Shape, Surroundings]] = []
         self._root_arguments: list[tuple[Shape, tuple[ast.Argument, ...]]] = []
         self._ranks: dict[ast.Node, int] = {definition: n for n, definition in enumerate(self.definitions.order)}
         self._needs_sample: dict[ast.SubmodelDefinition, bool] = {}
@@ -57,23 +57,19 @@ class Analysis:
         arguments: tuple[ast.Argument, ...],
         values: Mapping[str, Value],
         overrides: Overrides,
-        *,
-        is_open: bool,
+        surroundings: Surroundings = "environment",
     ) -> Shape:
-        """An outermost process with the arguments of its environment and the values that they, defaults and overrides give.
-
-        ``is_open``: it belongs to a library, and what its ports meet is unknown.
-        """
+        """An outermost process with the arguments of its environment and the values that they, defaults and overrides give."""
         shape = self.elaboration.root(definition, values, overrides)
         self._root_arguments.append((shape, arguments))
-        if (shape, is_open) not in self._roots:
-            self._roots.append((shape, is_open))
+        if (shape, surroundings) not in self._roots:
+            self._roots.append((shape, surroundings))
         return shape
 
     def known_root(self, definition: ast.ProcessDefinition, values: Mapping[str, Value]) -> tuple[Shape, Placed] | None:
         """An outermost process that ``run`` has looked at, with such values of its parameters."""
         shape = self.elaboration.root(definition, values, {})
-        return (shape, self.contexts.outermost(shape, False)) if (shape, False) in self._roots else None
+        return (shape, self.contexts.outermost(shape, "environment")) if (shape, "environment") in self._roots else None
 
     def run(self) -> list[Placed]:
         """All passes; returns the outermost processes in their contexts."""
@@ -81,11 +77,11 @@ class Analysis:
             self._count(shape)
             self._infer(shape)
         self._report_periods()
-        for shape, is_open in self._roots:
-            if not is_open and not shape.incomplete:
+        for shape, surroundings in self._roots:
+            if surroundings != "unknown" and not shape.incomplete:
                 check_outermost(shape, self.relations.of(shape), self.asked[shape], self.report)
                 check_event_ports(shape, self.rates[shape], self.report)
-        outermost = [self.contexts.outermost(shape, is_open) for shape, is_open in self._roots]
+        outermost = [self.contexts.outermost(shape, surroundings) for shape, surroundings in self._roots]
         waiting = Waiting()
         for placed in self._inside_out_in_context():
             waiting.process(placed)

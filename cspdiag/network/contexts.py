@@ -27,6 +27,9 @@ from cspdiag.network.shapes import (
 NetKind: TypeAlias = ChannelKind | Literal["sampled", "event", "constant", "discard", "open"]
 """``open``: nothing is known, because the process is looked at by itself or something was reported."""
 
+Surroundings: TypeAlias = Literal["environment", "specification", "unknown"]
+"""What the ports of an outermost process meet: an environment, which takes every output at once; the process that is to refine it; or what a library cannot know."""
+
 Fact: TypeAlias = "tuple[NetKind, int | None]"
 Facts: TypeAlias = "dict[Key, Fact]"
 
@@ -42,7 +45,6 @@ class Placed:
     """Submodel instances that have a sample period which is not known."""
     inside: dict[str, Placed]
     """The process instances by name."""
-    is_outermost: bool
 
     def period(self, key: Key) -> int | None:
         """The sample period of the net at a port or channel."""
@@ -59,19 +61,20 @@ class Contexts:
         self._known: dict[object, Placed] = {}
         self._pending: list[Placed] = []
 
-    def outermost(self, shape: Shape, is_open: bool) -> Placed:
-        """The outermost process and everything inside it; ``is_open``: what its ports meet is unknown."""
+    def outermost(self, shape: Shape, surroundings: Surroundings) -> Placed:
+        """The outermost process and everything inside it."""
+        is_open = surroundings != "environment"
         facts: Facts = {}
         for port, _, key in shape.port_elements():
             kind: NetKind = "open" if is_open else "sampled" if port.period is not None else "event"
             facts[key] = (kind, port.period)
-        placed = self._place(shape, facts, not is_open)
+        placed = self._place(shape, facts)
         while self._pending:
             self._fill(self._pending.pop())
         return placed
 
-    def _place(self, shape: Shape, ports: Facts, is_outermost: bool = False) -> Placed:
-        identity = (shape, tuple(ports.values()), is_outermost)
+    def _place(self, shape: Shape, ports: Facts) -> Placed:
+        identity = (shape, tuple(ports.values()))
         known = self._known.get(identity)
         if known is None:
             rates = self.rates.get(shape, {})
@@ -88,7 +91,6 @@ class Contexts:
                 samples=samples.found,
                 unknown_samples=samples.unknown,
                 inside={},
-                is_outermost=is_outermost,
             )
             self.placed.append(known)
             self._pending.append(known)

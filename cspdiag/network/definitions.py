@@ -55,12 +55,16 @@ class Definitions:
         """
         roots = self.roots()
         main = set(self.program.main.items)
-        specifications = {
-            assertion.specification.text for assertion in self.program.assertions if assertion.specification is not None
-        }
         own = [root for root in roots if root in main]
-        candidates = [root for root in own if root.name.text not in specifications] or own or roots
+        candidates = [root for root in own if not self.is_specification(root)] or own or roots
         return candidates[-1] if candidates else None
+
+    def is_specification(self, definition: ast.ProcessDefinition) -> bool:
+        """Whether some assertion names the process as what another is to refine."""
+        return any(
+            assertion.specification is not None and assertion.specification.text == definition.name.text
+            for assertion in self.program.assertions
+        )
 
     def _sort(self) -> None:
         """Depth first by a loop; a process met again on the way down contains itself, which the model reports."""

@@ -10,6 +10,7 @@ from cspdiag.model.program import Program, Value
 from cspdiag.model.spelling import Speller
 from cspdiag.network import environments, external_bodies, submodels
 from cspdiag.network.analyse import Analysis
+from cspdiag.network.contexts import Surroundings
 from cspdiag.network.definitions import arguments_of
 from cspdiag.network.elaborate import parameter_value
 from cspdiag.network.environments import lower_environment
@@ -54,11 +55,14 @@ def analysed(program: Program, report: Report) -> Analysis:
         if process is not None and process not in analysis.definitions.recursive:
             environment_of.add(process)
             values = _arguments(analysis, process, environment.arguments, {})
-            analysis.add_root(process, environment.arguments, _by_name(values), {}, is_open=False)
+            analysis.add_root(process, environment.arguments, _by_name(values), {})
     for definition in analysis.definitions.roots():
         if definition not in environment_of:
             values = _arguments(analysis, definition, (), {})
-            analysis.add_root(definition, (), _by_name(values), {}, is_open=definition not in main)
+            surroundings: Surroundings = "environment" if definition in main else "unknown"
+            if definition in main and analysis.definitions.is_specification(definition):
+                surroundings = "specification"
+            analysis.add_root(definition, (), _by_name(values), {}, surroundings)
     analysis.run()
     return analysis
 
@@ -70,12 +74,14 @@ def lower(
     overrides: Mapping[str, Value],
     report: Report,
     *,
+    surroundings: Surroundings = "environment",
     checked: Analysis | None = None,
 ) -> Network | None:
     """The network of an outermost process; None where something is wrong that was reported.
 
     ``top``: its name, by default that of the process of the environment, which is by default the first of the text; without any
     environment the last process that nobody instantiates and that is no specification of another. ``overrides``: values of parameters by the path of the instance.
+    ``surroundings``: what its ports meet.
     ``checked`` is what ``check`` has found out about the same program, with the same report. Raises SelectionError where there is no such process,
     or a parameter of it has no value.
     """
@@ -95,10 +101,11 @@ def lower(
                 f"the outermost process `{process.name.text}` has no value for its parameter `{parameter.name.text}`: "
                 f"give it a default, set it, or write an environment for `{process.name.text}(...)`"
             )
-    root = analysis.known_root(process, _by_name(values)) if analysis is checked else None
+    is_known = analysis is checked and surroundings == "environment"
+    root = analysis.known_root(process, _by_name(values)) if is_known else None
     if root is None:
         analysis = Analysis(program, report)
-        shape = analysis.add_root(process, arguments, _by_name(values), overrides, is_open=False)
+        shape = analysis.add_root(process, arguments, _by_name(values), overrides, surroundings)
         (placed,) = analysis.run()
         if report.has_errors:
             return None

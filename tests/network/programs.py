@@ -47,6 +47,6 @@ def shape_of(text: str, top: str = "Main") -> tuple[Shape, Analysis]:
     assert found.program is not None, describe(found.report.diagnostics)
     analysis = Analysis(found.program, Report())
     definition = next(d for d in analysis.definitions.order if d.name.text == top)
-    shape = analysis.add_root(definition, (), {}, {}, is_open=False)
+    shape = analysis.add_root(definition, (), {}, {})
     analysis.run()
     return shape, analysis
