@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 from itertools import islice
 from typing import TYPE_CHECKING
@@ -76,7 +76,7 @@ class Verifier:
         self._method = method
         self._spin = spin
         self._settings = settings
-        self._systems: dict[str, System] = {}
+        self._systems: dict[tuple[str, frozenset[str]], System] = {}
 
     def answer(self, question: Question, limits: Limits) -> Answer:
         """The answer to one of the questions.
@@ -96,16 +96,17 @@ class Verifier:
             answer = prove(question, self.system, limits, self._method)
         return self._confirmed(answer)
 
-    def system(self, process: str) -> System:
-        """The transition system of a process of the program."""
-        if process not in self._systems:
+    def system(self, process: str, told_apart: Collection[str] = ()) -> System:
+        """The transition system of a process of the program; of the inputs ``told_apart`` the values matter whatever depends on them."""
+        key = process, frozenset(told_apart)
+        if key not in self._systems:
             network = self._asked.network(process)
             assert network is not None, "asked for a process with errors"
             try:
-                self._systems[process] = transition_system(network)
+                self._systems[key] = transition_system(network, key[1])
             except TransitionError as problem:
                 raise VerificationError(str(problem)) from problem
-        return self._systems[process]
+        return self._systems[key]
 
     def _asked_spin(self, question: Question, limits: Limits) -> Answer:
         from cspdiag.simulate import spin

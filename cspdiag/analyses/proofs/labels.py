@@ -24,15 +24,19 @@ class Labels:
     hidden: Collection[str] = ()
 
     @cached_property
-    def _valued(self) -> frozenset[str]:
-        """Ports of which the specification tells values apart."""
-        return frozenset(port(event) for event in self.specification.events if event.value is not None)
+    def told_apart(self) -> frozenset[str]:
+        """The ports of which the specification tells values apart."""
+        return frozenset(
+            port(event)
+            for event in self.specification.events
+            if event.visible and event.value is not None and not _named(port(event), self.hidden)
+        )
 
     def of(self, event: Event) -> Label | None:
         """The label, or None if the specification does not see the event."""
         if not event.visible or _named(port(event), self.hidden):
             return None
-        return port(event), event.value if port(event) in self._valued else None
+        return port(event), event.value if port(event) in self.told_apart else None
 
 
 def port(event: Event) -> str:

@@ -7,7 +7,7 @@ Only their values are followed.
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from typing import Literal, TypeAlias
 
 from cspdiag.analyses.transitions.faults import Faults
@@ -47,11 +47,11 @@ TIMEOUT = "Timeout"
 
 
 class Facts:
-    """What follows from the classes of a program alone."""
+    """What follows from the classes of a program alone, and from the ports whose values are to be ``told_apart``."""
 
-    def __init__(self, program: Program) -> None:
+    def __init__(self, program: Program, told_apart: Collection[str] = ()) -> None:
         self.program = program
-        self.relevant = _relevant(program)
+        self.relevant = _relevant(program, told_apart)
         self.sampled = _sampled_ports(program)
         self.faults = Faults(program.network)
         self._escaping: dict[Node, frozenset[str]] = {}
@@ -142,7 +142,7 @@ def _base(port: str) -> str:
     return port.split("[", 1)[0]
 
 
-def _relevant(program: Program) -> frozenset[Item]:
+def _relevant(program: Program, told_apart: Collection[str]) -> frozenset[Item]:
     flows: defaultdict[Item, set[Item]] = defaultdict(set)
     seeds: set[Item] = set()
     for one in program.classes.values():
@@ -152,7 +152,7 @@ def _relevant(program: Program) -> frozenset[Item]:
             for condition in _conditions(one.definition):
                 seeds |= _items_in(condition, one)
     for port in program.network.external_ports:
-        if port.direction == "out" and values_of_type(port.type) is not None:
+        if (port.direction == "out" or port.name in told_apart) and values_of_type(port.type) is not None:
             seeds.add(("port", program.network.top, _base(port.name)))
     found: set[Item] = set()
     pending = list(seeds)

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Collection
 from dataclasses import replace
+from typing import Protocol
 
 from cspdiag.analyses.counterexamples.counterexample import Counterexample, Failure, counterexample
 from cspdiag.analyses.proofs.verdict import Limits, Method, Proved, Refuted, Unknown, Verdict
@@ -12,8 +13,12 @@ from cspdiag.analyses.transitions.system import System
 from cspdiag.analyses.verification.answer import Answer
 from cspdiag.analyses.verification.question import Question
 
-Systems = Callable[[str], System]
-"""The transition system of a process, by its name, as the outermost one."""
+
+class Systems(Protocol):
+    """Has the transition systems of processes as the outermost ones."""
+
+    def __call__(self, process: str, told_apart: Collection[str] = ()) -> System:
+        """That of the process of this name; of the inputs ``told_apart`` the values matter as well."""
 
 
 def prove(question: Question, systems: Systems, limits: Limits, method: Method | None = None) -> Answer:
@@ -22,12 +27,21 @@ def prove(question: Question, systems: Systems, limits: Limits, method: Method |
     Raises what ``systems`` raises. A limit that is reached makes the answer unknown.
     """
     began = time.monotonic()
-    system = systems(question.process)
+    system = _asked(question, systems)
     try:
         answer = _answer(question, system, systems, limits, method)
     except MemoryError:
         answer = Answer(question, "unknown", method, "the memory of this machine is used up", 0.0)
     return replace(answer, seconds=time.monotonic() - began, abstractions=system.abstractions)
+
+
+def _asked(question: Question, systems: Systems) -> System:
+    """The process in question; its events have the values that the specification, if there is one, tells apart."""
+    if question.specification is None:
+        return systems(question.process)
+    from cspdiag.analyses.proofs.labels import Labels
+
+    return systems(question.process, Labels(systems(question.specification), question.hidden).told_apart)
 
 
 def _answer(question: Question, system: System, systems: Systems, limits: Limits, method: Method | None) -> Answer:
