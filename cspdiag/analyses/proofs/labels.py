@@ -29,14 +29,22 @@ class Labels:
         return frozenset(
             port(event)
             for event in self.specification.events
-            if event.visible and event.value is not None and not _named(port(event), self.hidden)
+            if event.visible and event.value is not None and not self.hides(port(event))
         )
 
     def of(self, event: Event) -> Label | None:
         """The label, or None if the specification does not see the event."""
-        if not event.visible or _named(port(event), self.hidden):
+        if not event.visible or self.hides(port(event)):
             return None
         return port(event), event.value if port(event) in self.told_apart else None
+
+    def of_value(self, name: str, value: str) -> Label:
+        """The label of a communication at a port that is not hidden, with a value as transition systems write it."""
+        return name, value if name in self.told_apart else None
+
+    def hides(self, name: str) -> bool:
+        """Whether the specification does not see a port."""
+        return name in self.hidden or name.partition("[")[0] in self.hidden
 
 
 def port(event: Event) -> str:
@@ -54,8 +62,3 @@ def words(label: Label) -> str:
     if label == END:
         return "the end"
     return f"`{label[0]}`" if label[1] is None else f"`{label[0]}.{label[1]}`"
-
-
-def _named(name: str, hidden: Collection[str]) -> bool:
-    """Whether this is one of the ports, or an element of one that is an array."""
-    return name in hidden or name.partition("[")[0] in hidden

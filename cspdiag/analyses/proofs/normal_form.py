@@ -36,7 +36,7 @@ def normal_form(
 
     ``labels`` are those of the specification's events, ``asked`` those of the process.
     """
-    walk = _Walk(specification, labels)
+    walk = Walk(specification, labels)
     first = walk.closure([specification.initial], limits)
     numbers = {first: 0}
     pending = [first]
@@ -53,14 +53,14 @@ def normal_form(
                     numbers[reached] = len(pending)
                     pending.append(reached)
                 after[label] = numbers[reached]
-        acceptances = _smallest(walk.offers(state) for state in states if walk.is_stable(state))
+        acceptances = smallest(walk.offers(state) for state in states if walk.is_stable(state))
         if any(END in accepted for accepted in acceptances):
             after[END] = numbers[states]
         nodes.append(Node(after, acceptances))
     return tuple(nodes)
 
 
-def _smallest(sets: Iterable[frozenset[Label]]) -> tuple[frozenset[Label], ...]:
+def smallest(sets: Iterable[frozenset[Label]]) -> tuple[frozenset[Label], ...]:
     """The sets of which no part is among them."""
     every = sorted(set(sets), key=lambda found: (len(found), sorted(map(str, found))))
     kept: list[frozenset[Label]] = []
@@ -70,7 +70,7 @@ def _smallest(sets: Iterable[frozenset[Label]]) -> tuple[frozenset[Label], ...]:
     return tuple(kept)
 
 
-class _Walk:
+class Walk:
     """The steps of a specification, by label."""
 
     def __init__(self, system: System, labels: dict[int, Label]) -> None:

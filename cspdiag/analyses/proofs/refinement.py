@@ -14,12 +14,13 @@ from dataclasses import replace
 import numpy as np
 
 from cspdiag.analyses.proofs.breadth_first import Exploration, explore, trace_to
-from cspdiag.analyses.proofs.labels import END, Label, Labels, words
+from cspdiag.analyses.proofs.labels import END, Label, Labels
 from cspdiag.analyses.proofs.livelock import livelock_free
 from cspdiag.analyses.proofs.normal_form import Node, normal_form
 from cspdiag.analyses.proofs.packed_conditions import Deadlocks
 from cspdiag.analyses.proofs.packing import Flags, Packing, Words
 from cspdiag.analyses.proofs.reduction import is_large, seen_from_outside
+from cspdiag.analyses.proofs.refinement_words import done_too_much, ended_too_soon, refused_too_much
 from cspdiag.analyses.proofs.traces import end_of
 from cspdiag.analyses.proofs.verdict import LimitError, Limits, Move, Proved, Refuted, Unknown, Verdict
 from cspdiag.analyses.transitions.system import Component, System
@@ -181,7 +182,7 @@ def _violation(search: Exploration, seen: dict[int, Label], nodes: tuple[Node, .
     last = search.state(search.found)
     if last[-1] == len(nodes):
         before = end_of(search.packing.system.initial, trace[:-1])
-        reason = f"it does {words(seen[trace[-1].event])}, where the specification {_allows(nodes[before[-1]])}"
+        reason = done_too_much(seen[trace[-1].event], nodes[before[-1]].after)
     else:
         reason = _refusal(search.packing, search.found, search, seen, nodes[last[-1]], system)
     watcher = len(system.components)
@@ -195,20 +196,5 @@ def _refusal(
     here = search.table.states(number, number + 1)
     offers = {seen[step.event] for step in packing.steps if step.event in seen and step.enabled(here)[0]}
     if not offers and Deadlocks(packing)(here, np.zeros(1, np.bool_)) is None:
-        return f"it ends, where the specification {_allows(node)}"
-    offered = f"only {_list(offers)}" if offers else "nothing"
-    if not node.acceptances:
-        return f"it waits and offers {offered}, where the specification never waits"
-    met = offers | {(port, None) for port, _ in offers}
-    refused = {label for accepted in node.acceptances for label in accepted} - met
-    wanted = ", or else ".join(_list(accepted) for accepted in node.acceptances)
-    return f"it refuses {_list(refused)} and offers {offered}, where the specification demands {wanted}"
-
-
-def _allows(node: Node) -> str:
-    return f"allows only {_list(node.after)}" if node.after else "allows nothing more"
-
-
-def _list(labels: Collection[Label]) -> str:
-    *rest, last = sorted(words(label) for label in labels)
-    return f"{', '.join(rest)} and {last}" if rest else last
+        return ended_too_soon(node.after)
+    return refused_too_much(offers, node.acceptances)
