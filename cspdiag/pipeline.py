@@ -6,7 +6,7 @@ reached, so that ``cspdiag check`` starts without the generator and what it need
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from cspdiag.diagnostics.record import node, replaced
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from cspdiag.network.contexts import Surroundings
     from cspdiag.network.ir import Network
     from cspdiag.settings import Overrides
+    from cspdiag.syntax.ast import SourceTree
 
 Reader = Callable[[str], SourceFile]
 """Reads an imported file; raises OSError where it cannot."""
@@ -38,6 +39,8 @@ class Checked:
     readable: Program | None = None
     analysis: Analysis | None = None
     """What the checks have found out that lowering needs too."""
+    network: Network | None = None
+    """That of the outermost process beside all its environments, where an analysis has needed it."""
 
 
 @node
@@ -84,7 +87,6 @@ def check(main: SourceFile, read: Reader, overrides: Mapping[str, Value] | None 
     from cspdiag.model.diagnostics_imports import ImportFailure
     from cspdiag.model.imports import load
     from cspdiag.model.resolve import resolve
-    from cspdiag.network.lower import check as check_network
     from cspdiag.syntax.soundness import sound_part
 
     report = Report()
@@ -98,14 +100,30 @@ def check(main: SourceFile, read: Reader, overrides: Mapping[str, Value] | None 
         readable = resolve(trees, overrides or {}, report)
         check_model(readable, report)
         return Checked(program=None, report=report, readable=readable)
-    program = resolve(trees, overrides or {}, report)
+    return _checked(trees, overrides or {}, report)
+
+
+@room_to_recurse()
+def changed(checked: Checked, constants: Mapping[str, Value]) -> Checked:
+    """A program without errors with other values of its constants; its text is not read again."""
+    assert checked.program is not None
+    return _checked(checked.program.trees, constants, Report())
+
+
+def _checked(trees: Sequence[SourceTree], overrides: Mapping[str, Value], report: Report) -> Checked:
+    from cspdiag.model.check import check as check_model
+    from cspdiag.model.resolve import resolve
+    from cspdiag.network.lower import check as check_network
+
+    program = resolve(trees, overrides, report)
     check_model(program, report)
     analysis = check_network(program, report)
+    network = None
     if not report.has_errors:
         from cspdiag.analyses import analyse
 
-        analyse(program, report)
-    return Checked(program=program, report=report, readable=program, analysis=analysis)
+        network = analyse(program, analysis, report)
+    return Checked(program=program, report=report, readable=program, analysis=analysis, network=network)
 
 
 @room_to_recurse()
@@ -126,6 +144,12 @@ def compile_network(
 
     if checked.program is None or checked.report.has_errors:
         return None
+    if (
+        checked.network is not None
+        and (top, environment, surroundings) == (None, None, "environment")
+        and not overrides
+    ):
+        return checked.network
     network = lower(
         checked.program,
         top,
@@ -164,7 +188,7 @@ def _check_with(main: SourceFile, read: Reader, settings: Mapping[str, str] | No
     if checked.program is None or checked.report.has_errors or not settings:
         return checked, NO_OVERRIDES
     overrides = parse_settings(checked.program, settings)
-    return check(main, read, overrides.constants) if overrides.constants else checked, overrides
+    return changed(checked, overrides.constants) if overrides.constants else checked, overrides
 
 
 def ask(

@@ -2,27 +2,37 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from cspdiag.analyses.analysis import Analysis
 from cspdiag.analyses.load import LOAD
 from cspdiag.diagnostics import Report
 from cspdiag.model.program import Program
+
+if TYPE_CHECKING:
+    from cspdiag.network.analyse import Analysis as Checked
+    from cspdiag.network.ir import Network
 
 __all__ = ["ANALYSES", "Analysis", "analyse"]
 
 ANALYSES: dict[str, Analysis] = {"load": LOAD}
 
 
-def analyse(program: Program, report: Report) -> None:
-    """Run every analysis that a program without errors gives rise to; only then is it lowered for them."""
+def analyse(program: Program, checked: Checked, report: Report) -> Network | None:
+    """Run every analysis that a program without errors gives rise to; only then is it lowered for them, and the network returned.
+
+    ``checked`` is what the checks of its processes have found out, with the same report.
+    """
     concerned = [analysis for analysis in ANALYSES.values() if analysis.concerns(program)]
     if not concerned:
-        return
+        return None
     from cspdiag.network.lower import SelectionError, lower
 
     try:
-        network = lower(program, None, None, {}, report)
+        network = lower(program, None, None, {}, report, checked=checked)
     except SelectionError:
-        return
+        return None
     if network is not None:
         for analysis in concerned:
             analysis.run(network, report)
+    return network

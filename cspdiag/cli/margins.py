@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from argparse import ArgumentParser, Namespace
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,9 +14,10 @@ from cspdiag.sources import read_source
 
 if TYPE_CHECKING:
     from cspdiag.analyses.margins.loops import AnalysedLoop, LoopReport
-    from cspdiag.analyses.margins.margin import Margins
-    from cspdiag.analyses.margins.period import Wanted
+    from cspdiag.analyses.margins.period import Variant, Wanted
+    from cspdiag.analyses.margins.system import OpenLoop
     from cspdiag.network.ir import Environment, Network
+    from cspdiag.pipeline import Built, Checked
 
 EXAMPLE = (
     "cspdiag margins models/jiwy/jiwy.csp --loop servo\n"
@@ -58,7 +59,8 @@ def run(arguments: Namespace) -> int:
         margin = None if arguments.largest_period is None else wanted(arguments.largest_period)
     except ValueError as problem:
         raise UsageError(f"--largest-period: {problem}") from None
-    network = _network(arguments, {})
+    built = _built(arguments)
+    network = built.network
     if network is None:
         return UNSUCCESSFUL
     environment = _environment(network, arguments.environment)
@@ -71,7 +73,7 @@ def run(arguments: Namespace) -> int:
         raise NoResultError(
             f"{place}{problem.reason}, so that no loop through `{environment.name}` has margins"
         ) from None
-    periods = {} if margin is None else _periods(arguments, network, report, margin)
+    periods = {} if margin is None else _periods(arguments, built.checked, network, report, margin)
     _write_plot(arguments.plot, report)
     _tell(arguments, report, periods)
     return FINE if report.loops and all(loop.margins.is_stable for loop in report.loops) else UNSUCCESSFUL
@@ -91,21 +93,25 @@ def _check_plot(path: Path | None) -> None:
         raise UsageError('--plot needs matplotlib: pip install "cspdiag[plot]"')
 
 
-def _network(arguments: Namespace, further: Mapping[str, str], *, told: bool = True) -> Network | None:
+def _built(arguments: Namespace) -> Built:
     from cspdiag import pipeline
     from cspdiag.network.lower import SelectionError
-    from cspdiag.settings import SettingError, split_setting
+    from cspdiag.settings import SettingError
 
     try:
-        settings = {**dict(split_setting(setting) for setting in arguments.settings), **further}
         built = pipeline.build(
-            read_source(arguments.file), read_source, environment=arguments.environment, settings=settings
+            read_source(arguments.file), read_source, environment=arguments.environment, settings=_settings(arguments)
         )
     except (SettingError, SelectionError) as problem:
         raise UsageError(str(problem)) from None
-    if told:
-        show_diagnostics(built.checked.report.diagnostics, arguments.color)
-    return built.network
+    show_diagnostics(built.checked.report.diagnostics, arguments.color)
+    return built
+
+
+def _settings(arguments: Namespace) -> dict[str, str]:
+    from cspdiag.settings import split_setting
+
+    return dict(split_setting(setting) for setting in arguments.settings)
 
 
 def _environment(network: Network, name: str | None) -> Environment:
@@ -142,12 +148,12 @@ def _point(arguments: Namespace, environment: Environment) -> dict[str, float]:
 
 
 def _periods(
-    arguments: Namespace, network: Network, report: LoopReport, margin: Wanted
+    arguments: Namespace, checked: Checked, network: Network, report: LoopReport, margin: Wanted
 ) -> dict[str, tuple[int | None, str]]:
     """For each loop whose period is a constant of the text, the largest one, with the name of the constant."""
     from cspdiag.analyses.margins.period import largest_period, period_constants
 
-    search = _Search(arguments)
+    search = _Search(arguments, checked)
     found: dict[str, tuple[int | None, str]] = {}
     known: dict[tuple[object, ...], int | None] = {}
     for loop in report.loops:
@@ -159,40 +165,49 @@ def _periods(
         # Loops that are equal now are equal at every period.
         key = (tuple(constants.items()), loop.margins)
         if key not in known:
-            known[key] = largest_period(search.measure(loop), constants, margin)
+            known[key] = largest_period(search.variants(loop), constants, margin)
         found[loop.opened.cut.name] = known[key], ", ".join(constants)
     return found
 
 
 class _Search:
-    """Compiles the program for the periods that are looked at, each once."""
+    """Makes the network for the periods that are looked at, each once. What the text says is read and set once."""
 
-    def __init__(self, arguments: Namespace) -> None:
-        self.arguments = arguments
+    def __init__(self, arguments: Namespace, checked: Checked) -> None:
+        from cspdiag.settings import parse_settings
+
+        assert checked.program is not None
+        self.environment = arguments.environment
+        self.checked = checked
+        self.overrides = parse_settings(checked.program, _settings(arguments))
         self.networks: dict[tuple[tuple[str, int], ...], Network | None] = {}
 
-    def measure(self, loop: AnalysedLoop) -> Callable[[Mapping[str, int]], Margins | None]:
-        """The margins of one loop with constants set."""
+    def variants(self, loop: AnalysedLoop) -> Variant:
+        """One loop with constants set."""
         from cspdiag.analyses.margins.linear import NotLinearError
-        from cspdiag.analyses.margins.loops import analyse_loops
+        from cspdiag.analyses.margins.loops import opened_again
 
-        def measured(constants: Mapping[str, int]) -> Margins | None:
-            key = tuple(constants.items())
-            if key not in self.networks:
-                settings = {name: f"{value} ns" for name, value in constants.items()}
-                self.networks[key] = _network(self.arguments, settings, told=False)
-            network = self.networks[key]
+        def variant(constants: Mapping[str, int]) -> OpenLoop | None:
+            network = self._network(constants)
             if network is None:
                 return None
-            environment = _environment(network, self.arguments.environment)
-            point = _point(self.arguments, environment) or dict(loop.point)
             try:
-                report = analyse_loops(network, environment, point=point, only=loop.opened.cut.law)
+                return opened_again(network, _environment(network, self.environment), loop)
             except NotLinearError:
                 return None
-            return next((other.margins for other in report.loops if other.opened.cut == loop.opened.cut), None)
 
-        return measured
+        return variant
+
+    def _network(self, constants: Mapping[str, int]) -> Network | None:
+        from cspdiag import pipeline
+
+        key = tuple(constants.items())
+        if key not in self.networks:
+            changed = pipeline.changed(self.checked, {**self.overrides.constants, **constants})
+            self.networks[key] = pipeline.compile_network(
+                changed, environment=self.environment, overrides=self.overrides.parameters
+            )
+        return self.networks[key]
 
 
 def _write_plot(path: Path | None, report: LoopReport) -> None:

@@ -68,6 +68,16 @@ def analyse_loops(
     return LoopReport(environment.name, tuple(found), tuple(refusals))
 
 
+def opened_again(network: Network, environment: Environment, loop: AnalysedLoop) -> OpenLoop | None:
+    """A loop of another variant of the same program, about the same point; None where that has no such loop. Raises NotLinearError."""
+    loops = Loops(network, environment, dict(loop.point))
+    cut = loop.opened.cut
+    if cut.law not in loops.periods or _is_passed_on(loops, cut.law, cut.output[0]):
+        return None
+    opened = loops.open(cut)
+    return opened if len(minimal(opened)[0]) else None
+
+
 def _points(
     network: Network, environment: Environment, point: Mapping[str, float] | None
 ) -> Iterator[tuple[dict[str, float], Loops]]:

@@ -47,13 +47,18 @@ class Margins:
     drifts: bool
 
 
+def stability(loop: OpenLoop) -> float:
+    """How far the eigenvalues of the closed loop lie within the unit circle; 0 and less where it is not stable."""
+    return _inside(_closed_radius(*minimal(loop))[0])
+
+
 def margins(loop: OpenLoop) -> Margins:
     """Stability and margins of a loop."""
     import numpy
 
     a, b, c, d = minimal(loop)
     radius, drifts = _closed_radius(a, b, c, d)
-    is_stable = radius < 1 - 1e-9
+    is_stable = _inside(radius) > 0
     response = frequency_response(loop)
     import control  # type: ignore[import-untyped]
 
@@ -100,6 +105,11 @@ def frequency_response(loop: OpenLoop) -> Response:
     return Response(
         frequencies, -(c @ numpy.linalg.solve(shifted, numpy.broadcast_to(b, (GRID, *b.shape))))[:, 0, 0] - d
     )
+
+
+def _inside(radius: float) -> float:
+    """The margin leaves out what rounding may have moved from the circle."""
+    return 1 - 1e-9 - radius
 
 
 def _closed_radius(a: Matrix, b: Matrix, c: Matrix, d: float) -> tuple[float, bool]:

@@ -1,26 +1,27 @@
 """The largest sample period that still leaves a margin.
 
-A period is a constant of the text, on which the laws depend too: their coefficients follow it. So the program is compiled again for every period that
-is looked at.
+A period is a constant of the text, on which the laws depend too: their coefficients follow it. So the network is made again for every period that
+is looked at, and the loop opened in it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
-from cspdiag.analyses.margins.margin import Margins
+from cspdiag.analyses.margins.margin import margins, stability
 from cspdiag.analyses.margins.system import OpenLoop
 from cspdiag.network.expressions import LiteralValue
 from cspdiag.network.ir import Network, ProcessClass
 
-Measure = Callable[[Mapping[str, int]], "Margins | None"]
-"""The margins of a loop with constants set, in nanoseconds; None where the program has no such loop then."""
+Variant = Callable[[Mapping[str, int]], "OpenLoop | None"]
+"""A loop with constants set, in nanoseconds; None where the program has no such loop then."""
 
-LARGEST_FACTOR = 64
-RESOLUTION = 200
-"""The answer is found to this part of the present period."""
+DOUBLINGS = 6
+"""Periods up to 2^6 times as long or as short are looked at."""
+DIGITS = 4
+"""The answer has as many."""
 
 
 @dataclass(frozen=True)
@@ -30,12 +31,15 @@ class Wanted:
     kind: Literal["phase", "gain", "delay", "stable"]
     value: float
 
-    def is_left(self, margins: Margins) -> bool:
-        """Whether a loop has as much."""
-        if not margins.is_stable:
-            return False
-        found = {"phase": margins.phase, "gain": margins.gain, "delay": margins.delay, "stable": 1.0}[self.kind]
-        return abs(found) >= self.value if self.kind == "phase" else found >= self.value
+    def excess(self, loop: OpenLoop) -> float:
+        """How much more than that a loop keeps, from -1 (it is unstable) over 0 (just so much) to 1 (at least twice as much)."""
+        if self.kind == "stable":
+            return stability(loop)
+        if stability(loop) <= 0:
+            return -1.0
+        found = margins(loop)
+        left = {"phase": abs(found.phase), "gain": found.gain, "delay": found.delay}[self.kind]
+        return min(left / self.value, 2.0) - 1
 
 
 def wanted(text: str) -> Wanted:
@@ -86,53 +90,51 @@ def period_constants(network: Network, loop: OpenLoop) -> dict[str, int]:
     return found
 
 
-def largest_period(measure: Measure, constants: Mapping[str, int], wanted: Wanted) -> int | None:
+def largest_period(variant: Variant, constants: Mapping[str, int], wanted: Wanted) -> int | None:
     """The largest period in nanoseconds up to which the loop keeps what is wanted; None where no period that was looked at does.
 
-    All constants are scaled together. Between the periods that are looked at the margin is taken to fall, as that of a sampled loop does.
+    All constants are scaled together. Between the periods that are looked at the margin is taken to fall, as that of a sampled loop does. The root is searched by the
+    method of Alefeld, Potra and Shi (1995), which needs few of them.
     """
     present = max(constants.values())
+    grain = 10 ** max(0, len(str(present)) - DIGITS)
+    known: dict[int, float] = {}
 
-    def is_left(period: int) -> bool:
-        found = measure({name: value * period // present for name, value in constants.items()})
-        return found is not None and wanted.is_left(found)
+    def excess(period: float) -> float:
+        whole = round(period / grain) * grain
+        if whole not in known:
+            loop = variant({name: value * whole // present for name, value in constants.items()})
+            known[whole] = -1.0 if loop is None else wanted.excess(loop)
+        return known[whole]
 
-    bounds = _bounds(is_left, present)
+    bounds = _bounds(excess, present)
     if bounds is None:
         return None
     kept, lost = bounds
-    resolution = max(1000, present // RESOLUTION)
-    while lost - kept > resolution:
-        middle = (kept + lost) // 2 // 1000 * 1000
-        if is_left(middle):
-            kept = middle
-        else:
-            lost = middle
-    return kept
+    if kept < lost:
+        from scipy.optimize import toms748  # type: ignore[import-untyped]
+
+        # Just so much counts as kept: the sign has to differ at the bounds.
+        toms748(lambda period: excess(period) or 1e-12, kept, lost, xtol=grain / 2)
+    least_lost = min((period for period, left in known.items() if left < 0 and period >= kept), default=lost)
+    return max(period for period, left in known.items() if left >= 0 and period <= least_lost)
 
 
-def _bounds(is_left: Callable[[int], bool], present: int) -> tuple[int, int] | None:
-    """A period that keeps the margin and a longer one that does not."""
-    if is_left(present):
+def _bounds(excess: Callable[[int], float], present: int) -> tuple[int, int] | None:
+    """A period that keeps the margin and a longer one that does not; twice the same where none was found that does not."""
+    if excess(present) >= 0:
         kept = present
-        for longer in _doubled(present):
-            if not is_left(longer):
+        for longer in (present * 2**k for k in range(1, DOUBLINGS + 1)):
+            if excess(longer) < 0:
                 return kept, longer
             kept = longer
         return kept, kept
     lost = present
-    for _ in range(6):
+    for _ in range(DOUBLINGS):
         shorter = lost // 2
         if shorter < 1000:
             return None
-        if is_left(shorter):
+        if excess(shorter) >= 0:
             return shorter, lost
         lost = shorter
     return None
-
-
-def _doubled(present: int) -> Iterator[int]:
-    factor = 2
-    while factor <= LARGEST_FACTOR:
-        yield present * factor
-        factor *= 2

@@ -7,21 +7,24 @@ from collections.abc import Mapping
 
 import pytest
 
-from cspdiag.analyses.margins.margin import Margins
-from cspdiag.analyses.margins.period import Measure, Wanted, largest_period, period_constants, wanted
+from cspdiag.analyses.margins.loops import opened_again
+from cspdiag.analyses.margins.period import Variant, Wanted, largest_period, period_constants, wanted
+from cspdiag.analyses.margins.system import OpenLoop
 from tests.analyses.margins.programs import INTEGRATOR, only_loop, program
 
+GRAIN = 10_000
+"""Four digits of a period of 10 ms, in nanoseconds."""
 
-def measure_of(gain: float) -> Measure:
+
+def variants_of(gain: float) -> Variant:
     loaded = program(INTEGRATOR, gain=gain, latch="")
+    loop = only_loop(loaded)
 
-    def measure(constants: Mapping[str, int]) -> Margins:
+    def variant(constants: Mapping[str, int]) -> OpenLoop | None:
         network = loaded.build(set={name: f"{value} ns" for name, value in constants.items()})
-        from cspdiag.analyses.margins.loops import analyse_loops
+        return opened_again(network, network.environments[0], loop)
 
-        return analyse_loops(network, network.environments[0]).loops[0].margins
-
-    return measure
+    return variant
 
 
 def test_the_constant_is_found() -> None:
@@ -39,14 +42,37 @@ def test_a_period_that_is_a_number_in_the_text_has_none() -> None:
 def test_it_is_where_the_formula_says(gain: float) -> None:
     """K T = 1 is the limit of stability, K T = 1/2 leaves a gain of 2; from shorter and from longer periods alike."""
     present = {"T": 10_000_000}
-    stable = largest_period(measure_of(gain), present, Wanted("stable", 0))
-    halved = largest_period(measure_of(gain), present, Wanted("gain", 2.0))
-    assert stable == pytest.approx(1e9 / gain, rel=0.05)
-    assert halved == pytest.approx(0.5e9 / gain, rel=0.05)
+    stable = largest_period(variants_of(gain), present, Wanted("stable", 0))
+    halved = largest_period(variants_of(gain), present, Wanted("gain", 2.0))
+    assert stable == pytest.approx(1e9 / gain, abs=GRAIN)
+    assert halved == pytest.approx(0.5e9 / gain, abs=GRAIN)
+
+
+def test_the_answer_keeps_what_is_wanted_and_the_next_period_does_not() -> None:
+    variant = variants_of(7.0)
+    for margin in (Wanted("phase", 40.0), Wanted("delay", 0.05), Wanted("gain", 3.0)):
+        found = largest_period(variant, {"T": 10_000_000}, margin)
+        assert found is not None
+        kept, lost = variant({"T": found}), variant({"T": found + GRAIN})
+        assert kept is not None
+        assert lost is not None
+        assert margin.excess(kept) >= 0 > margin.excess(lost)
+
+
+def test_few_periods_are_looked_at() -> None:
+    looked: list[int] = []
+    variant = variants_of(3.0)
+
+    def counted(constants: Mapping[str, int]) -> OpenLoop | None:
+        looked.append(constants["T"])
+        return variant(constants)
+
+    assert largest_period(counted, {"T": 10_000_000}, Wanted("phase", 30.0)) is not None
+    assert len(looked) == len(set(looked)) <= 14
 
 
 def test_none_where_no_period_helps() -> None:
-    assert largest_period(measure_of(-1.0), {"T": 10_000_000}, Wanted("stable", 0)) is None
+    assert largest_period(variants_of(-1.0), {"T": 10_000_000}, Wanted("stable", 0)) is None
 
 
 @pytest.mark.parametrize(
