@@ -39,7 +39,7 @@ def run(arguments: Namespace) -> int:
     except (BodyError, target_errors()) as problem:
         raise NoResultError(str(problem)) from None
     if not arguments.quiet:
-        sys.stderr.write("".join(f"{line}\n" for line in _told(trace, result)))
+        sys.stderr.write("".join(f"{line}\n" for line in _told(network, trace, result)))
     return FINE if result.succeeded else UNSUCCESSFUL
 
 
@@ -66,12 +66,13 @@ def _network(arguments: Namespace, trace: Trace) -> Network | None:
     return built.network
 
 
-def _told(trace: Trace, result: Replay) -> Iterator[str]:
-    from cspdiag.simulate.replay_values import told
+def _told(network: Network, trace: Trace, result: Replay) -> Iterator[str]:
+    from cspdiag.simulate.replay_values import types_of, written
 
+    types = types_of(network)
     yield f"replay of the counterexample to `{trace.assertion}`"
     for number, (channel, value) in enumerate(result.communications, start=1):
-        yield f"{number:>5}  {channel.removeprefix(f'{trace.process}.')}  {told(value)}"
+        yield f"{number:>5}  {channel.removeprefix(f'{trace.process}.')}  {written(value, types[channel])}"
     if result.deadlock is not None:
         yield result.deadlock.text
     total = len(trace.steps) + len(trace.cycle)

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from enum import Enum
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import islice, product
 from types import ModuleType
 from typing import Any
 
+from cspdiag.analyses.transitions.ranges import limits_of
 from cspdiag.diagnostics import Span
 from cspdiag.diagnostics.record import field_names, is_record
 from cspdiag.model.types import ArrayType, BoolType, EnumType, IntType, RealType, StructType, TimeType, Type
+from cspdiag.network.dump_expression import value_text
 from cspdiag.network.expressions import LiteralValue
 from cspdiag.network.ir import Network, ProcessClass
+from cspdiag.settings import parse_duration
 
 _REALS = (0.0, 1.0, -1.0, 1000.0, -1000.0, 0.001)
 _MOST = 64
@@ -30,17 +32,20 @@ class Values:
         found = list(islice(self._all(type_), _MOST))
         if told is None:
             return found
-        return [value for value in found if written(value, type_) == told] or self._read(type_, told)
+        try:
+            return [value for value in found if is_told_as(value, type_, told)] or self._read(type_, told)
+        except ValueError:
+            return []
 
     def _read(self, type_: Type, told: str) -> list[Any]:
-        try:
-            match type_:
-                case IntType():
-                    return [int(told)]
-                case RealType():
-                    return [float(told)]
-        except ValueError:
-            pass
+        ends = _ends(type_, told)
+        if ends is not None:
+            return [min(ends, key=abs)]
+        match type_:
+            case IntType() | TimeType():
+                return [_number(type_, told)]
+            case RealType():
+                return [float(told)]
         return []
 
     def _all(self, type_: Type) -> Iterable[Any]:
@@ -64,28 +69,37 @@ class Values:
                 return ()
 
 
+def types_of(network: Network) -> Mapping[str, Type]:
+    """The types of the channels and external ports of a program, by hierarchical name."""
+    types = {net.path: net.type for net in network.nets}
+    return types | {f"{network.top}.{port.name}": port.type for port in network.external_ports}
+
+
 def written(value: Any, type_: Type) -> str:
-    """A value as transition systems write it."""
-    match type_:
-        case BoolType():
-            return "true" if value else "false"
-        case EnumType(name=name, literals=literals):
-            return f"{name}.{literals[int(value)]}"
-        case _:
-            return str(value)
+    """A value of a running program as transition systems write it."""
+    return value_text(value, type_)
 
 
-def told(value: Any) -> str:
-    """A value of a running program, as its text would have it."""
-    match value:
-        case bool():
-            return "true" if value else "false"
-        case Enum():
-            return f"{type(value).__name__}.{value.name}"
-        case tuple():
-            return f"[{', '.join(map(told, value))}]"
-        case _:
-            return str(value)
+def is_told_as(value: Any, type_: Type, told: str) -> bool:
+    """Whether a value is the one that a transition system writes so, or in the range that it writes so."""
+    ends = _ends(type_, told)
+    return written(value, type_) == told if ends is None else ends[0] <= value <= ends[1]
+
+
+def _ends(type_: Type, told: str) -> tuple[int, int] | None:
+    """The smallest and the greatest number of a range as transition systems write it; None for other values."""
+    limits = limits_of(type_)
+    if limits is None or ".." not in told:
+        return None
+    low, high = (_number(type_, text) if text else limit for text, limit in zip(told.split(".."), limits, strict=True))
+    return low, high
+
+
+def _number(type_: Type, told: str) -> int:
+    """Raises ValueError."""
+    if isinstance(type_, TimeType):
+        return parse_duration(told)
+    return int(told)
 
 
 def numbers_of(network: Network) -> Iterable[int]:

@@ -76,7 +76,7 @@ class Verifier:
         self._method = method
         self._spin = spin
         self._settings = settings
-        self._systems: dict[tuple[str, frozenset[str]], System] = {}
+        self._systems: dict[tuple[str, frozenset[tuple[str, frozenset[int]]]], System] = {}
 
     def answer(self, question: Question, limits: Limits) -> Answer:
         """The answer to one of the questions.
@@ -96,14 +96,15 @@ class Verifier:
             answer = prove(question, self.system, limits, self._method)
         return self._confirmed(answer)
 
-    def system(self, process: str, told_apart: Collection[str] = ()) -> System:
+    def system(self, process: str, told_apart: Mapping[str, Collection[int]] | None = None) -> System:
         """The transition system of a process of the program; of the inputs ``told_apart`` the values matter whatever depends on them."""
-        key = process, frozenset(told_apart)
+        ports = told_apart or {}
+        key = process, frozenset((port, frozenset(boundaries)) for port, boundaries in ports.items())
         if key not in self._systems:
             network = self._asked.network(process)
             assert network is not None, "asked for a process with errors"
             try:
-                self._systems[key] = transition_system(network, key[1])
+                self._systems[key] = transition_system(network, ports)
             except TransitionError as problem:
                 raise VerificationError(str(problem)) from problem
         return self._systems[key]

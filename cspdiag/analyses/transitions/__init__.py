@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -10,11 +10,11 @@ if TYPE_CHECKING:
     from cspdiag.network.ir import Network
 
 
-def transition_system(network: Network, told_apart: Collection[str] = ()) -> System:
+def transition_system(network: Network, told_apart: Mapping[str, Collection[int]] | None = None) -> System:
     """The transition system of a network in the most general environment: any value, any event at any time, samples at their ticks.
 
     The network is one that was lowered and not optimized; its outermost process may be any. ``told_apart`` are inputs of it whose values matter even where no condition of
-    its own depends on them, as far as there are few. Raises
+    its own depends on them, as far as there are few; numbers are cut before the given ones as well. Raises
     ``cspdiag.analyses.transitions.explore.TransitionError`` for a program that has too many states in one of its processes, or too many ways to communicate on one channel.
     """
     from cspdiag.analyses.transitions.assembly import Assembly
@@ -26,4 +26,4 @@ def transition_system(network: Network, told_apart: Collection[str] = ()) -> Sys
 
     with room_to_recurse():
         program = Program(network)
-        return Assembly(Strands(World(program, Facts(program, told_apart)))).system()
+        return Assembly(Strands(World(program, Facts(program, told_apart or {})))).system()

@@ -12,6 +12,8 @@ from cspdiag.analyses.transitions import media
 from cspdiag.analyses.transitions.explore import TransitionError
 from cspdiag.analyses.transitions.facts import FAULT, TIMEOUT
 from cspdiag.analyses.transitions.occurrences import Medium
+from cspdiag.analyses.transitions.ranges import Range
+from cspdiag.analyses.transitions.ranges import text as range_text
 from cspdiag.analyses.transitions.shape import Shape
 from cspdiag.analyses.transitions.system import (
     INTERNAL,
@@ -74,10 +76,14 @@ class Assembly:
                 self._note(strand, label)
         for medium, uses in self._uses.items():
             self._medium(medium, uses)
+            if medium.coarse:
+                what = f"of the values in `{medium.name}` only ranges are told apart"
+                self.abstractions[Abstraction(what, medium.span)] = None
         for key in self._forks:
             self._composition(key, shapes)
         components = [self._component(strand, shape) for strand, shape in zip(self.threads, shapes, strict=True)]
-        return System((*components, *self.extra), tuple(self.events), tuple(self.abstractions))
+        boundaries = self.strands.world.input_boundaries
+        return System((*components, *self.extra), tuple(self.events), tuple(self.abstractions), boundaries)
 
     def _shaped(self) -> list[Shape]:
         """The machines of all threads, without what lies before the start of a parallel that is the first thing its parent does."""
@@ -131,7 +137,9 @@ class Assembly:
         *,
         visible: bool = False,
     ) -> int:
-        text = None if value is UNKNOWN else value_text(value, type_)  # type: ignore[arg-type]
+        text = range_text(value, type_) if isinstance(value, Range) else None
+        if value is not UNKNOWN and text is None:
+            text = value_text(value, type_)  # type: ignore[arg-type]
         self.events.append(Event(channel, parties, kind, text, visible))
         return len(self.events) - 1
 
@@ -197,7 +205,7 @@ class Assembly:
 
     def _value(self, medium: Medium, label: Label) -> Known:
         """The value of a label, if the medium's values are told apart."""
-        return label[2] if medium.relevant and medium.values is not None else UNKNOWN
+        return medium.told_apart(label[2]) if medium.relevant and medium.values is not None else UNKNOWN
 
     def _rendezvous(self, medium: Medium, uses: list[Use]) -> None:
         writing: dict[Known, list[Use]] = defaultdict(list)

@@ -11,7 +11,7 @@ from cspdiag.analyses.transitions.occurrences import PATIENT
 from cspdiag.analyses.transitions.program import Node
 from cspdiag.analyses.transitions.template import INTERNAL_LABEL, Label, Reference
 from cspdiag.analyses.transitions.thread import Configuration, Context, Thread, reading_end
-from cspdiag.analyses.transitions.values import UNKNOWN, Known, values_of_type
+from cspdiag.analyses.transitions.values import UNKNOWN, Known
 from cspdiag.network.actions import (
     AfterEvent,
     Branch,
@@ -60,13 +60,13 @@ class Communications:
         if medium.kind == "sampled":
             begun = self.thread.beginning(c, context, where)
             found: list[tuple[Label, Known | str, Configuration]] = [
-                (("sample", reference, value), value, begun) for value in self._outside(reference)
+                (("sample", reference, value), value, begun) for value in medium.given
             ]
             if self.thread.begun(c, context, where) and self._timeouts():
                 found.append((("miss", reference), MISSED, begun))
             return found
         if medium.kind == "event":
-            return [(("input", reference, value), value, c) for value in self._outside(reference)]
+            return [(("input", reference, value), value, c) for value in medium.given]
         domain = self.thread.domain(reference) if medium.relevant else None
         if domain is None:
             return [(("read", reference, UNKNOWN, where), UNKNOWN, c)]
@@ -80,12 +80,6 @@ class Communications:
                 if self.thread.medium(context.reference(end)).kind == "sampled":
                     c = self.thread.beginning(c, context, reading_end(context, end))
         return c
-
-    def _outside(self, reference: Reference) -> tuple[Known, ...]:
-        """The values that the environment may give, as far as they are told apart."""
-        medium = self.thread.medium(reference)
-        values = values_of_type(medium.type) if medium.relevant and medium.type is not None else None
-        return (UNKNOWN,) if values is None else values
 
     def _timeouts(self) -> bool:
         environments = self.thread.facts.program.network.environments

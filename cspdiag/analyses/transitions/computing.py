@@ -6,6 +6,7 @@ from itertools import product
 
 from cspdiag.analyses.transitions.facts import FAULT
 from cspdiag.analyses.transitions.program import Node
+from cspdiag.analyses.transitions.ranges import Range
 from cspdiag.analyses.transitions.template import Reference
 from cspdiag.analyses.transitions.thread import Configuration, Context, Frame, NeedsLoad, Restart, Stack, Thread
 from cspdiag.analyses.transitions.values import (
@@ -83,7 +84,7 @@ class Computing:
     def evaluate(self, configuration: Configuration, context: Context, expression: Expression) -> Known:
         """A value; where faults are caught, an evaluation that may fail is first seen to ``risk`` it."""
         value = self.thread.evaluate(configuration, context, expression)
-        if value is UNKNOWN:
+        if value is UNKNOWN or isinstance(value, Range):
             self.compute_risk(configuration, context, expression)
         return value
 
@@ -169,6 +170,11 @@ class Computing:
         """A variable is given a value; a shared one at the next step."""
         if reference[0] in ("constant", "discard") or not self.thread.medium(reference).relevant:
             return configuration
+        parts = self.thread.medium(reference).pieces(value)
+        if len(parts) > 1:
+            choices = tuple(("storing", reference, part) for part in parts)
+            return configuration._replace(stack=(("split", choices), configuration.stack))
+        (value,) = parts
         if self.thread.is_shared(reference):
             self.thread.wrote(reference, value)
             return configuration._replace(stack=(("store", reference, value), configuration.stack))
@@ -180,7 +186,9 @@ class Computing:
             self.compute_risk(c, context, branch.event.duration)
         if not isinstance(branch.event, OutputEvent):
             return UNKNOWN
-        return self.communicated(c, context, context.reference(branch.event.sink), branch.event.value)
+        reference = context.reference(branch.event.sink)
+        value = self.communicated(c, context, reference, branch.event.value)
+        return value if len(self.thread.medium(reference).pieces(value)) == 1 else UNKNOWN
 
     def communicated(self, c: Configuration, context: Context, reference: Reference, expression: Expression) -> Known:
         """The value of an expression that is written to a medium, if values of that medium are followed."""

@@ -81,6 +81,8 @@ def _explored(thread: Thread) -> Template:
 def _tell_what_was_widened(thread: Thread) -> None:
     for reference in sorted(thread.widened, key=str):
         medium = thread.medium(reference)
-        thread.abstracted(
-            f"the values of `{medium.name.rsplit('.', 1)[-1]}` are not followed: there are too many", medium.span
-        )
+        name = medium.name.rsplit(".", 1)[-1]
+        what = f"the values of `{name}` are not followed: there are too many"
+        if medium.cells:
+            what = f"of the values of `{name}` only ranges are followed: there are too many"
+        thread.abstracted(what, medium.span)

@@ -7,17 +7,18 @@ Only their values are followed.
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Collection, Iterable, Iterator
-from typing import Literal, TypeAlias
+from collections.abc import Collection, Iterator, Mapping
 
+from cspdiag.analyses.transitions.cuts import boundaries
 from cspdiag.analyses.transitions.faults import Faults
+from cspdiag.analyses.transitions.items import Item, all_items_in, items_in, items_of
 from cspdiag.analyses.transitions.program import Class, Node, Program
+from cspdiag.analyses.transitions.ranges import limits_of
 from cspdiag.analyses.transitions.values import values_of_type
 from cspdiag.network.actions import (
     AssignValue,
     Branch,
     CatchException,
-    ChannelEnd,
     Choice,
     End,
     IfElse,
@@ -34,23 +35,22 @@ from cspdiag.network.actions import (
     WhileLoop,
     WriteValue,
 )
-from cspdiag.network.expression_walk import walk
-from cspdiag.network.expressions import Expression, ParameterValue, VariableValue
-from cspdiag.network.ir import Attachment, ConstantEnd, ProcessClass, SubmodelClass
+from cspdiag.network.expressions import Expression
+from cspdiag.network.ir import ProcessClass, SubmodelClass
 from cspdiag.network.walk import parts
-
-Item: TypeAlias = tuple[Literal["port", "channel", "parameter"], str, str]
-"""A port, a channel or a parameter of a class, by the names of the class and its own."""
 
 FAULT = "Fault"
 TIMEOUT = "Timeout"
+NOTHING: Mapping[str, Collection[int]] = {}
+"""No port is told apart."""
 
 
 class Facts:
-    """What follows from the classes of a program alone, and from the ports whose values are to be ``told_apart``."""
+    """What follows from the classes of a program alone, and from the ports whose values are to be ``told_apart``, each with the boundaries of its numbers."""
 
-    def __init__(self, program: Program, told_apart: Collection[str] = ()) -> None:
+    def __init__(self, program: Program, told_apart: Mapping[str, Collection[int]] = NOTHING) -> None:
         self.program = program
+        self.boundaries = boundaries(program, told_apart)
         self.relevant = _relevant(program, told_apart)
         self.sampled = _sampled_ports(program)
         self.faults = Faults(program.network)
@@ -150,9 +150,11 @@ def _relevant(program: Program, told_apart: Collection[str]) -> frozenset[Item]:
             for item, feeding in _flows(one):
                 flows[item] |= feeding
             for condition in _conditions(one.definition):
-                seeds |= _items_in(condition, one)
+                seeds |= items_in(condition, one)
     for port in program.network.external_ports:
-        if (port.direction == "out" or port.name in told_apart) and values_of_type(port.type) is not None:
+        has_few = values_of_type(port.type) is not None
+        is_told = port.name in told_apart and limits_of(port.type) is not None
+        if (has_few and (port.direction == "out" or port.name in told_apart)) or (port.direction == "in" and is_told):
             seeds.add(("port", program.network.top, _base(port.name)))
     found: set[Item] = set()
     pending = list(seeds)
@@ -181,52 +183,24 @@ def _flows(one: Class) -> Iterator[tuple[Item, set[Item]]]:
     assert isinstance(definition, ProcessClass)
     for channel in definition.channels:
         if channel.initial is not None:
-            yield ("channel", one.name, channel.name), _items_in(channel.initial, one)
+            yield ("channel", one.name, channel.name), items_in(channel.initial, one)
     for part in parts(definition.body):
         match part:
             case AssignValue():
-                yield ("channel", one.name, part.target.channel), _all_in((part.value, *part.target.indexes), one)
+                yield ("channel", one.name, part.target.channel), all_items_in((part.value, *part.target.indexes), one)
             case ReadValue() | InputEvent():
-                sources = _all_in(part.target.indexes, one) | _item_of(part.source, one)
+                sources = all_items_in(part.target.indexes, one) | items_of(part.source, one)
                 yield ("channel", one.name, part.target.channel), sources
             case WriteValue() | OutputEvent():
-                for sink in _item_of(part.sink, one):
-                    yield sink, _items_in(part.value, one)
+                for sink in items_of(part.sink, one):
+                    yield sink, items_in(part.value, one)
             case _:
                 pass
     for instance in definition.instances:
         for connection in instance.connections:
             inner: Item = ("port", instance.class_name, connection.port)
-            yield inner, _item_of(connection.attachment, one)
-            for outer in _item_of(connection.attachment, one):
+            yield inner, items_of(connection.attachment, one)
+            for outer in items_of(connection.attachment, one):
                 yield outer, {inner}
         for parameter, argument in instance.arguments:
-            yield ("parameter", instance.class_name, parameter), _items_in(argument, one)
-
-
-def _item_of(end: Attachment, one: Class) -> set[Item]:
-    match end:
-        case PortEnd():
-            return {("port", one.name, end.port)}
-        case ChannelEnd():
-            return {("channel", one.name, end.channel)}
-        case ConstantEnd():
-            return _items_in(end.value, one)
-    return set()
-
-
-def _all_in(expressions: Iterable[Expression], one: Class) -> set[Item]:
-    return {item for expression in expressions for item in _items_in(expression, one)}
-
-
-def _items_in(expression: Expression, one: Class) -> set[Item]:
-    found: set[Item] = set()
-    for part in walk(expression):
-        match part:
-            case VariableValue():
-                found.add(("channel", one.name, part.channel))
-            case ParameterValue():
-                found.add(("parameter", one.name, part.name))
-            case _:
-                pass
-    return found
+            yield ("parameter", instance.class_name, parameter), items_in(argument, one)

@@ -140,7 +140,9 @@ class Follower(LawSteps):
             if c.doomed:
                 return self.abandoned(c)
             value = self.communicated(c, context, reference, action.value)
-            return c._replace(stack=(("put", reference, value, node), rest), loaded=())
+            puts = tuple(("put", reference, part, node) for part in self.thread.medium(reference).pieces(value))
+            put = puts[0] if len(puts) == 1 else ("split", puts)
+            return c._replace(stack=(put, rest), loaded=())
         if kind == "var" and self.thread.medium(reference).relevant:
             value = self.evaluate(c, context, action.value)
             return self.stored(c._replace(stack=rest), reference, value)._replace(loaded=())
@@ -252,6 +254,10 @@ class Follower(LawSteps):
         assert isinstance(target, Target)
         return self.assigned(c._replace(stack=rest), context, target, value)._replace(loaded=())  # type: ignore[arg-type]
 
+    def _storing(self, c: Configuration, frame: tuple[object, ...], rest: Stack) -> Configuration | None:
+        _, reference, value = frame
+        return self.stored(c._replace(stack=rest), reference, value)  # type: ignore[arg-type]
+
     def _interrupt(self, c: Configuration, node: Node, context: Context, rest: Stack) -> Configuration | None:
         if c.doomed:
             return self.abandoned(c)
@@ -341,5 +347,6 @@ _FRAMES: dict[str, Callable[[Follower, Configuration, tuple[object, ...], Stack]
     "offering": Follower._offering,
     "reading": Follower._reading,
     "compute": Follower._compute,
+    "storing": Follower._storing,
     "writing": Follower._writing,
 }

@@ -105,5 +105,5 @@ def variable(medium: Medium, loads: Mapping[Known, Sequence[int]], stores: Mappi
     edges = tuple(
         (*((event, number) for event in loads.get(value, ())), *changes) for number, value in enumerate(values)
     )
-    initial = UNKNOWN if domain is None else medium.initial
+    initial = UNKNOWN if domain is None else medium.told_apart(medium.initial)
     return Component(medium.name, edges, initial=numbers[initial], process=False, path=medium.name)

@@ -2,12 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from functools import cached_property
 from typing import Literal, TypeAlias
 
 from cspdiag.analyses.transitions.facts import Facts
+from cspdiag.analyses.transitions.items import Item
 from cspdiag.analyses.transitions.program import Class, Program
-from cspdiag.analyses.transitions.values import MOST_VALUES, UNKNOWN, EvaluationFault, Known, evaluated
+from cspdiag.analyses.transitions.ranges import Cell, Range, cell_of, cells, pieces
+from cspdiag.analyses.transitions.values import (
+    MOST_VALUES,
+    UNKNOWN,
+    EvaluationFault,
+    Known,
+    evaluated,
+    values_of_type,
+)
 from cspdiag.diagnostics import Span
 from cspdiag.model.types import Type
 from cspdiag.network.actions import ChannelEnd, PortEnd
@@ -28,18 +38,27 @@ PATIENT: frozenset[MediumKind] = CHANNELS | {"sampled", "event"}
 class Medium:
     """A channel, or what else a port is attached to, with what is found out about it while processes are followed.
 
-    ``values`` are those that may be written, None for too many; only those of ``relevant`` media are collected. A variable is ``shared`` if more than one
-    component accesses it.
+    ``values`` are those that may be written, None for too many; only those of ``relevant`` media are collected. Numbers of which there are too many are told apart
+    by ``cells``, if there are any; then the medium is ``coarse``. A variable is ``shared`` if more than one component accesses it.
     """
 
     def __init__(
-        self, name: str, kind: MediumKind, type_: Type | None, *, relevant: bool = False, span: Span | None = None
+        self,
+        name: str,
+        kind: MediumKind,
+        type_: Type | None,
+        *,
+        relevant: bool = False,
+        boundaries: Iterable[int] = (),
+        span: Span | None = None,
     ) -> None:
         self.name = name
         self.span = span
         self.kind: MediumKind = kind
         self.type = type_
         self.relevant = relevant
+        self.cells: tuple[Cell, ...] = cells(type_, boundaries) if relevant else ()
+        self.coarse = False
         self.period: int | None = None
         self.is_contended = kind == "any"
         """Whether several processes may be after the same communication."""
@@ -53,13 +72,37 @@ class Medium:
 
     def admit(self, values: set[Known]) -> bool:
         """Values are written here; whether any is new."""
+        if self.coarse:
+            values = set(map(self.coarsened, values))
         if self.values is None or values <= self.values:
             return False
         self.values |= values
         self._growths += 1
-        if len(self.values) > MOST_VALUES or self._growths > _MOST_GROWTHS:
-            self.values = None
+        if not self.coarse and (len(self.values) > MOST_VALUES or self._growths > _MOST_GROWTHS):
+            self.coarse = bool(self.cells)
+            self.values = set(map(self.coarsened, self.values)) if self.cells else None
         return True
+
+    def coarsened(self, value: Known) -> Known:
+        """The cell of a number; UNKNOWN for what is in none."""
+        found = cell_of(value, self.cells) if isinstance(value, int | Range) else None
+        return UNKNOWN if found is None else found
+
+    def told_apart(self, value: Known) -> Known:
+        """A value as far as it is told apart from others here."""
+        return self.coarsened(value) if self.coarse else value
+
+    def pieces(self, value: Known) -> tuple[Known, ...]:
+        """A value, or the parts of a range that are told apart here."""
+        if not isinstance(value, Range):
+            return (value,)
+        return pieces(value, self.cells) or (UNKNOWN,)
+
+    @property
+    def given(self) -> tuple[Known, ...]:
+        """What the environment may give, as far as it is told apart."""
+        values = values_of_type(self.type) if self.relevant and self.type is not None else None
+        return values or self.cells or (UNKNOWN,)
 
     @property
     def domain(self) -> tuple[Known, ...] | None:
@@ -145,9 +188,14 @@ class Occurrence:
             definition = self.definition.definition
             assert isinstance(definition, ProcessClass)
             channel = definition.channels[self.definition.channels[name]]
-            relevant = ("channel", self.definition.name, name) in self.world.facts.relevant
+            item: Item = ("channel", self.definition.name, name)
             known = self._channels[name] = Medium(
-                f"{self.path}.{name}", channel.kind, channel.type, relevant=relevant, span=channel.span
+                f"{self.path}.{name}",
+                channel.kind,
+                channel.type,
+                relevant=item in self.world.facts.relevant,
+                boundaries=self.world.facts.boundaries.get(item, ()),
+                span=channel.span,
             )
             known.capacity = channel.capacity or 1
             known.ends = channel.ends
@@ -171,12 +219,17 @@ class World:
         self.facts = facts
         network = program.network
         media: dict[tuple[str, int | None], Medium] = {}
+        self.input_boundaries: dict[str, frozenset[int]] = {}
         for port in network.external_ports:
             base = port.name.split("[", 1)[0]
             index = port.index
             kind: MediumKind = "output" if port.direction == "out" else "event" if port.period is None else "sampled"
-            relevant = ("port", network.top, base) in facts.relevant
-            medium = Medium(f"{network.top}.{port.name}", kind, port.type, relevant=relevant, span=port.span)
+            item: Item = ("port", network.top, base)
+            cut = facts.boundaries.get(item, frozenset())
+            name, relevant = f"{network.top}.{port.name}", item in facts.relevant
+            medium = Medium(name, kind, port.type, relevant=relevant, boundaries=cut, span=port.span)
+            if port.direction == "in" and relevant:
+                self.input_boundaries[port.name] = cut
             medium.period = port.period
             medium.is_contended = port.kind == "any"
             media[base, index] = medium

@@ -78,6 +78,8 @@ class Offers(Communications):
                 return [(INTERNAL_LABEL, self.follower.abandoned(c)), (INTERNAL_LABEL, c._replace(stack=rest))]
             case "open":
                 return self._open(c, frame)
+            case "split":
+                return [(INTERNAL_LABEL, c._replace(stack=(part, rest))) for part in frame[1]]
             case "load":
                 return self._load(c, frame[1], rest)
             case "store":

@@ -47,6 +47,8 @@ def spot(thread: Thread, frame: Frame, configuration: Configuration) -> Spot:
             return Spot(words, reference, frame[1].action.branch.span)
         case "pass":
             return Spot("goes on", None, frame[1].span)
+        case "split":
+            return Spot("computes", None, frame[1][0][3].span) if frame[1][0][0] == "put" else Spot("computes")
         case "load":
             return Spot("computes", None, frame[1][1]) if frame[1][0] == "risk" else Spot("looks at", frame[1])
         case "store":

@@ -95,11 +95,13 @@ class System:
 
     A party without an edge for an event never takes part: the event never happens. Such is ``nobody``, the partner on a channel that no process uses from the other
     side. In ``terminal`` are also the states in which a process waits for its branches, or to be started: what is stuck then is another component.
+    ``boundaries`` are the numbers before which those of inputs are cut, by port.
     """
 
     components: tuple[Component, ...]
     events: tuple[Event, ...]
     abstractions: tuple[Abstraction, ...] = ()
+    boundaries: Mapping[str, frozenset[int]] = field(default_factory=dict)
 
     @cached_property
     def initial(self) -> tuple[int, ...]:

@@ -192,7 +192,7 @@ class Thread:
     def with_slot(self, configuration: Configuration, key: object, value: Known) -> Configuration:
         """The configuration with another value of a local variable. Trailing initial values are left out, so that equal ones look equal."""
         if key in self.widened:
-            value = UNKNOWN
+            value = self.medium(key).coarsened(value)
         slot = self._slot(key)
         present = configuration.variables
         if slot < len(present):
@@ -211,8 +211,9 @@ class Thread:
         slot = self._slots.get(key)
         if slot is None:
             slot = self._slots[key] = len(self._initial)
-            initial = False if _is_session(key) else self.medium(key).initial  # type: ignore[arg-type]
-            self._initial.append(UNKNOWN if key in self.widened else initial)
+            medium = None if _is_session(key) else self.medium(key)  # type: ignore[arg-type]
+            initial = False if medium is None else medium.initial
+            self._initial.append(medium.coarsened(initial) if medium is not None and key in self.widened else initial)
             self._values.append(set())
             if _is_session(key):
                 self._sessions.setdefault(key[1][0], []).append(key)  # type: ignore[index]

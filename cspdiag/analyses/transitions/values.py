@@ -1,6 +1,6 @@
-"""Values of expressions while a process is followed: known ones, and the unknown.
+"""Values of expressions while a process is followed: known ones, ranges of whole numbers, and the unknown.
 
-A variable has a known value or ``UNKNOWN``: what a control law computed, what the environment gave, or what takes too many values to be told apart.
+A variable has a known value, a range in which it is (what the environment gave, or what takes too many values to be told apart), or ``UNKNOWN``: what a control law computed.
 """
 
 from __future__ import annotations
@@ -10,6 +10,8 @@ from collections.abc import Callable, Iterator
 from itertools import product
 from typing import Any, Final, TypeAlias
 
+from cspdiag.analyses.transitions.ranges import Range, computed
+from cspdiag.analyses.transitions.ranges import compared as compared_ranges
 from cspdiag.model import arithmetic
 from cspdiag.model.types import BoolType, EnumType, IntType, RealType, StructType, Type
 from cspdiag.network.expression_walk import walk
@@ -41,8 +43,8 @@ class Unknown:
 
 
 UNKNOWN: Final = Unknown()
-Known: TypeAlias = "Value | Unknown"
-"""A value, or that it is not known."""
+Known: TypeAlias = "Value | Range | Unknown"
+"""A value, the range in which it is, or that it is not known."""
 
 Variables: TypeAlias = Callable[[str], Known]
 """The present value of a variable of the class."""
@@ -81,6 +83,8 @@ class _Evaluation:
                 operand = self.value(expression.operand)
                 if operand is UNKNOWN:
                     return UNKNOWN
+                if isinstance(operand, Range):
+                    return _ranged(computed("-", 0, operand, expression.type))
                 return -operand if expression.operator == "-" else not operand
             case ConditionalValue():
                 condition = self.value(expression.condition)
@@ -90,7 +94,7 @@ class _Evaluation:
                 return then if same(then, otherwise) else UNKNOWN
             case FunctionCall():
                 arguments = [self.value(argument) for argument in expression.arguments]
-                if any(argument is UNKNOWN for argument in arguments):
+                if not all(map(_is_exact, arguments)):
                     return UNKNOWN
                 if expression.function == "seconds":
                     return arguments[0] / 1_000_000_000
@@ -98,7 +102,7 @@ class _Evaluation:
             case Conversion():
                 operand = self.value(expression.operand)
                 assert isinstance(expression.type, IntType | RealType)
-                return UNKNOWN if operand is UNKNOWN else arithmetic.convert(operand, expression.type)
+                return arithmetic.convert(operand, expression.type) if _is_exact(operand) else UNKNOWN
             case FieldValue():
                 assert isinstance(expression.operand.type, StructType)
                 whole = self.value(expression.operand)
@@ -108,12 +112,12 @@ class _Evaluation:
                 return self._element(expression)
             case StructValue() | ArrayElements():
                 parts = tuple(map(self.value, expression.values))
-                return UNKNOWN if any(part is UNKNOWN for part in parts) else parts
+                return parts if all(map(_is_exact, parts)) else UNKNOWN
         return UNKNOWN
 
     def _element(self, expression: ElementValue) -> Any:
         index, whole = self.value(expression.index), self.value(expression.operand)
-        if index is UNKNOWN or whole is UNKNOWN:
+        if not _is_exact(index) or whole is UNKNOWN:
             return UNKNOWN
         if index < 0:
             raise IndexError(f"there is no element {index}")
@@ -132,6 +136,10 @@ class _Evaluation:
         right = self.value(expression.right)
         if left is UNKNOWN or right is UNKNOWN:
             return UNKNOWN
+        if isinstance(left, Range) or isinstance(right, Range):
+            if expression.operator in _COMPARISONS:
+                return _ranged(compared_ranges(expression.operator, left, right))
+            return _ranged(computed(expression.operator, left, right, expression.type))
         compare = _COMPARISONS.get(expression.operator)
         if compare is not None:
             return compare(left, right)
@@ -141,6 +149,14 @@ class _Evaluation:
 _COMPARISONS: dict[str, Callable[[Any, Any], bool]] = {
     "==": operator.eq, "!=": operator.ne, "<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge,
 }  # fmt: skip
+
+
+def _is_exact(value: Known) -> bool:
+    return value is not UNKNOWN and not isinstance(value, Range)
+
+
+def _ranged(found: Known | None) -> Known:
+    return UNKNOWN if found is None else found
 
 
 def same(one: Known, other: Known) -> bool:
@@ -153,14 +169,14 @@ def replaced_element(whole: Known, indexes: tuple[Known, ...], value: Known) -> 
     if not indexes:
         return value
     index = indexes[0]
-    if whole is UNKNOWN or index is UNKNOWN:
+    if whole is UNKNOWN or not _is_exact(index):
         return UNKNOWN
     assert isinstance(whole, tuple)
     assert isinstance(index, int)
     if not 0 <= index < len(whole):
         raise EvaluationFault(f"there is no element {index}")
     inner = replaced_element(whole[index], indexes[1:], value)
-    return UNKNOWN if isinstance(inner, Unknown) else (*whole[:index], inner, *whole[index + 1 :])
+    return UNKNOWN if isinstance(inner, Unknown | Range) else (*whole[:index], inner, *whole[index + 1 :])
 
 
 def values_of_type(kind: Type) -> tuple[Value, ...] | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 from typing import Protocol
 
@@ -17,8 +17,8 @@ from cspdiag.analyses.verification.question import Question
 class Systems(Protocol):
     """Has the transition systems of processes as the outermost ones."""
 
-    def __call__(self, process: str, told_apart: Collection[str] = ()) -> System:
-        """That of the process of this name; of the inputs ``told_apart`` the values matter as well."""
+    def __call__(self, process: str, told_apart: Mapping[str, Collection[int]] | None = None) -> System:
+        """That of the process of this name; of the inputs ``told_apart`` the values matter as well. See ``transition_system``."""
 
 
 def prove(question: Question, systems: Systems, limits: Limits, method: Method | None = None) -> Answer:
@@ -27,24 +27,30 @@ def prove(question: Question, systems: Systems, limits: Limits, method: Method |
     Raises what ``systems`` raises. A limit that is reached makes the answer unknown.
     """
     began = time.monotonic()
-    system = _asked(question, systems)
+    system, specification = _asked(question, systems)
     try:
-        answer = _answer(question, system, systems, limits, method)
+        answer = _answer(question, system, specification, limits, method)
     except MemoryError:
         answer = Answer(question, "unknown", method, "the memory of this machine is used up", 0.0)
     return replace(answer, seconds=time.monotonic() - began, abstractions=system.abstractions)
 
 
-def _asked(question: Question, systems: Systems) -> System:
-    """The process in question; its events have the values that the specification, if there is one, tells apart."""
+def _asked(question: Question, systems: Systems) -> tuple[System, System | None]:
+    """The process in question and its specification, if there is one: of the inputs that this one tells apart, both have the same values."""
     if question.specification is None:
-        return systems(question.process)
+        return systems(question.process), None
     from cspdiag.analyses.proofs.labels import Labels
 
-    return systems(question.process, Labels(systems(question.specification), question.hidden).told_apart)
+    specification = systems(question.specification)
+    ports = Labels(specification, question.hidden).told_apart
+    system = systems(question.process, {port: specification.boundaries.get(port, frozenset()) for port in ports})
+    both = {port: boundaries for port, boundaries in system.boundaries.items() if port in ports}
+    return system, systems(question.specification, both)
 
 
-def _answer(question: Question, system: System, systems: Systems, limits: Limits, method: Method | None) -> Answer:
+def _answer(
+    question: Question, system: System, specification: System | None, limits: Limits, method: Method | None
+) -> Answer:
     match question.claim:
         case "deadlock free":
             return _deadlock_free(question, system, limits, method)
@@ -53,8 +59,8 @@ def _answer(question: Question, system: System, systems: Systems, limits: Limits
         case "terminates":
             return _terminates(question, system, limits)
         case "refines":
-            assert question.specification is not None
-            return _refines(question, system, systems(question.specification), limits)
+            assert specification is not None
+            return _refines(question, system, specification, limits)
         case "schedulable":
             raise ValueError("timing is not a matter of transition systems")
 

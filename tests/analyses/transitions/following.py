@@ -10,6 +10,7 @@ from cspdiag.analyses.transitions.system import INTERNAL, Event, System
 from cspdiag.model.types import Type
 from cspdiag.network.dump_expression import value_text
 from cspdiag.network.ir import Network
+from cspdiag.settings import parse_duration
 from cspdiag.simulate.result import Run
 
 Communication = tuple[str, str]
@@ -84,6 +85,22 @@ def _types(network: Network) -> dict[str, Type]:
     return types | {f"{network.top}.{port.name}": port.type for port in network.external_ports}
 
 
+def is_told_as(value: str, told: str | None) -> bool:
+    """Whether a value that passed is one of those that an event stands for."""
+    if told is None or ".." not in told:
+        return told in (None, value)
+    number, *ends = (_number(text) for text in (value, *told.split("..")))
+    assert number is not None
+    low, high = ends
+    return (low is None or low <= number) and (high is None or number <= high)
+
+
+def _number(text: str) -> int | None:
+    if not text:
+        return None
+    return int(text) if text.lstrip("-").isdecimal() else parse_duration(text)
+
+
 def _readers(system: System, event: Event) -> int:
     """How many communications of the trace an event is: an output guard on a broadcast serves all readers at once."""
     processes = sum(system.components[party].process for party in event.parties)
@@ -116,7 +133,7 @@ def follow(
             if known is not None and known.kind in OBSERVED and known.channel not in unseen:
                 step += _readers(system, known)
                 if step > len(communications) or not all(
-                    known.channel == channel and known.value in (None, value)
+                    known.channel == channel and is_told_as(value, known.value)
                     for channel, value in communications[done:step]
                 ):
                     continue
