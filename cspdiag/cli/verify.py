@@ -49,7 +49,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     )
     parser.add_argument(
         "--format", choices=FORMATS, default="text",
-        help="how to tell the answers: text and concise, for people, on standard error; the others on standard output (default: text)",
+        help="how to tell the answers: text and concise, for people, on standard error; the others, and what --timing prints, on standard output (default: text)",
     )  # fmt: skip
     parser.add_argument("--trace-out", type=Path, metavar="FILE", help="the first counterexample, for run --replay")
     parser.add_argument(
@@ -101,7 +101,7 @@ def run(arguments: Namespace) -> int:
             sys.stderr.write(warnings)
             return UNSUCCESSFUL
         answers = _answers(asked, arguments, cache.read)
-        stdout, stderr = _told(answers, arguments)
+        stdout, stderr = told(answers, arguments)
         code = FINE if all(answer.outcome == "proved" for answer in answers) else UNSUCCESSFUL
         printed = Printed(code, stdout, f"{warnings}{stderr}")
         _write_trace(arguments, answers)
@@ -196,7 +196,7 @@ def _rendered(diagnostics: Sequence[Diagnostic], arguments: Namespace) -> str:
     return render(diagnostics, colour=wants_colour(arguments.color, sys.stderr))
 
 
-def _told(answers: Sequence[Answer], arguments: Namespace) -> tuple[str, str]:
+def told(answers: Sequence[Answer], arguments: Namespace) -> tuple[str, str]:
     """What goes to standard output, and what to standard error."""
     from cspdiag.analyses.verification.diagnostics import diagnostics_of
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
+import time
 from argparse import Namespace
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Literal, cast
@@ -16,37 +17,71 @@ from cspdiag.sources import read_source
 if TYPE_CHECKING:
     from cspdiag.analyses.timing.measured import Measured
     from cspdiag.analyses.timing.result import TimingReport
+    from cspdiag.network.ir import Network
+    from cspdiag.pipeline import Built
 
 
 def run_timing(arguments: Namespace) -> int:
-    """Analyse the program, print the table or JSON, draw the schedule; fine where every deadline is proved to be met."""
-    if arguments.format not in ("text", "json"):
-        raise UsageError(f"--timing has no format {arguments.format}: it is text or json")
-    gantt = arguments.gantt
-    if gantt is not None and (gantt.suffix != ".svg" or gantt.is_dir() or not gantt.parent.is_dir()):
-        raise UsageError(f"--gantt {gantt}: the name of an .svg file in a folder that exists is wanted")
+    """Analyse the program, tell what was found, draw the schedule; fine where every deadline is proved to be met."""
+    _check_options(arguments)
     measured = [] if arguments.wcet_from is None else measured_times(str(arguments.wcet_from))
-    report = _report(arguments, measured)
-    if report is None:
+    built = _built(arguments)
+    if built.network is None:
         return UNSUCCESSFUL
-    if gantt is not None:
+    began = time.monotonic()
+    report = _report(arguments, built.network, measured)
+    seconds = time.monotonic() - began
+    if arguments.gantt is not None:
         from cspdiag.analyses.timing.gantt import gantt_svg
 
-        replace_text(str(gantt), gantt_svg(report))
-    if arguments.format == "json":
-        from cspdiag.analyses.timing.render_json import render
-
-        sys.stdout.write(render(report))
-    elif not (arguments.quiet and report.is_schedulable):
-        from cspdiag.analyses.timing.render_text import table
-
-        sys.stdout.write(table(report))
+        replace_text(str(arguments.gantt), gantt_svg(report))
+    _tell(arguments, built, report, seconds)
     return FINE if report.is_schedulable else UNSUCCESSFUL
 
 
-def _report(arguments: Namespace, measured: Sequence[Measured]) -> TimingReport | None:
+def _check_options(arguments: Namespace) -> None:
+    """Refuse before the work what could not be done after it."""
+    gantt = arguments.gantt
+    if gantt is not None and (gantt.suffix != ".svg" or gantt.is_dir() or not gantt.parent.is_dir()):
+        raise UsageError(f"--gantt {gantt}: the name of an .svg file in a folder that exists is wanted")
+    spin = arguments.engine if arguments.engine != "cspdiag" else None
+    unused = {
+        "--method": arguments.method,
+        "--engine": spin,
+        "--trace-out": arguments.trace_out,
+        "--draw": arguments.draw,
+    }
+    for option, value in unused.items():
+        if value is not None:
+            raise UsageError(f"{option} belongs to proofs: --timing proves no assertions (leave one of them out)")
+
+
+def _tell(arguments: Namespace, built: Built, report: TimingReport, seconds: float) -> None:
+    match arguments.format:
+        case "json":
+            from cspdiag.analyses.timing.render_json import render
+
+            sys.stdout.write(render(report))
+        case "text":
+            from cspdiag.analyses.timing.render_text import table
+
+            sys.stdout.write("" if arguments.quiet and report.is_schedulable else table(report))
+        case _:
+            from cspdiag.analyses.verification.question import schedulability_of
+            from cspdiag.analyses.verification.schedulable import answer_of
+            from cspdiag.cli.verify import told
+
+            assert built.network is not None
+            assert built.checked.program is not None
+            process = built.network.class_named(built.network.top).definition
+            question = schedulability_of(built.checked.program, process)
+            stdout, stderr = told([answer_of(question, report, seconds)], arguments)
+            sys.stdout.write(stdout)
+            sys.stderr.write(stderr)
+
+
+def _built(arguments: Namespace) -> Built:
     from cspdiag import pipeline
-    from cspdiag.analyses.timing.report import timing_report
     from cspdiag.network.lower import SelectionError
     from cspdiag.settings import SettingError, split_setting
 
@@ -56,15 +91,16 @@ def _report(arguments: Namespace, measured: Sequence[Measured]) -> TimingReport 
     except (SettingError, SelectionError) as problem:
         raise UsageError(str(problem)) from None
     show_diagnostics(built.checked.report.diagnostics, arguments.color)
-    if built.network is None:
-        return None
-    from cspdiag.analyses.timing.measured import times_of_laws
+    return built
 
-    report = timing_report(built.network, times_of_laws(built.network, measured))
+
+def _report(arguments: Namespace, network: Network, measured: Sequence[Measured]) -> TimingReport:
+    from cspdiag.analyses.timing.measured import times_of_laws
+    from cspdiag.analyses.timing.report import timing_report
+
+    report = timing_report(network, times_of_laws(network, measured))
     if measured and not report.measured:
-        raise UsageError(
-            f"--wcet-from {arguments.wcet_from}: none of its names is a law or process of {built.network.top}"
-        )
+        raise UsageError(f"--wcet-from {arguments.wcet_from}: none of its names is a law or process of {network.top}")
     return report
 
 

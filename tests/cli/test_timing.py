@@ -15,6 +15,12 @@ from tests.models.programs import MODELS
 JIWY = MODELS / "jiwy" / "jiwy.csp"
 
 
+@pytest.fixture(autouse=True)
+def own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is remembered, apart from everybody else's."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+
+
 @pytest.fixture
 def late(tmp_path: Path) -> Path:
     path = tmp_path / "late.csp"
@@ -125,10 +131,43 @@ def test_a_picture_that_cannot_be_written_is_refused_first(
     assert result.out == ""
 
 
-def test_other_formats_are_refused(cspdiag: Command, late: Path) -> None:
-    result = cspdiag("verify", "--timing", "--format", "sarif", late)
-    assert result.code == 2
-    assert "text or json" in result.err
+def test_for_other_tools_it_is_the_answer_to_the_assertion(cspdiag: Command, late: Path) -> None:
+    for form in ("github", "sarif", "concise"):
+        assert cspdiag("verify", "--timing", "--format", form, late) == cspdiag("verify", "--format", form, late)
+    github = cspdiag("verify", "--timing", "--format", "github", late)
+    assert github.code == 1
+    assert github.out.startswith(f"::error file={late},line=26,")
+    assert "title=E1106%3A" in github.out
+    concise = cspdiag("verify", "--timing", "--format", "concise", late)
+    assert concise.out == ""
+    assert concise.err.startswith(f"{late}:26:1: error[E1106] ")
+
+
+def test_junit_has_one_test_for_the_process(cspdiag: Command, late: Path, silent: Path, tmp_path: Path) -> None:
+    trace = tmp_path / "trace.json"
+    trace.write_text(json.dumps({"executionTimes": {"Main.a": 12.5e-6}}))
+    cases = {"failure": (late,), "error": (silent,), "system-out": ("--wcet-from", trace, silent)}
+    for kind, options in cases.items():
+        result = cspdiag("verify", "--timing", "--format", "junit", *options)
+        assert result.code == (0 if kind == "system-out" else 1)
+        (case,) = ElementTree.fromstring(result.out).iter("testcase")
+        assert case.attrib["name"] == "assert Main schedulable"
+        assert [part.tag for part in case] == [kind]
+
+
+def test_without_an_assertion_the_process_is_marked(cspdiag: Command, late: Path) -> None:
+    late.write_text(late.read_text().replace("assert Main schedulable\n", ""))
+    result = cspdiag("verify", "--timing", "--format", "github", late)
+    assert result.out.startswith(f"::error file={late},line=11,endLine=11,col=9,endColumn=13,title=E1106")
+
+
+@pytest.mark.parametrize(
+    "option", [("--method", "sat"), ("--engine", "spin"), ("--trace-out", "trace.json"), ("--draw", "deadlock.svg")]
+)
+def test_options_of_proofs_are_refused(cspdiag: Command, late: Path, option: tuple[str, str]) -> None:
+    result = cspdiag("verify", "--timing", *option, late)
+    assert (result.code, result.out) == (2, "")
+    assert result.err.startswith(f"cspdiag: {option[0]} belongs to proofs")
 
 
 def test_assertions_are_answered(cspdiag: Command, late: Path, silent: Path) -> None:

@@ -62,6 +62,12 @@ def expected_of(program: Program, process: str) -> tuple[Question, ...]:
     return tuple(Question(process, expected, definition.name.span, asserted=False) for expected in EXPECTED)
 
 
+def schedulability_of(program: Program, process: str) -> Question:
+    """Whether a process is schedulable, as the text asserts it or, where it does not, as it is asked anyway."""
+    asserted = (question for question in questions_of(program, process) if question.claim == "schedulable")
+    return next(asserted, Question(process, "schedulable", program.definitions[process].name.span, asserted=False))
+
+
 def _asserted(assertion: ast.Assertion) -> Question:
     return Question(
         process=assertion.process.text,

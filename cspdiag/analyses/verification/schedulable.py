@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import time
-from dataclasses import replace
 
 from cspdiag.analyses.timing.diagnostics import diagnostic_of
 from cspdiag.analyses.timing.report import timing_report
+from cspdiag.analyses.timing.result import TimingReport
 from cspdiag.analyses.verification.answer import Answer, Outcome
 from cspdiag.analyses.verification.question import Question
 from cspdiag.network.ir import Network
@@ -16,8 +16,11 @@ def schedulable(question: Question, network: Network) -> Answer:
     """Proved where every sampled loop is ready before its next sample, unknown where a time has no bound."""
     began = time.monotonic()
     report = timing_report(network)
+    return answer_of(question, report, time.monotonic() - began)
+
+
+def answer_of(question: Question, report: TimingReport, seconds: float) -> Answer:
+    """What a timing report, made in so many seconds, says to the question."""
     outcomes: dict[bool | None, Outcome] = {True: "proved", False: "refuted", None: "unknown"}
-    answer = Answer(
-        question, outcomes[report.is_schedulable], None, report.reason, 0.0, found=diagnostic_of(report, question.span)
-    )
-    return replace(answer, seconds=time.monotonic() - began)
+    found = diagnostic_of(report, question.span)
+    return Answer(question, outcomes[report.is_schedulable], None, report.reason, seconds, found=found)
