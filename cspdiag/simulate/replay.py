@@ -1,15 +1,15 @@
 """Steps the generated program through a trace: does it do what the transition system was found to do?
 
-Who gets on and what alternatives choose follows the trace, as far as priorities allow it: a guard of a prioritized alternative is not chosen while one before it is
-always ready, or offered by a process of higher priority; and processes of higher priority communicate with each other before others do. Values that the trace leaves
-open are tried one after the other.
+Who gets on and what alternatives choose follows the trace; values that the trace leaves open are tried one after the other. Priorities and times play no part here: what
+is found so has still to be done by the program as it always runs (``guided``).
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
-from typing import Any
+from collections import defaultdict
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, TypeAlias
 
 from cspdiag.network.ir import Network
 from cspdiag.runtime.composition import end_all, task_for
@@ -19,21 +19,21 @@ from cspdiag.runtime.network import Network as RunningNetwork
 from cspdiag.runtime.scheduler import Task, scheduler
 from cspdiag.settings import SettingError, parse_duration
 from cspdiag.simulate.execute import BodyError, account_of
+from cspdiag.simulate.guided import Guided
+from cspdiag.simulate.guided_goal import STANDSTILLS
+from cspdiag.simulate.guided_run import GuidedRun
 from cspdiag.simulate.package import LoadedPackage
 from cspdiag.simulate.replay_decisions import Decisions
 from cspdiag.simulate.replay_gates import Gate, Interruption, Option, conductor
 from cspdiag.simulate.replay_memory import memory
 from cspdiag.simulate.replay_names import UNFIT, WRITTEN, belongs, fit, is_medium
-from cspdiag.simulate.replay_orders import later, sooner
-from cspdiag.simulate.replay_priorities import excluded
+from cspdiag.simulate.replay_rest import Resting, resting
 from cspdiag.simulate.replay_runtime import replaying_runtime
 from cspdiag.simulate.replay_trace import Trace, TraceStep
 from cspdiag.simulate.replay_values import Values, numbers_of
 
 MOST_ATTEMPTS = 400
-MOST_ORDERS = 4
-"""So many steps may be moved, sooner or later, where priorities want another order."""
-_STANDSTILLS = frozenset({"deadlock", "knot"})
+_ALLOWED = "with the values that it has there, it does what the specification allows"
 _SILENT = frozenset({"variable", "start", "end", "cancel", "exception", "failure", "delivered"})
 
 
@@ -48,8 +48,10 @@ class Replay:
     divergence: str | None
     communications: tuple[tuple[str, Any], ...]
     deadlock: DeadlockReport | None = None
-    by_priority: bool = False
-    """Whether priorities keep the program from following further."""
+    excluded: bool = False
+    """Whether priorities or times keep the program from following."""
+    judgement: str = ""
+    """What the judge has found wrong."""
 
     @property
     def succeeded(self) -> bool:
@@ -61,57 +63,52 @@ class _DivergenceError(Exception):
     """The program does not follow the trace; the message says where."""
 
 
-class _PriorityError(_DivergenceError):
-    """Priorities keep the program from following the trace."""
+Judge: TypeAlias = Callable[[Sequence[tuple[str, Any]], Resting | None], str | None]
+"""Says what is wrong with a run, from its communications and how the processes stand then; None if nothing is."""
 
 
-def replay(network: Network, files: Mapping[str, str], trace: Trace) -> Replay:
-    """Step the package ``files`` of ``network``, compiled without optimization, through a trace.
+def replay(network: Network, files: Mapping[str, str], trace: Trace, judge: Judge | None = None) -> Replay:
+    """Step the package ``files`` of ``network``, compiled without optimization, through a trace, after which the ``judge`` has to find something wrong.
 
-    Where priorities exclude the order of its steps, and only the state after them matters, steps without a common party are exchanged.
+    What is found so is tried on the program as it always runs, with its priorities and in exact times: ``Guided``.
 
     Raises BodyError for a hand-written body that cannot be made.
     """
     package = LoadedPackage(network.name, files, replaying_runtime())
+    guided = Guided(network, files, package)
     try:
-        told, excluded_at = _best(network, package, trace)
-        for move in (sooner, later):
-            result, position, steps = told, excluded_at, trace.steps
-            for _ in range(MOST_ORDERS):
-                if result.succeeded or position is None or trace.failure not in _STANDSTILLS:
-                    break
-                steps = move(steps, position)
-                result, position = _best(network, package, replace(trace, steps=steps))
-            if result.succeeded:
-                return result
-        return told
+        return _best(network, package, trace, judge, guided)
     finally:
+        guided.close()
         package.close()
 
 
-def _best(network: Network, package: LoadedPackage, trace: Trace) -> tuple[Replay, int | None]:
-    """The attempt that comes furthest, and the first step that priorities exclude in any."""
+def _best(network: Network, package: LoadedPackage, trace: Trace, judge: Judge | None, guided: Guided) -> Replay:
+    """The attempt that succeeds, or comes furthest."""
     decisions = Decisions()
     best: Replay | None = None
-    position: int | None = None
     for _ in range(MOST_ATTEMPTS):
-        attempt = _Attempt(network, package, trace, decisions).run()
-        if attempt.succeeded:
-            return attempt, None
-        if attempt.by_priority and attempt.steps < (len(trace.steps) if position is None else position):
-            position = attempt.steps
-        if best is None or attempt.steps > best.steps:
-            best = attempt
-        if not decisions.advance():
+        attempt = _Attempt(network, package, trace, decisions, judge)
+        result = attempt.run()
+        if result.succeeded:
+            result = attempt.led(guided.follow(conductor.passed, trace, attempt.cycle), result)
+        if result.succeeded:
+            return result
+        if best is None or (result.excluded, result.steps) > (best.excluded, best.steps):
+            best = result
+        if guided.exhausted or not decisions.advance():
             break
     assert best is not None
-    return best, position
+    return best
 
 
 class _Attempt:
     """One run of the program along the trace, with certain decisions about what the trace leaves open."""
 
-    def __init__(self, network: Network, package: LoadedPackage, trace: Trace, decisions: Decisions) -> None:
+    def __init__(
+        self, network: Network, package: LoadedPackage, trace: Trace, decisions: Decisions, judge: Judge | None
+    ) -> None:
+        self._judge = judge
         self._trace = trace
         self._package = package
         self._decisions = decisions
@@ -121,6 +118,9 @@ class _Attempt:
         self._communications: list[tuple[str, Any]] = []
         self._failed: BaseException | None = None
         self._ended = False
+        self._rest: Resting | None = None
+        self.cycle = 0
+        """How many things processes have gone on with before what can be repeated."""
 
     def branch_ended(self, branch: Task, error: BaseException | None) -> None:
         """The outermost process has ended."""
@@ -136,28 +136,30 @@ class _Attempt:
         scheduler.observe = self._observe
         scheduler.enqueue(root)
         done = 0
-        deadlock, divergence, by_priority = None, None, False
+        deadlock, divergence, judgement = None, None, ""
         try:
             self._settle()
             for step in self._trace.steps:
                 self._perform(step)
                 done += 1
+            self.cycle = len(conductor.passed)
             for step in self._trace.cycle:
                 self._perform(step)
                 done += 1
             if self._trace.cycle and not self._trace.exact:
                 self._go_round_again(network.process)
+            judgement = self._judged()
             deadlock = self._conclude(root)
         except _DivergenceError as problem:
-            divergence, by_priority = str(problem), isinstance(problem, _PriorityError)
+            divergence = str(problem)
         finally:
             scheduler.observe = None
             end_all(root)
-        return Replay(done, divergence, tuple(self._communications), deadlock, by_priority)
+        return Replay(done, divergence, tuple(self._communications), deadlock, False, judgement)
 
     def _built(self) -> RunningNetwork:
         try:
-            network: RunningNetwork = self._package.module("network").build(_Undriven())
+            network: RunningNetwork = self._package.module("network").build(defaultdict(lambda: None))
         except Exception as problem:
             raise BodyError(account_of(problem)) from problem
         return network
@@ -190,7 +192,6 @@ class _Attempt:
             if isinstance(candidate, Interruption):
                 candidate.fire()
             else:
-                self._respect_priorities(candidate, option)
                 conductor.release(candidate, option)
             expected.append((option.action, option.channel, candidate.task))
             self._settle()
@@ -208,7 +209,6 @@ class _Attempt:
                 if isinstance(candidate, Interruption):
                     candidate.fire()
                 else:
-                    self._respect_priorities(candidate, option)
                     conductor.release(candidate, option)
                 self._settle()
                 return
@@ -231,7 +231,6 @@ class _Attempt:
                 others = len(silent) < len(gate.options) and not necessary
                 chosen = self._decisions.choose(len(silent) + others)
                 if chosen < len(silent):
-                    self._respect_priorities(gate, silent[chosen])
                     conductor.release(gate, silent[chosen])
                     self._settle()
                     return True
@@ -302,11 +301,6 @@ class _Attempt:
         ]
         return f": {'; '.join(told[:3])}" if told else ""
 
-    def _respect_priorities(self, gate: Gate, option: Option) -> None:
-        reason = excluded(gate, option, conductor.halted.values(), self._ports)
-        if reason is not None:
-            raise _PriorityError(reason)
-
     def _go_round_again(self, process: object) -> None:
         """What leaves everything as it was can be done for ever; the first time round may still have brought it there."""
         before = memory(process)
@@ -318,6 +312,27 @@ class _Attempt:
             named = ", ".join(f"`{name}`" for name in changed[:3])
             raise _DivergenceError(f"each time round, {named} changes, so that this may come to an end")
 
+    def led(self, run: GuidedRun, result: Replay) -> Replay:
+        """The result of this attempt, after the program was led through what it has found."""
+        divergence, judgement = run.divergence, result.judgement
+        if run.succeeded and self._judge is not None:
+            found = self._judge(run.communications, self._rest)
+            divergence, judgement = (_ALLOWED, "") if found is None else (None, found)
+        return Replay(
+            result.steps, divergence, run.communications, run.deadlock, not run.succeeded, judgement=judgement
+        )
+
+    def _judged(self) -> str:
+        """What the judge finds wrong with what was done."""
+        if self._judge is None:
+            return ""
+        if not self._ended:
+            self._rest = resting([*conductor.halted.values(), *conductor.interruptions], self._ports)
+        judgement = self._judge(self._communications, self._rest)
+        if judgement is None:
+            raise _DivergenceError(_ALLOWED)
+        return judgement
+
     def _end_silently(self) -> None:
         """Nobody stays where a guard is always ready: transition systems leave out steps that make no difference."""
         gates = [gate for gate in conductor.halted.values() if any(option.action == "skip" for option in gate.options)]
@@ -325,7 +340,6 @@ class _Attempt:
             silent = [option for option in gate.options if option.action == "skip"]
             if self._trace.failure == "deadlock" or len(silent) == len(gate.options):
                 chosen = silent[self._decisions.choose(len(silent))]
-                self._respect_priorities(gate, chosen)
                 conductor.release(gate, chosen)
                 self._settle()
 
@@ -347,7 +361,7 @@ class _Attempt:
 
     def _conclude(self, root: Task) -> DeadlockReport | None:
         """What was refuted is the case now."""
-        if self._trace.failure not in _STANDSTILLS:
+        if self._trace.failure not in STANDSTILLS:
             return None
         if self._ended:
             raise _DivergenceError("it ends instead of coming to a halt")
@@ -377,13 +391,6 @@ def _duration(step: TraceStep) -> int | None:
 
 def _with(option: Option) -> str:
     return f" with `{option.channel}`" if option.channel else ""
-
-
-class _Undriven(dict[str, None]):
-    """Drivers for all ports: none."""
-
-    def __missing__(self, name: str) -> None:
-        return None
 
 
 def _order(option: Option, candidate: Gate | Interruption) -> tuple[bool, bool]:

@@ -9,23 +9,25 @@ class Decisions:
     def __init__(self) -> None:
         self._taken: list[int] = []
         self._options: list[int] = []
-        self._next = 0
+        self.made = 0
+        """How many the present attempt has asked for."""
 
     def begin(self) -> None:
         """A new attempt begins."""
-        self._next = 0
+        self.made = 0
 
     def choose(self, options: int) -> int:
         """One of ``options`` possibilities, by index."""
-        if self._next == len(self._taken):
+        if self.made == len(self._taken):
             self._taken.append(0)
             self._options.append(options)
-        self._next += 1
-        return self._taken[self._next - 1]
+        self.made += 1
+        return self._taken[self.made - 1]
 
-    def advance(self) -> bool:
-        """Change the last decision that can be changed; False if all were tried."""
-        del self._taken[self._next :], self._options[self._next :]
+    def advance(self, cut: int | None = None) -> bool:
+        """Change the last decision that can be changed, of the first ``cut`` where that is given; False if all were tried."""
+        end = self.made if cut is None else min(cut, self.made)
+        del self._taken[end:], self._options[end:]
         while self._taken and self._taken[-1] + 1 >= self._options[-1]:
             self._taken.pop()
             self._options.pop()

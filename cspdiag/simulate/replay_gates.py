@@ -13,8 +13,9 @@ from typing import Any, Literal
 from cspdiag.runtime.composition import Branches
 from cspdiag.runtime.exceptions import Cancelled
 from cspdiag.runtime.process import Process
-from cspdiag.runtime.scheduler import Party, Priority, Task, Waits, scheduler
+from cspdiag.runtime.scheduler import Party, Task, Waits, scheduler
 from cspdiag.runtime.selector import Selector
+from cspdiag.simulate.guided_script import Passed, key_of
 
 __package__ = Process.__module__.rpartition(".")[0]
 """That of the runtime: places of processes are looked for outside of it."""
@@ -27,25 +28,25 @@ class Option:
     """Something that a process at a gate can go on with; ``index`` tells options of one gate apart.
 
     ``ready`` is a guard that leaves the reading to the guarded process, ``wait`` a delay, ``after`` a time-out, ``skip`` the guard that is always ready. ``duration``, in
-    nanoseconds, belongs to ``wait`` and ``after``.
+    nanoseconds, belongs to ``wait`` and ``after``, ``value`` to ``write``.
     """
 
     action: Action
     channel: str = ""
     index: int = 0
     duration: int = 0
+    value: Any = field(default=None, compare=False)
 
 
 class Gate:
-    """A task that halts; what it may go on with, in text order. ``selector`` is that of a prioritized alternative."""
+    """A task that halts; what it may go on with, in text order. ``together``: with all of it, in any order."""
 
     def __init__(
-        self, task: Task, options: tuple[Option, ...], selector: Selector | None, halted: dict[Task, Gate]
+        self, task: Task, options: tuple[Option, ...], halted: dict[Task, Gate], *, together: bool = False
     ) -> None:
         self.task = task
         self.options = options
-        self.prioritized = selector is not None
-        self._selector = selector
+        self.together = together
         self.chosen: Option | None = None
         self._halted = halted
 
@@ -58,16 +59,6 @@ class Gate:
     def names(self) -> tuple[str, ...]:
         """What a trace may call it: its process, or so many a branch of that."""
         return names_of(self.task)
-
-    @property
-    def priority(self) -> Priority:
-        """The level of priority of the task."""
-        return self.task.priority
-
-    def is_ready(self, option: Option) -> bool:
-        """Whether the other side of a guard of a prioritized alternative has come already."""
-        communicates = option.action in {"read", "write", "ready"}
-        return communicates and self._selector is not None and bool(self._selector.ready >> option.index & 1)
 
     def withdraw(self, party: Party) -> bool:
         """See ``Waiting.withdraw``."""
@@ -119,21 +110,24 @@ class Conductor:
     """The value that the environment offers next, by port; an exception stands for a sample that was missed."""
     done: list[tuple[str, str]] = field(default_factory=list)
     """Communications since it was emptied: direction and channel."""
+    passed: list[Passed] = field(default_factory=list)
+    """All that processes have gone on with."""
     free: bool = False
     ready_bits: list[tuple[Selector, int]] = field(default_factory=list)
+    _last: dict[tuple[Task, str], Passed] = field(default_factory=dict)
 
     def reset(self) -> None:
         """Forget everything, for a new run."""
         self.__init__()  # type: ignore[misc]
 
-    def hold(self, *options: Option, selector: Selector | None = None) -> Generator[None, None, Option | None]:
+    def hold(self, *options: Option, together: bool = False) -> Generator[None, None, Option | None]:
         """Halts the current task until one of the options is its turn; None in a run that is not conducted. See ``Gate``."""
         task = scheduler.current
         if task.cancelled:
             raise Cancelled
         if self.free:
             return None
-        gate = self.halted[task] = Gate(task, options, selector, self.halted)
+        gate = self.halted[task] = Gate(task, options, self.halted, together=together)
         task.waiting = gate
         yield
         return gate.chosen
@@ -142,7 +136,27 @@ class Conductor:
         """Lets a task through."""
         del self.halted[gate.task]
         gate.chosen = option
+        if option is not None:
+            self.note(gate.task, option, together=gate.together)
         scheduler.enqueue(gate.task)
+
+    def note(self, task: Task, option: Option, *, together: bool = False) -> None:
+        """A task goes on with an option; one that leaves the reading to what follows is told with that."""
+        if option.action == "ready":
+            return
+        path = "" if task.process is None else task.process.name
+        duration = option.duration
+        entry = Passed(key_of(task), path, option.action, option.channel, option.index, duration, together)
+        self.passed.append(entry)
+        self._last[task, option.channel] = entry
+
+    def took(self, task: Task, channel: str) -> Any:
+        """The value, or the exception, that the environment supplies to a task that reads."""
+        value = self.supplied.get(channel)
+        entry = self._last.get((task, channel))
+        if entry is not None:
+            entry.value = value
+        return value
 
     def go_free(self) -> None:
         """From now on nobody halts, and nothing comes from outside any more."""

@@ -55,7 +55,7 @@ class _GatedOut:
     @coroutine
     def write(self, value: Any, /) -> Generator[None, None, None]:
         """See ``Out.write``."""
-        yield from conductor.hold(Option("write", self.name))
+        yield from conductor.hold(Option("write", self.name, value=value))
         yield from self.write_now(value)
 
     def write_now(self, value: Any) -> Generator[None, None, None]:
@@ -114,7 +114,7 @@ class _OfferedInput(_GatedIn, In[T]):
 
     def take(self) -> Any:
         conductor.done.append(("read", self.name))
-        value = conductor.supplied.get(self.name)
+        value = conductor.took(scheduler.current, self.name)
         if isinstance(value, BaseException):
             raise value
         if scheduler.observe is not None:
@@ -160,11 +160,13 @@ class _Alternative(Alternative):
         delays: Mapping[int, int] = _NOTHING,
     ) -> Generator[None, None, int]:
         options = [
-            _option(guard, index) if index not in delays else Option("after", "", index, delays[index])
+            _option(guard, index, values.get(index))
+            if index not in delays
+            else Option("after", "", index, delays[index])
             for index, guard in enumerate(self.guards)
             if enabled is None or enabled[index]
         ]
-        chosen = yield from conductor.hold(*options, selector=self.selector if self._prioritized else None)
+        chosen = yield from conductor.hold(*options)
         if chosen is None:
             return (yield from Alternative.select(self, enabled, values=values, delays=delays))
         only = [index == chosen.index for index in range(len(self.guards))]
@@ -173,7 +175,7 @@ class _Alternative(Alternative):
         return index
 
 
-def _option(guard: Guard, index: int) -> Option:
+def _option(guard: Guard, index: int, value: Any = None) -> Option:
     match guard:
         case (
             Input(end=Constant() | Variable()) | Ready(end=Constant() | Variable()) | Output(end=Discard() | Variable())
@@ -184,7 +186,7 @@ def _option(guard: Guard, index: int) -> Option:
         case Ready(end=end):
             return Option("ready", end.name, index)
         case Output(end=end):
-            return Option("write", end.name, index)
+            return Option("write", end.name, index, value=value)
         case After(duration=duration):
             return Option("after", "", index, duration)
         case _:
@@ -205,6 +207,7 @@ def _interrupt(
     def fire() -> None:
         nonlocal fired
         fired = True
+        conductor.note(task, interruption.options[0])
         branches.tasks[0].cancel()
 
     interruption = Interruption(task, (_option(guard, 0),), fire)
@@ -242,7 +245,7 @@ def _read_all(*ends: In[Any]) -> Generator[None, None, tuple[Any, ...]]:
             values[position] = yield from pending.pop(position).read()
     while pending:
         options = [Option("read", end.name, position) for position, end in pending.items()]
-        chosen = yield from conductor.hold(*options)
+        chosen = yield from conductor.hold(*options, together=True)
         if chosen is None:
             rest = yield from read_all(*pending.values())
             values.update(zip(pending, rest, strict=True))
@@ -262,8 +265,8 @@ def _write_all(*outputs: tuple[Out[Any], Any]) -> Generator[None, None, None]:
             del pending[position]
             yield from end.write(value)
     while pending:
-        options = [Option("write", end.name, position) for position, (end, _) in pending.items()]
-        chosen = yield from conductor.hold(*options)
+        options = [Option("write", end.name, position, value=value) for position, (end, value) in pending.items()]
+        chosen = yield from conductor.hold(*options, together=True)
         if chosen is None:
             yield from write_all(*pending.values())
             break

@@ -42,6 +42,8 @@ class Trace:
     cycle: tuple[TraceStep, ...]
     stuck: tuple[tuple[str, frozenset[str]], ...]
     exact: bool
+    hidden: frozenset[str] = frozenset()
+    """Channels of the environment that a specification does not see."""
 
 
 def trace_text(
@@ -50,14 +52,19 @@ def trace_text(
     assertion: str,
     settings: Mapping[str, str],
     left_open: Sequence[str],
+    hidden: Sequence[str] = (),
 ) -> str:
-    """The file of a counterexample (see ``analyses.counterexamples.encode``); ``left_open`` is what the proof leaves open."""
+    """The file of a counterexample (see ``analyses.counterexamples.encode``).
+
+    ``left_open`` is what the proof leaves open, ``hidden`` the ports that a specification does not see.
+    """
     whole = {
         "format": FORMAT,
         "process": process,
         "assertion": assertion,
         "settings": dict(settings),
         "left_open": list(left_open),
+        "hidden": list(hidden),
         **counterexample,
     }
     return json.dumps(whole, indent=2) + "\n"
@@ -80,6 +87,7 @@ def read_trace(text: str) -> Trace:
             steps=tuple(_step(step, whole["process"]) for step in whole["steps"]),
             cycle=tuple(_step(step, whole["process"]) for step in whole["cycle"]),
             exact=not whole["left_open"],
+            hidden=frozenset(f"{whole['process']}.{_text(port)}" for port in whole.get("hidden", ())),
             stuck=tuple((_text(entry["path"]), frozenset(map(_text, entry["channels"]))) for entry in whole["waiting"]),
         )
     except (KeyError, TypeError, AttributeError) as problem:

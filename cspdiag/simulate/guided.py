@@ -1,0 +1,106 @@
+"""Leads the program, as it always runs, to where a counterexample goes."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+
+from cspdiag.network.ir import Network
+from cspdiag.runtime.network import Network as RunningNetwork
+from cspdiag.runtime.scheduler import scheduler
+from cspdiag.simulate.execute import BodyError, account_of
+from cspdiag.simulate.guided_goal import Goal
+from cspdiag.simulate.guided_run import GuidedRun, Lines, Run
+from cspdiag.simulate.guided_runtime import guided_runtime
+from cspdiag.simulate.guided_script import Passed
+from cspdiag.simulate.package import LoadedPackage
+from cspdiag.simulate.replay_decisions import Decisions
+from cspdiag.simulate.replay_trace import Trace
+from cspdiag.simulate.replay_values import Values, numbers_of
+
+MOST_ACTIONS = 300_000
+"""So often may processes get on in all runs together."""
+MOST_RUNS = 400
+"""Of each kind: where nobody does anything that is not in the script, and where others go on besides."""
+AT_LEAST = 2_000
+
+
+class Guided:
+    """The program of a network, compiled without optimization, as often as it takes; ``found`` is the package with which scripts were found."""
+
+    def __init__(self, network: Network, files: Mapping[str, str], found: LoadedPackage) -> None:
+        self._network = network
+        self._package = LoadedPackage(network.name, files, guided_runtime())
+        types = None
+        if network.enums or network.structs:
+            types = sys.modules[f"{self._package.name}.types"] = found.module("types")
+        values = Values(types, numbers_of(network))
+        inputs = [port for port in network.external_ports if port.direction == "in"]
+        self._defaults = {
+            f"{network.top}.{port.name}": next(iter(values.candidates(port.type, None)), None) for port in inputs
+        }
+        self._outside = frozenset(f"{network.top}.{port.name}" for port in network.external_ports)
+        environments = network.environments
+        counts = bool(environments) and all(environment.on_miss != "timeout" for environment in environments)
+        self._on_miss = "count" if counts else "timeout"
+        self._left = MOST_ACTIONS
+
+    def close(self) -> None:
+        """Forgets the package."""
+        self._package.close()
+
+    @property
+    def exhausted(self) -> bool:
+        """Whether no further run is to be tried."""
+        return self._left <= 0
+
+    def follow(self, entries: Sequence[Passed], trace: Trace, cycle: int) -> GuidedRun:
+        """A run that comes to where the entries lead, or the one that comes furthest; from ``cycle`` on they are repeated once."""
+        script = (*entries, *(entries[cycle:] if trace.cycle else ()))
+        goal = Goal(trace, self._outside, self._outside - trace.hidden, cycle if trace.cycle else len(script))
+        best: GuidedRun | None = None
+        for run in self._runs(script, goal):
+            if run.succeeded:
+                return run
+            if best is None or run.done > best.done:
+                best = run
+        assert best is not None
+        return best
+
+    def _runs(self, script: Sequence[Passed], goal: Goal) -> Iterator[GuidedRun]:
+        """As it comes at first, then strictly after the script, then with decisions of every kind."""
+        yield self._run(script, goal, Decisions(), strict=False)
+        for strict in (True, False):
+            decisions = Decisions()
+            for _ in range(MOST_RUNS):
+                run = self._run(script, goal, decisions, strict=strict)
+                yield run
+                if self.exhausted or not decisions.advance(run.cut):
+                    break
+
+    def _run(self, script: Sequence[Passed], goal: Goal, decisions: Decisions, *, strict: bool) -> GuidedRun:
+        decisions.begin()
+        scheduler.reset()
+        lines = Lines()
+        limit = max(AT_LEAST, self._left // 4)
+        network = self._built(lines)
+        run = Run(
+            network,
+            lines,
+            script,
+            goal,
+            decisions,
+            strict=strict,
+            limit=limit,
+            on_miss=self._on_miss,
+            defaults=self._defaults,
+        ).run()
+        self._left -= run.actions
+        return run
+
+    def _built(self, lines: Lines) -> RunningNetwork:
+        try:
+            network: RunningNetwork = self._package.module("network").build(lines)
+        except Exception as problem:
+            raise BodyError(account_of(problem)) from problem
+        return network

@@ -1,0 +1,91 @@
+"""Whether a run has come to what was refuted."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from cspdiag.runtime.choice import waits_of_guard
+from cspdiag.runtime.composition import Branches
+from cspdiag.runtime.interrupt import _Body
+from cspdiag.runtime.scheduler import Task
+from cspdiag.simulate.replay_names import belongs
+from cspdiag.simulate.replay_trace import Trace
+
+STANDSTILLS = frozenset({"deadlock", "knot"})
+
+Offer: TypeAlias = tuple[str, str]
+"""What a waiting process could go on with: ``to read`` or ``to write`` and a channel, or other words and nothing."""
+
+_NEVER = frozenset({"for ever, at stop", "for an alternative of which no guard is enabled"})
+_OPPOSITE = {"to read": "to write", "to write": "to read"}
+
+
+@dataclass(frozen=True)
+class Goal:
+    """What a run is to come to; ``outside`` are the channels of the environment, ``visible`` those that a specification sees.
+
+    ``cycle``: from this entry of the script on everything can be repeated.
+    """
+
+    trace: Trace
+    outside: frozenset[str]
+    visible: frozenset[str]
+    cycle: int
+
+    @property
+    def is_standstill(self) -> bool:
+        """Whether some, or all, are to wait for ever."""
+        return self.trace.failure in STANDSTILLS
+
+    def expected(self) -> tuple[str, ...]:
+        """For a refinement the channels that the specification sees, in order."""
+        steps = (step for step in self.trace.steps if step.kind in {"external", "sample"})
+        return tuple(step.channel for step in steps if step.channel in self.visible)
+
+    def missed(self, root: Task) -> str | None:
+        """Why nobody is stuck for ever although nobody is ready; None if somebody is, or all are."""
+        waiting = [(_path(task), frozenset(_offers(task))) for task in _leaves(root)]
+        stuck = [entry for entry in waiting if self.trace.failure == "deadlock" or self._is_stuck(*entry)]
+        if not stuck:
+            return "nobody is stuck"
+        moving = {offer for entry in waiting if entry not in stuck for offer in entry[1]}
+        for path, offers in stuck:
+            for words, channel in offers:
+                if words not in _NEVER and (
+                    not channel or channel in self.outside or (_OPPOSITE[words], channel) in moving
+                ):
+                    return f"`{path}` can still go on" + (f" with `{channel}`" if channel else "")
+        return None
+
+    def _is_stuck(self, path: str, offers: Iterable[Offer]) -> bool:
+        channels = {channel for _, channel in offers if channel}
+        return any(belongs(path, of) and channels & waits for of, waits in self.trace.stuck)
+
+
+def _path(task: Task) -> str:
+    return "" if task.process is None else task.process.name
+
+
+def _leaves(root: Task) -> Iterator[Task]:
+    """The tasks that do not wait for branches of their own."""
+    pending = [root]
+    while pending:
+        task = pending.pop()
+        if isinstance(task.waiting, Branches) and task.waiting.pending:
+            pending += [branch for branch in task.waiting.tasks if not branch.ended]
+        else:
+            yield task
+
+
+def _offers(task: Task) -> Iterator[Offer]:
+    """What a task waits for, and the guards of the interrupts around it."""
+    for words, end in task.waits():
+        yield words, "" if end is None else end.name
+    join = task.join
+    while isinstance(join, Branches):
+        if isinstance(join, _Body):
+            words, end = waits_of_guard(join.interruption.guards[0])
+            yield words, "" if end is None else end.name
+        join = join._parent.join

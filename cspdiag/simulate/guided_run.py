@@ -1,0 +1,381 @@
+"""A run of the program on its real runtime, led to where a counterexample goes.
+
+It obeys what every run obeys: who runs goes on until it must wait, processes of higher priority come first, delays end when they say, samples come at
+the ticks of their periods, and time passes only while nobody is ready or a submodel computes. Left to the guide are which of the ready processes of one level
+is next, which of the guards of ``[]`` that are ready is taken, how long a submodel computes, and what comes from outside, and when. What it tries
+otherwise in another attempt is a ``Decisions``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from heapq import heapify, heappop, heappush, nsmallest
+from typing import Any
+
+from cspdiag.runtime.composition import end_all, task_for
+from cspdiag.runtime.deadlock import DeadlockReport, report_deadlock
+from cspdiag.runtime.durations import shown
+from cspdiag.runtime.inputs import SampledInput
+from cspdiag.runtime.network import Network as RunningNetwork
+from cspdiag.runtime.scheduler import Party, Priority, Task, nobody, scheduler
+from cspdiag.simulate.guided_goal import Goal
+from cspdiag.simulate.guided_runtime import _EventInput, guidance
+from cspdiag.simulate.guided_script import Key, Passed, Script, key_of
+from cspdiag.simulate.replay_decisions import Decisions
+
+MOST_CHOICES = 6
+"""So many of the processes that are ready are tried as the next."""
+_LEFT_OUT = ", and proofs leave {} out"
+
+
+class AstrayError(Exception):
+    """The run does not come to the goal; the message says why."""
+
+
+@dataclass(frozen=True)
+class GuidedRun:
+    """How a run went: ``done`` entries of its script, ``actions`` of processes, and why it has not reached its goal, None if it has.
+
+    ``cut`` is the number of decisions after which it was lost.
+    """
+
+    done: int
+    actions: int
+    divergence: str | None
+    communications: tuple[tuple[str, Any], ...]
+    deadlock: DeadlockReport | None
+    cut: int
+
+    @property
+    def succeeded(self) -> bool:
+        """Whether it has reached its goal."""
+        return self.divergence is None
+
+
+class _Line:
+    """A port's side of the environment."""
+
+    def __init__(self) -> None:
+        self.value: Any = None
+
+    def read(self) -> Any:
+        return self.value
+
+    def write(self, value: Any) -> None:
+        """Takes everything."""
+
+
+class Lines(dict[str, _Line]):
+    """The environment, by port."""
+
+    def __missing__(self, name: str) -> _Line:
+        line = self[name] = _Line()
+        return line
+
+
+class Run:
+    """One run. ``strict``: nobody does anything that is not in the script."""
+
+    def __init__(
+        self,
+        network: RunningNetwork,
+        lines: Lines,
+        entries: Sequence[Passed],
+        goal: Goal,
+        decisions: Decisions,
+        *,
+        strict: bool,
+        limit: int,
+        on_miss: Any,
+        defaults: Mapping[str, Any],
+    ) -> None:
+        self._script = Script(entries)
+        self._goal = goal
+        self._decisions = decisions
+        self._strict = strict
+        self._limit = limit
+        self._root = task_for(network.process, self, None)
+        self._lines = lines
+        self._sampled = [port for port in network.ports if isinstance(port, SampledInput)]
+        self._events = {port.name: port for port in network.ports if isinstance(port, _EventInput)}
+        for port in self._sampled:
+            port.on_miss = on_miss
+        self._defaults = dict(defaults)
+        self._outputs = goal.outside - {port.name for port in (*self._sampled, *self._events.values())}
+        self._expected = goal.expected() if goal.trace.failure == "refinement" else None
+        self._seen = 0
+        self._keys: dict[Task, Key] = {}
+        self._ready: dict[Priority, list[tuple[int, int, Party]]] = {(): []}
+        self._serial = 0
+        self._actions = 0
+        self._communications: list[tuple[str, Any]] = []
+        self._problem: str | None = None
+        self._lost: str | None = None
+        self._cut: int | None = None
+        self._cycle_began: int | None = None
+        self._error: BaseException | None = None
+
+    def branch_ended(self, branch: Task, error: BaseException | None) -> None:
+        """The outermost process has ended."""
+        self._error = error
+
+    def run(self) -> GuidedRun:
+        """Runs as far as it leads to the goal; ``scheduler`` was reset, and the decisions have begun."""
+        guidance.guide = self
+        scheduler.observe = self._observe
+        scheduler.enqueue(self._root)
+        divergence, deadlock = None, None
+        try:
+            self._go()
+            deadlock = report_deadlock(self._root, scheduler.now) if self._goal.is_standstill else None
+        except AstrayError as problem:
+            divergence = self._lost or str(problem)
+        finally:
+            scheduler.observe = None
+            scheduler.current = nobody
+            end_all(self._root)
+        done = len(self._script.entries) - self._script.left
+        cut = self._decisions.made if self._cut is None else self._cut
+        return GuidedRun(done, self._actions, divergence, tuple(self._communications), deadlock, cut)
+
+    def _go(self) -> None:
+        while self._script.left or self._goal.is_standstill:
+            self._offer()
+            party = self._next()
+            if party is None:
+                if self._concluded():
+                    return
+                self._pass_time()
+                continue
+            self._actions += 1
+            scheduler._run_one(party)
+            scheduler.current = nobody
+            if self._error is not None:
+                raise AstrayError(f"it ends with {type(self._error).__name__}: {self._error}")
+            if self._problem is not None:
+                raise AstrayError(self._problem)
+            if self._actions > self._limit:
+                raise AstrayError(self._not_come("in so many steps"))
+        if self._goal.trace.failure == "livelock" and self._cycle_began not in (None, scheduler.now):
+            raise AstrayError("time passes before everything is repeated")
+
+    def _concluded(self) -> bool:
+        """Nobody is ready: whether that is the standstill."""
+        if self._root.ended:
+            raise AstrayError("it ends instead of coming to a halt" if not self._script.left else self._not_come())
+        if self._script.left or not self._goal.is_standstill:
+            return False
+        missed = self._goal.missed(self._root)
+        if missed is not None and not self._time_can_pass():
+            raise AstrayError(missed)
+        return missed is None
+
+    def _next(self) -> Party | None:
+        """The process that is next: of the highest level that has any, the one of which something is wanted earliest, or as decided."""
+        self._collect()
+        level = min((level for level, entries in self._ready.items() if entries), default=None)
+        if level is None:
+            return None
+        entries = self._ready[level]
+        chosen = self._decisions.choose(min(len(entries), MOST_CHOICES)) if len(entries) > 1 else 0
+        if chosen == 0:
+            return heappop(entries)[2]
+        entry = nsmallest(chosen + 1, entries)[-1]
+        entries.remove(entry)
+        heapify(entries)
+        return entry[2]
+
+    def _collect(self) -> None:
+        for level, queue in (((), scheduler.queue), *scheduler._levels):
+            for party in queue:
+                self._serial += 1
+                entry = (self._script.rank(self._key(party)), self._serial, party)
+                heappush(self._ready.setdefault(level, []), entry)
+            queue.clear()
+
+    def _key(self, party: Party) -> Key:
+        task = _task_of(party)
+        found = self._keys.get(task)
+        if found is None:
+            found = self._keys[task] = key_of(task)
+        return found
+
+    def _offer(self) -> None:
+        """The environment offers what is wanted next."""
+        number = self._script.next()
+        if number is None or not self._can_offer(self._script.entries[number]):
+            return
+        ready = scheduler.queue or any(self._ready.values())
+        if not ready or not self._decisions.choose(2):
+            self._occur(self._script.entries[number])
+
+    def _can_offer(self, entry: Passed) -> bool:
+        if entry.action != "read" or entry.channel not in self._events or isinstance(entry.value, BaseException):
+            return False
+        return not self._events[entry.channel].end_of(entry.path).fresh
+
+    def _occur(self, entry: Passed) -> None:
+        self._events[entry.channel].occur(entry.value)
+
+    def _pass_time(self) -> None:
+        """Nobody is ready: time goes on to the next instant, or something comes from outside."""
+        if self._time_can_pass():
+            instant = self._next_instant()
+            assert instant is not None
+            self._meet(instant)
+            return
+        entry = next(filter(self._can_offer, self._script.undone()), None)
+        if entry is None:
+            raise AstrayError(self._not_come())
+        self._occur(entry)
+
+    def _time_can_pass(self) -> bool:
+        return scheduler.timers.next_instant() is not None or any(port.can_come for port in self._sampled)
+
+    def _next_instant(self) -> int | None:
+        """The next instant at which a delay ends, or a sample comes to somebody who listens."""
+        instants = [(scheduler.now // port.period + 1) * port.period for port in self._sampled if _listens(port)]
+        timer = scheduler.timers.next_instant()
+        return min([*instants, *([] if timer is None else [timer])], default=None)
+
+    def _meet(self, instant: int) -> None:
+        self._actions += 1
+        scheduler.now = instant
+        for port in self._sampled:
+            if instant % port.period == 0:
+                wanted = self._script.next_read(port.name)
+                if wanted is not None and not isinstance(wanted.value, BaseException):
+                    self._defaults[port.name] = wanted.value
+                self._lines[port.name.partition(".")[2]].value = self._defaults[port.name]
+                port.sample()
+        scheduler.timers.fall_due(instant)
+
+    def compute(self) -> None:
+        """See ``Guide.compute``: as long as helps what is wanted, or not at all."""
+        instants = self._computing()
+        until = instants[self._decisions.choose(len(instants))] if len(instants) > 1 else scheduler.now
+        while (instant := self._next_instant()) is not None and instant <= until:
+            self._meet(instant)
+        scheduler.now = until
+
+    def _computing(self) -> Sequence[int]:
+        """Until when the current task may compute, the most promising first."""
+        following = self._next_instant()
+        if following is None:
+            return (scheduler.now,)
+        number = self._script.next()
+        entry = None if number is None else self._script.entries[number]
+        missed = [port for port in self._sampled if self._is_to_miss(port)]
+        twice = max([(scheduler.now // port.period + 2) * port.period for port in missed], default=following)
+        first = scheduler.now
+        if missed:
+            first = twice
+        elif entry is not None and entry.action in {"wait", "after"} and entry.key != self._key(scheduler.current):
+            first = following
+        return tuple(dict.fromkeys((first, scheduler.now, following, twice)))
+
+    def _is_to_miss(self, port: SampledInput[Any]) -> bool:
+        wanted = self._script.next_read(port.name)
+        return wanted is not None and isinstance(wanted.value, BaseException)
+
+    def pick(self, guards: Sequence[tuple[int, str, str]]) -> int:
+        """See ``Guide.pick``."""
+        head = self._script.head(self._key(scheduler.current))
+        for index, action, channel in guards:
+            if head is not None and _is(head, action, channel, index):
+                return index
+        if self._strict or len(guards) == 1:
+            return guards[0][0]
+        return guards[self._decisions.choose(len(guards))][0]
+
+    def preferred(self, chosen: tuple[int, str, str], ready: Sequence[tuple[int, str, str]]) -> None:
+        """See ``Guide.preferred``."""
+        head = self._script.head(self._key(scheduler.current))
+        if head is None or _is(head, chosen[1], chosen[2], chosen[0]):
+            return
+        if any(_is(head, action, channel, index) for index, action, channel in ready):
+            words = f"`{head.path}` prefers `{chosen[2] or chosen[1]}` to `{_words(head)}`"
+            self._lose(words + _LEFT_OUT.format("priorities"))
+
+    def did(self, party: Party, action: str, channel: str = "", index: int = 0) -> None:
+        """See ``Guide.did``."""
+        key = self._key(party)
+        number = self._script.do(key, action, channel, index)
+        if number is not None:
+            if number >= self._goal.cycle and self._cycle_began is None:
+                self._cycle_began = scheduler.now
+            return
+        head = self._script.head(key)
+        if head is not None or self._strict:
+            self._lose(self._other(party, channel or action, head))
+
+    def _other(self, party: Party, done: str, head: Passed | None) -> str:
+        path = "" if party.process is None else party.process.name
+        words = f"at {shown(scheduler.now)}, `{path}` goes on with `{done}`"
+        if head is not None:
+            words += f" before `{_words(head)}`"
+        if scheduler._levels:
+            return words + _LEFT_OUT.format("priorities")
+        return words + _LEFT_OUT.format("times")
+
+    def _lose(self, words: str) -> None:
+        """The run does something else than the script has."""
+        if self._cut is None:
+            self._lost, self._cut = words, self._decisions.made
+        if self._strict:
+            self._problem = self._lost
+
+    def _not_come(self, when: str = "") -> str:
+        number = self._script.next()
+        if number is None:
+            return f"it does not come to a halt {when}".rstrip()
+        entry = self._script.entries[number]
+        when = when or f": at {shown(scheduler.now)} nothing goes on any more"
+        return f"`{entry.path}` does not come to `{_words(entry)}`{'' if when[0] == ':' else ' '}{when}"
+
+    def wrote(self, channel: str, value: Any, writer: Party) -> None:
+        """See ``Guide.wrote``."""
+        self._communicated(channel, value)
+        self.did(writer, "write", channel)
+
+    def _observe(self, channel: str, value: Any, writer: Party | None, reader: Party | None) -> None:
+        if channel in self._outputs:
+            return
+        self._communicated(channel, value)
+        if writer is not None:
+            self.did(writer, "write", channel)
+        if reader is not None:
+            self.did(reader, "read", channel)
+
+    def _communicated(self, channel: str, value: Any) -> None:
+        self._communications.append((channel, value))
+        if self._expected is None or channel not in self._goal.visible:
+            return
+        expected = self._expected[self._seen] if self._seen < len(self._expected) else None
+        self._seen += 1
+        if channel != expected:
+            self._problem = f"at {shown(scheduler.now)}, `{channel}` comes before `{expected or 'the end'}`"
+            self._problem += _LEFT_OUT.format("priorities" if scheduler._levels else "times")
+
+
+def _task_of(party: Any) -> Task:
+    """The task on whose behalf a party waits."""
+    if isinstance(party, Task):
+        return party
+    task: Task = party.task if hasattr(party, "task") else party._choice.task
+    return task
+
+
+def _is(entry: Passed, action: str, channel: str, index: int) -> bool:
+    return entry.action == action and (entry.channel == channel if channel else entry.index == index)
+
+
+def _listens(port: SampledInput[Any]) -> bool:
+    return any(end.listens for end in port.ends)
+
+
+def _words(entry: Passed) -> str:
+    if entry.action in {"wait", "after"}:
+        return f"{entry.action} {shown(entry.duration)}"
+    return entry.channel or entry.action

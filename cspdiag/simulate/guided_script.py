@@ -1,0 +1,131 @@
+"""What a counterexample wants of each process: the script of a run on the real runtime."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+from cspdiag.runtime.composition import Branches
+from cspdiag.runtime.scheduler import Task
+
+Key: TypeAlias = tuple[int, ...]
+"""Names a task: the numbers of the parallel branches that lead to it from the outermost process."""
+
+LATER = 1 << 60
+"""The rank of a task of which nothing is wanted any more."""
+
+
+def key_of(task: Task) -> Key:
+    """The name of a task that is the same in every run; tasks of one name follow each other."""
+    numbers: list[int] = []
+    join = task.join
+    while isinstance(join, Branches):
+        numbers.append(join.tasks.index(task))
+        task = join._parent
+        join = task.join
+    return tuple(reversed(numbers))
+
+
+@dataclass
+class Passed:
+    """Something that a task is to do; ``path`` is its process.
+
+    ``action`` and ``index`` (of a guard) as in ``replay_gates.Option``. ``together``: its order among those beside it is open, as when a submodel
+    reads its inputs. ``value`` is what the environment is to offer; an exception stands for a sample that is missed.
+    """
+
+    key: Key
+    path: str
+    action: str
+    channel: str = ""
+    index: int = 0
+    duration: int = 0
+    together: bool = False
+    value: Any = None
+
+    def __str__(self) -> str:
+        return self.channel or self.action
+
+
+class Script:
+    """What is wanted of all tasks, in the order of the counterexample, and what of it has been done."""
+
+    def __init__(self, entries: Sequence[Passed]) -> None:
+        self.entries = entries
+        self._done = [False] * len(entries)
+        self._first = 0
+        self.left = len(entries)
+        self._own: dict[Key, list[int]] = defaultdict(list)
+        self._inside: dict[Key, list[int]] = defaultdict(list)
+        self._ports: dict[str, list[int]] = defaultdict(list)
+        for number, entry in enumerate(entries):
+            self._own[entry.key].append(number)
+            for length in range(len(entry.key) + 1):
+                self._inside[entry.key[:length]].append(number)
+            if entry.action == "read":
+                self._ports[entry.channel].append(number)
+        for numbers in (*self._own.values(), *self._inside.values(), *self._ports.values()):
+            numbers.reverse()
+
+    def next(self) -> int | None:
+        """The first entry that has not been done."""
+        while self._first < len(self._done) and self._done[self._first]:
+            self._first += 1
+        return self._first if self._first < len(self._done) else None
+
+    def head(self, key: Key) -> Passed | None:
+        """What a task is to do next."""
+        number = self._last(self._own.get(key))
+        return None if number is None else self.entries[number]
+
+    def next_read(self, channel: str) -> Passed | None:
+        """The next time that a channel is to be read by anybody."""
+        number = self._last(self._ports.get(channel))
+        return None if number is None else self.entries[number]
+
+    def undone(self) -> Iterator[Passed]:
+        """All that is still wanted."""
+        return (entry for entry, done in zip(self.entries, self._done, strict=True) if not done)
+
+    def rank(self, key: Key) -> int:
+        """How early something is wanted of a task: of itself, of branches in it, or of the one that waits for it."""
+        while True:
+            number = self._last(self._inside.get(key))
+            if number is not None:
+                return number
+            if not key:
+                return LATER
+            key = key[:-1]
+
+    def do(self, key: Key, action: str, channel: str, index: int) -> int | None:
+        """A task has done something: the number of the entry, if that is what is wanted of it next."""
+        for number in self._candidates(key):
+            entry = self.entries[number]
+            same = entry.channel == channel if channel else entry.index == index
+            if entry.action == action and same:
+                self._done[number] = True
+                self.left -= 1
+                return number
+        return None
+
+    def _candidates(self, key: Key) -> Iterable[int]:
+        numbers = self._own.get(key)
+        first = self._last(numbers)
+        if numbers is None or first is None:
+            return
+        yield first
+        if not self.entries[first].together:
+            return
+        for position in range(len(numbers) - 2, -1, -1):
+            number = numbers[position]
+            if not self.entries[number].together:
+                return
+            if not self._done[number]:
+                yield number
+
+    def _last(self, numbers: list[int] | None) -> int | None:
+        while numbers and self._done[numbers[-1]]:
+            numbers.pop()
+        return numbers[-1] if numbers else None
