@@ -32,7 +32,7 @@ def prove(question: Question, systems: Systems, limits: Limits, method: Method |
         answer = _answer(question, system, specification, limits, method)
     except MemoryError:
         answer = Answer(question, "unknown", method, "the memory of this machine is used up", 0.0)
-    return replace(answer, seconds=time.monotonic() - began, abstractions=system.abstractions)
+    return replace(answer, seconds=time.monotonic() - began, abstractions=(*system.abstractions, *answer.abstractions))
 
 
 def _asked(question: Question, systems: Systems) -> tuple[System, System | None]:
@@ -102,7 +102,21 @@ def _refines(question: Question, system: System, specification: System, limits: 
 
     refines = refines_in_failures if question.model == "failures" else refines_in_traces
     verdict = refines(system, specification, limits, hidden=question.hidden)
+    if isinstance(verdict, Proved) and specification.abstractions:
+        return _weakly_proved(question, specification, verdict)
     return _verdict(question, system, verdict, "refinement")
+
+
+def _weakly_proved(question: Question, specification: System, proved: Proved) -> Answer:
+    """A process does only what its specification may do as far as that is followed, which may be more than it does."""
+    left_open = dict.fromkeys(abstraction.what for abstraction in specification.abstractions)
+    reason = (
+        f"`{question.process}` does nothing that is known to be forbidden, but what `{question.specification}` forbids depends on what the proof leaves open: "
+        + "; ".join(left_open)
+    )
+    return Answer(
+        question, "unknown", proved.method, reason, 0.0, proved.states, abstractions=specification.abstractions
+    )
 
 
 def answered(question: Question, system: System, verdict: Verdict, failure: Failure, seconds: float) -> Answer:
