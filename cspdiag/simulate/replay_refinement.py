@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, TypeAlias
 
 from cspdiag.analyses.proofs.allowed import Rest, violation
 from cspdiag.analyses.proofs.labels import Label, Labels
 from cspdiag.analyses.proofs.verdict import Limits
+from cspdiag.analyses.transitions.ranges import limits_of, told
 from cspdiag.analyses.transitions.system import System
 from cspdiag.analyses.verification.question import Question
 from cspdiag.model.types import Type
@@ -16,20 +17,26 @@ from cspdiag.simulate.replay import Judge
 from cspdiag.simulate.replay_rest import Resting
 from cspdiag.simulate.replay_values import written
 
+_Told: TypeAlias = "tuple[Type, frozenset[int] | None]"
+"""The type of a port, and where the specification cuts its numbers."""
 
-def _plain(value: Any) -> Any:
-    """Zero is the same value with either sign."""
-    return value + 0.0 if isinstance(value, float) else value
+
+def _text(value: Any, kind: Type, boundaries: frozenset[int] | None) -> str:
+    """A value as the specification tells it; zero is the same value with either sign."""
+    if boundaries is not None and limits_of(kind) is not None:
+        return told(value, kind, boundaries)
+    return written(value + 0.0 if isinstance(value, float) else value, kind)
 
 
 def judge(question: Question, specification: System, network: Network, limits: Limits) -> Judge:
     """Says how a run does not refine the specification; it raises LimitError when the limits are reached."""
     labels = Labels(specification, question.hidden)
-    types = {port.name: port.type for port in network.external_ports if not labels.hides(port.name)}
+    ports = {port.name: port.type for port in network.external_ports if not labels.hides(port.name)}
+    types = {name: (kind, specification.boundaries.get(name)) for name, kind in ports.items()}
 
     def judged(communications: Sequence[tuple[str, Any]], rest: Resting | None) -> str | None:
         trace = (
-            labels.of_value(name, written(_plain(value), types[name]))
+            labels.of_value(name, _text(value, *types[name]))
             for channel, value in communications
             if (name := channel.partition(".")[2]) in types
         )
@@ -39,7 +46,7 @@ def judge(question: Question, specification: System, network: Network, limits: L
     return judged
 
 
-def _offers(labels: Labels, types: Mapping[str, Type], rest: Resting | None) -> frozenset[Label] | None:
+def _offers(labels: Labels, types: Mapping[str, _Told], rest: Resting | None) -> frozenset[Label] | None:
     """What the processes offer where the specification sees it; None where they can go on unseen."""
     if rest is None or rest.goes_on:
         return None
@@ -47,6 +54,6 @@ def _offers(labels: Labels, types: Mapping[str, Type], rest: Resting | None) -> 
     if any(name not in types for _, name in names):
         return None
     return frozenset(
-        labels.of_value(name, written(_plain(option.value), types[name])) if option.action == "write" else (name, None)
+        labels.of_value(name, _text(option.value, *types[name])) if option.action == "write" else (name, None)
         for option, name in names
     )

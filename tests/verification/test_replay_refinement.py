@@ -1,0 +1,72 @@
+"""Whether one run does what its specification forbids, with values of which the specification tells only the range."""
+
+from __future__ import annotations
+
+import pytest
+
+from cspdiag import pipeline
+from cspdiag.analyses.proofs.verdict import Limits
+from cspdiag.diagnostics import SourceFile
+from cspdiag.simulate.replay_refinement import judge
+from cspdiag.simulate.replay_rest import Resting
+from cspdiag.simulate.verify import Verifier
+from cspdiag.sources import read_source
+
+TEXT = """process Lights(least: int) {
+  in  pressed : int
+  out lamp    : bool
+
+  communication { var code : int = 0 }
+
+  composition { mu (pressed ? code ; if code >= least then lamp ! true) }
+}
+
+process Has {
+  in  pressed : int
+  out lamp    : bool
+
+  communication {
+    lights : Lights(least = 3)
+
+    pressed     -> lights.pressed
+    lights.lamp -> lamp
+  }
+
+  composition { lights }
+}
+
+process Demands {
+  in  pressed : int
+  out lamp    : bool
+
+  communication {
+    lights : Lights(least = 2)
+
+    pressed     -> lights.pressed
+    lights.lamp -> lamp
+  }
+
+  composition { lights }
+}
+
+assert Has refines Demands
+"""
+
+
+@pytest.mark.parametrize(
+    ("run", "says"),
+    [
+        ([("pressed", 7), ("lamp", True), ("pressed", -1), ("pressed", 1)], None),
+        ([("pressed", 7), ("pressed", 1)], "it does `pressed...1`, where the specification allows only `lamp.true`"),
+        ([("pressed", 1), ("lamp", True)], "it does `lamp.true`, where the specification allows only"),
+    ],
+)
+def test_run(run: list[tuple[str, object]], says: str | None) -> None:
+    asked = pipeline.ask(SourceFile(name="case.csp", text=TEXT), read_source)
+    (question,) = asked.questions
+    network = asked.network("Has")
+    assert network is not None
+    judged = judge(question, Verifier(asked, read_source).system("Demands"), network, Limits())
+    said = judged([(f"Has.{port}", value) for port, value in run], Resting((), goes_on=True))
+    assert (said is None) == (says is None)
+    assert (said or "").startswith(says or "")
