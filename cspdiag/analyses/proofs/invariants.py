@@ -1,9 +1,9 @@
 """Tier 2: proof by SAT and traps, refined by linear invariants: what counters and hubs keep in balance.
 
-The places of a network (the states of its components) carry weights such that no step increases the sum of the weights of those that are taken. A candidate of which
-the sum is greater than that of the initial state is not reachable: a rational solution of the dual of the marking equation (Murata, "Petri nets: properties,
-analysis and applications", 1989, sections IV and V; Esparza and Melzer, 2000). The weights come from a solver that computes with floating-point numbers, in a process of its
-own; they are made rational and count only if the condition holds for every step exactly.
+The places of a network (the states of its components) carry weights. Those of which no step changes the sum are clauses from the start (``invariants_basis``). Where no
+step increases it, a candidate of which the sum is greater than that of the initial state is not reachable: a rational solution of the dual of the marking equation
+(Murata, "Petri nets: properties, analysis and applications", 1989, sections IV and V; Esparza and Melzer, 2000). Such weights come from a solver that computes with
+floating-point numbers, in a process of its own; they are made rational and count only if the condition holds for every step exactly.
 """
 
 from __future__ import annotations
@@ -12,14 +12,15 @@ from collections.abc import Sequence
 from fractions import Fraction
 from math import lcm
 
-from cspdiag.analyses.proofs.invariants_encoding import at_most, excluding
+from cspdiag.analyses.proofs.invariants_basis import invariants_with_equality
+from cspdiag.analyses.proofs.invariants_encoding import excluding, sum_clauses
 from cspdiag.analyses.proofs.invariants_problem import Problem, Weights, problem_of
 from cspdiag.analyses.proofs.invariants_process import WeightsProcess
 from cspdiag.analyses.proofs.question import Question
 from cspdiag.analyses.proofs.sat import Examination, exclude_by_trap, refine
 from cspdiag.analyses.proofs.sat_encoding import Encoding
 from cspdiag.analyses.proofs.sat_solver import Clause
-from cspdiag.analyses.proofs.verdict import Limits, Unknown, Verdict
+from cspdiag.analyses.proofs.verdict import LimitError, Limits, Unknown, Verdict
 
 LARGEST_PROBLEM = 50_000
 """Systems with more edges than this are left to other methods."""
@@ -36,7 +37,12 @@ def by_invariants(question: Question, limits: Limits, examine: Examination | Non
     problem = problem_of(question.structure)
     if problem.size > LARGEST_PROBLEM:
         return Unknown("invariants", f"the marking equation has {problem.size} edges, more than {LARGEST_PROBLEM}")
-    known: list[Weights] = question.structure.remembered("invariants", list)
+    structure = question.structure
+    known: list[Weights] = structure.remembered("invariants", list)
+    try:
+        balanced = structure.remembered("balanced", lambda: invariants_with_equality(structure, limits))
+    except LimitError as limit:
+        return Unknown("invariants", str(limit))
     with WeightsProcess(problem, limits.remaining) as process:
 
         def exclude(question: Question, encoding: Encoding, candidate: Sequence[int]) -> list[Clause]:
@@ -44,12 +50,15 @@ def by_invariants(question: Question, limits: Limits, examine: Examination | Non
             if weights is None:
                 return []
             known.append(weights)
-            return at_most(encoding, weights) or [excluding(encoding, weights, candidate)]
+            return sum_clauses(encoding, weights) or [excluding(encoding, weights, candidate)]
 
         def begin(encoding: Encoding) -> list[Clause]:
-            return [clause for weights in known for clause in at_most(encoding, weights)]
+            clauses = [clause for weights in balanced for clause in sum_clauses(encoding, weights, equal=True)]
+            return clauses + [clause for weights in known for clause in sum_clauses(encoding, weights)]
 
-        return refine(question, limits, [exclude_by_trap, exclude], "invariants", begin, examine, len(known))
+        return refine(
+            question, limits, [exclude_by_trap, exclude], "invariants", begin, examine, len(balanced) + len(known)
+        )
 
 
 def _exact(problem: Problem, found: Sequence[float] | None, candidate: Sequence[int]) -> Weights | None:

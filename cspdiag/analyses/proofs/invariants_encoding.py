@@ -1,4 +1,4 @@
-"""An invariant as clauses: the weights of the states that are taken sum to at most 0."""
+"""An invariant as clauses: the weights of the states that are taken sum to at most 0, or to 0."""
 
 from __future__ import annotations
 
@@ -8,14 +8,16 @@ from cspdiag.analyses.proofs.invariants_problem import Weights
 from cspdiag.analyses.proofs.sat_encoding import Encoding
 from cspdiag.analyses.proofs.sat_solver import Clause
 
-MOST_SUMS = 20_000
+MOST_SUMS = 100_000
 """Invariants with more partial sums than this are not made clauses."""
 
 
-def at_most(encoding: Encoding, weights: Weights) -> list[Clause]:
-    """Clauses that the sum of the weights is at most 0, with one variable for every partial sum (Eén and Sörensson, 2006); none if there were too many."""
-    members = [(variables, weight) for variables, weight in zip(encoding.variables, weights, strict=True) if weight]
-    values = [_by_value(variables, weight) for variables, weight in members]
+def sum_clauses(encoding: Encoding, weights: Weights, *, equal: bool = False) -> list[Clause]:
+    """Clauses that the sum of the weights is at most 0, or ``equal`` to it; none if there were too many.
+
+    Every partial sum that matters has a variable (Eén and Sörensson, "Translating pseudo-Boolean constraints into SAT", 2006).
+    """
+    values = [_by_value(encoding.variables[component], weight) for component, weight in weights.items()]
     # least[k], most[k]: of the sums of the members from k on.
     least, most = [0], [0]
     for choices in reversed(values):
@@ -31,10 +33,11 @@ def at_most(encoding: Encoding, weights: Weights) -> list[Clause]:
         for reached, here in sums.items():
             for value, variables in choices.items():
                 then = reached + value
-                if then + most[at + 1] <= 0:
+                lowest, highest = then + least[at + 1], then + most[at + 1]
+                if highest <= 0 and (lowest >= 0 or not equal):
                     continue
                 clause = [] if here is None else [-here]
-                if then + least[at + 1] <= 0:
+                if lowest <= 0 and (highest >= 0 or not equal):
                     if then not in following:
                         following[then] = encoding.fresh()
                     clause.append(following[then] or 0)
@@ -55,8 +58,4 @@ def _by_value(variables: dict[int, int], weight: dict[int, int]) -> dict[int, li
 
 def excluding(encoding: Encoding, weights: Weights, candidate: Sequence[int]) -> Clause:
     """The clause that excludes a candidate which violates the invariant, and all that agree with it where there are weights."""
-    return [
-        -variables[state]
-        for variables, weight, state in zip(encoding.variables, weights, candidate, strict=True)
-        if weight
-    ]
+    return [-encoding.variables[component][candidate[component]] for component in weights]

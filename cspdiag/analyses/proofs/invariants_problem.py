@@ -9,8 +9,8 @@ from typing import TypeAlias
 from cspdiag.analyses.proofs.pairs import Structure
 from cspdiag.analyses.transitions.system import INTERNAL
 
-Weights: TypeAlias = list[dict[int, int]]
-"""For every component the weight of each of its states; an absent one is 0."""
+Weights: TypeAlias = dict[int, dict[int, int]]
+"""For components the weights of their states; an absent one is 0."""
 
 
 @dataclass(frozen=True)
@@ -33,16 +33,18 @@ class Problem:
 
     def by_state(self, values: Sequence[int]) -> Weights:
         """Weights of places as weights of states, relative to the initial state of each component."""
-        return [
-            {state: values[place] - values[places[start]] for state, place in places.items() if values[place] != values[places[start]]}
-            for start, places in zip(self.initial, self.places, strict=True)
-        ]  # fmt: skip
+        weights: Weights = {}
+        for component, (start, places) in enumerate(zip(self.initial, self.places, strict=True)):
+            base = values[places[start]]
+            if weight := {state: values[place] - base for state, place in places.items() if values[place] != base}:
+                weights[component] = weight
+        return weights
 
     def never_increases(self, weights: Weights) -> bool:
         """Whether no step increases the sum of the weights, computed with whole numbers."""
         values: dict[int, int] = {}
-        for places, weight in zip(self.places, weights, strict=True):
-            values.update((places[state], value) for state, value in weight.items())
+        for component, weight in weights.items():
+            values.update((self.places[component][state], value) for state, value in weight.items())
 
         def increase(change: tuple[int, int]) -> int:
             return values.get(change[1], 0) - values.get(change[0], 0)
@@ -53,7 +55,7 @@ class Problem:
 
     def excess(self, weights: Weights, state: Sequence[int]) -> int:
         """By how much the weights of a global state exceed those of the initial one."""
-        return sum(weight.get(local, 0) for weight, local in zip(weights, state, strict=True))
+        return sum(weight.get(state[component], 0) for component, weight in weights.items())
 
 
 def problem_of(structure: Structure) -> Problem:

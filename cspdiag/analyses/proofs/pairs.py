@@ -7,7 +7,7 @@ differ only in the names of their events have the same **shape**, and pairs of t
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
@@ -56,6 +56,36 @@ class Shape:
     def offers(self) -> tuple[tuple[int, ...], ...]:
         """For each state the events that it offers, each once."""
         return tuple(tuple(dict.fromkeys(event for event, _ in edges if event != INTERNAL)) for edges in self.edges)
+
+    @cached_property
+    def targets(self) -> tuple[dict[int, tuple[int, ...]], ...]:
+        """For each state the states after each of its events."""
+        found: list[dict[int, tuple[int, ...]]] = [{} for _ in self.edges]
+        for targets, edges in zip(found, self.edges, strict=True):
+            for event, after in edges:
+                targets[event] = (*targets.get(event, ()), after)
+        return tuple(found)
+
+    @cached_property
+    def after(self) -> tuple[dict[int, int], ...]:
+        """For each state the states after it, with the number of edges that lead there."""
+        found: list[dict[int, int]] = [{} for _ in self.edges]
+        for after, edges in zip(found, self.edges, strict=True):
+            for _, state in edges:
+                after[state] = after.get(state, 0) + 1
+        return tuple(found)
+
+    def without(self, events: Collection[int]) -> list[list[int]]:
+        """For each state the states after it by other events than these."""
+        found = []
+        for targets, after in zip(self.targets, self.after, strict=True):
+            left = after
+            for event in events:
+                for state in targets.get(event, ()):
+                    left = left.copy() if left is after else left
+                    left[state] -= 1
+            found.append([state for state, edges in left.items() if edges])
+        return found
 
     @cached_property
     def waiting(self) -> tuple[int, ...]:
@@ -116,19 +146,21 @@ def _all(first: Shape, second: Shape) -> dict[int, tuple[int, ...]]:
 
 
 def _reached(first: Shape, second: Shape, links: tuple[Link, ...]) -> dict[int, tuple[int, ...]]:
-    partner = {own: other for own, other, *_ in links}
-    shared = {other for _, other, *_ in links}
+    shared = [(own, other) for own, other, *_ in links]
+    first_alone, second_alone = (
+        first.without([own for own, _ in shared]),
+        second.without([other for _, other in shared]),
+    )
     found = {(first.initial, second.initial)}
     waiting = [(first.initial, second.initial)]
     while waiting:
         one, two = waiting.pop()
-        follow: list[tuple[int, int]] = []
-        for event, after in first.edges[one]:
-            if event in partner:
-                follow += [(after, other) for heard, other in second.edges[two] if heard == partner[event]]
-            else:
-                follow.append((after, two))
-        follow += [(one, after) for event, after in second.edges[two] if event not in shared]
+        follow = [(after, two) for after in first_alone[one]]
+        follow += [(one, after) for after in second_alone[two]]
+        said, heard = first.targets[one], second.targets[two]
+        for own, other in shared:
+            if own in said and other in heard:
+                follow += [(after, beside) for after in said[own] for beside in heard[other]]
         for state in follow:
             if state not in found:
                 found.add(state)
@@ -145,7 +177,7 @@ def _blocked(
     for state in first.waiting:
         asked = {partner[event] for event in first.offers[state] if event in partner}
         others = (other for other in reached.get(state, ()) if other in waiting)
-        answer[state] = tuple(other for other in others if asked.isdisjoint(second.offers[other]))
+        answer[state] = tuple(other for other in others if second.targets[other].keys().isdisjoint(asked))
     return answer
 
 
@@ -163,7 +195,7 @@ def _spared(
         partners = {other for own, other in failures if own in first.offers[state]}
         if partners:
             others = reached.get(state, ())
-            spared[state] = tuple(other for other in others if partners.isdisjoint(second.offers[other]))
+            spared[state] = tuple(other for other in others if second.targets[other].keys().isdisjoint(partners))
     return spared
 
 

@@ -7,6 +7,7 @@ import time
 import pytest
 
 from cspdiag.analyses.proofs.invariants import by_invariants
+from cspdiag.analyses.proofs.invariants_basis import invariants_with_equality
 from cspdiag.analyses.proofs.invariants_problem import problem_of
 from cspdiag.analyses.proofs.invariants_process import WeightsProcess
 from cspdiag.analyses.proofs.pairs import Structure
@@ -14,8 +15,9 @@ from cspdiag.analyses.proofs.question import Question
 from cspdiag.analyses.proofs.sat import by_sat
 from cspdiag.analyses.proofs.verdict import Limits, Proved, Unknown
 from cspdiag.analyses.transitions.system import System
-from tests.analyses.proofs import known
+from tests.analyses.proofs import known, naive
 from tests.analyses.proofs.known import Machine, compose, cycle
+from tests.analyses.proofs.random_networks import FORMS, random_network
 
 pytest.importorskip("pysat")
 
@@ -61,26 +63,82 @@ def test_a_butler_who_admits_everybody_proves_nothing() -> None:
     assert verdict.candidate is not None
 
 
+@pytest.mark.parametrize("together", [True, False], ids=["deadlock", "knot"])
+def test_a_large_table_needs_no_more_than_the_invariants_that_hold_with_equality(
+    together: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(WeightsProcess, "weights", lambda *_: pytest.fail("the solver for weights was asked"))
+    for system in (table_with_butler(40, 39), counted_meals(60)):
+        question = Question(system, together)
+        assert isinstance(by_sat(question, Limits()), Unknown), "pairs and traps do not count"
+        assert isinstance(by_invariants(question, Limits()), Proved)
+
+
+def counted_meals(seats: int, meals: int = 3) -> System:
+    """Philosophers, the last of the other hand, who have so many meals; a fork only counts how often it is taken."""
+    machines = []
+    for at in range(seats):
+        picks = [f"{at}.{at}", f"{at}.{(at + 1) % seats}"]
+        if at == seats - 1:
+            picks.reverse()
+        steps = [f"{done}{fork}" for _ in range(meals) for done in ("pick", "put") for fork in picks]
+        machines.append(line(f"philosopher{at}", steps))
+    for at in range(seats):
+        table: dict[str, list[tuple[str, str]]] = {f"{2 * meals}": []}
+        for uses in range(2 * meals):
+            users = (f"{at}.{at}", f"{(at - 1) % seats}.{at}")
+            table[f"{uses}"] = [(f"pick{user}", f"{uses} {user}") for user in users]
+            table |= {f"{uses} {user}": [(f"put{user}", f"{uses + 1}")] for user in users}
+        first = {"0": table.pop("0")}
+        machines.append(Machine(f"fork{at}", first | table, terminal=frozenset({f"{2 * meals}"})))
+    return compose(machines)
+
+
+def line(name: str, events: list[str]) -> Machine:
+    """A machine that takes the events in this order, and ends."""
+    steps: dict[str, list[tuple[str, str]]] = {str(at): [(event, str(at + 1))] for at, event in enumerate(events)}
+    return Machine(name, {**steps, str(len(events)): []}, terminal=frozenset({str(len(events))}))
+
+
+def test_invariants_with_equality_hold_in_every_reachable_state() -> None:
+    found = 0
+    for seed in range(150):
+        system = random_network(seed, form=FORMS[seed % len(FORMS)])
+        states = [state for layer in naive.layers(system) for state in layer]
+        structure = Structure(system)
+        problem = problem_of(structure)
+        for weights in invariants_with_equality(structure, Limits()):
+            assert any(weights.values())
+            assert problem.never_increases(weights), seed
+            assert {problem.excess(weights, state) for state in states} == {0}, seed
+            found += 1
+    assert found > 300
+
+
+def test_the_invariants_with_equality_are_all_there_are() -> None:
+    # Of the forks: who has one, and who does not; of the butler: how many are seated.
+    assert len(invariants_with_equality(Structure(known.philosophers(6)), Limits())) == 12
+    assert len(invariants_with_equality(Structure(table_with_butler(6, 5)), Limits())) == 13
+    # The token is somewhere: one sum for all stations. Whoever wishes says nothing about the others.
+    (weights,) = invariants_with_equality(Structure(known.token_ring(4)), Limits())
+    assert sorted(weights) == [0, 1, 2, 3]
+
+
 def test_weights_that_increase_somewhere_are_refused() -> None:
     problem = problem_of(Structure(known.philosophers(3)))
-    assert problem.never_increases([{} for _ in problem.places])
+    assert problem.never_increases({})
     # Only a philosopher's second state weighs something: taking the step to it increases the sum.
-    weights: list[dict[int, int]] = [{} for _ in problem.places]
-    weights[0] = {1: 1}
-    assert not problem.never_increases(weights)
+    assert not problem.never_increases({0: {1: 1}})
     # With a minus sign, leaving it does.
-    weights[0] = {1: -1}
-    assert not problem.never_increases(weights)
+    assert not problem.never_increases({0: {1: -1}})
 
 
 def test_a_fork_is_taken_by_whom_holds_it() -> None:
     system = known.philosophers(3)
     problem = problem_of(Structure(system))
     # Philosopher 0 picks fork 0 in its second step, and puts it back in its last; the fork is then in its state 1.
-    weights: list[dict[int, int]] = [{} for _ in problem.places]
     fork = next(at for at, part in enumerate(system.components) if part.name == "fork0")
-    weights[0] = dict.fromkeys((2, 3, 4, 5), 1)
-    weights[fork] = {1: -1}
+    weights = {0: dict.fromkeys((2, 3, 4, 5), 1), fork: {1: -1}}
     assert problem.never_increases(weights)
     assert problem.excess(weights, [2] + [0] * (len(system.components) - 1)) == 1
 
