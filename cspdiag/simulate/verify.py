@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections.abc import Collection, Mapping
 from dataclasses import replace
-from itertools import islice
 from typing import TYPE_CHECKING
 
 from cspdiag import pipeline
@@ -15,23 +14,12 @@ from cspdiag.analyses.transitions.explore import TransitionError
 from cspdiag.analyses.verification.answer import Answer
 from cspdiag.analyses.verification.prove import answered, not_replayed, prove
 from cspdiag.analyses.verification.question import Question
-from cspdiag.diagnostics import SourceFile
-from cspdiag.network.lower import SelectionError
-from cspdiag.settings import SettingError
 
 if TYPE_CHECKING:
-    from cspdiag.analyses.counterexamples.suggestion import Suggestion
     from cspdiag.analyses.transitions.system import System
     from cspdiag.network.ir import Network
     from cspdiag.simulate.replay import Replay
     from cspdiag.simulate.replay_trace import Trace
-
-MOST_SUGGESTIONS = 3
-MOST_TRIED = 24
-SUGGESTION_SECONDS = 3.0
-"""All changes together may be tried so long."""
-MOST_INSTANCES = 300
-"""Larger programs are not changed and proved again."""
 
 
 def trace_of(answer: Answer, settings: Mapping[str, str]) -> str:
@@ -136,42 +124,7 @@ class Verifier:
             raise VerificationError(str(problem)) from problem
         if result.divergence is not None:
             return not_replayed(answer, result.divergence)
-        return replace(answer, replayed=True, suggestions=self._suggestions(answer))
+        from cspdiag.simulate.suggest import Deadlock, helpful
 
-    def _suggestions(self, answer: Answer) -> tuple[Suggestion, ...]:
-        """Changes of the text after which the property was proved."""
-        from cspdiag.analyses.counterexamples.suggestion import suggestions
-
-        found, program = answer.counterexample, self._asked.checked.program
-        network = self._asked.network(answer.question.process)
-        if found is None or not found.waiting or program is None or network is None:
-            return ()
-        if len(network.instances) > MOST_INSTANCES:
-            return ()
-        limits = Limits(SUGGESTION_SECONDS)
-        helping: list[Suggestion] = []
-        for suggestion in islice(suggestions(found, program, network), MOST_TRIED):
-            if limits.remaining <= 0 or len(helping) == MOST_SUGGESTIONS:
-                break
-            if self._helps(suggestion, answer.question, limits):
-                helping.append(suggestion)
-        return tuple(helping)
-
-    def _helps(self, suggestion: Suggestion, question: Question, limits: Limits) -> bool:
-        """Whether a question can be answered by a proof once the text is changed."""
-        assert self._asked.checked.program is not None
-        main, changed = self._asked.checked.program.main.source, suggestion.span.source
-
-        def read(path: str) -> SourceFile:
-            return SourceFile(name=path, text=suggestion.text) if path == changed.name else self._read(path)
-
-        try:
-            source = read(main.name) if main is changed else main
-            asked = pipeline.ask(source, read, process=question.process, settings=self._settings)
-            same = next((other for other in asked.questions if other.text == question.text), None)
-            if same is None or asked.checked.report.has_errors:
-                return False
-            remaining = Limits(limits.remaining, limits.memory)
-            return prove(same, Verifier(asked, read).system, remaining).outcome == "proved"
-        except (SettingError, SelectionError, VerificationError):
-            return False
+        deadlock = Deadlock(self._asked, answer.question, answer.counterexample, self._settings or {})
+        return replace(answer, replayed=True, suggestions=helpful(deadlock, self._read))

@@ -43,7 +43,10 @@ class Step:
 
 @dataclass(frozen=True)
 class Waiting:
-    """A process that never goes on, what it waits for (also by the hierarchical names of channels), and the processes, by name, that would have to come."""
+    """A process that never goes on, what it waits for (also by the hierarchical names of channels), and the processes, by name, that would have to come.
+
+    ``ended`` are those of them that have ended.
+    """
 
     name: str
     path: str
@@ -51,6 +54,7 @@ class Waiting:
     span: Span | None
     channels: tuple[str, ...]
     partners: tuple[str, ...]
+    ended: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -120,7 +124,7 @@ class _Teller:
             if not components[index].process or state[index] in components[index].terminal:
                 continue
             absent = dict.fromkeys(
-                self._name(other)
+                other
                 for event in sorted(offered[index] - {INTERNAL})
                 for other in self._system.events[event].parties
                 if event not in offered[other]
@@ -130,7 +134,17 @@ class _Teller:
             )
             party = self._party(index, state[index])
             words = party.words or "waits"
-            yield Waiting(party.name, party.path, words, party.span, tuple(channels), tuple(absent))
+            partners = tuple(dict.fromkeys(map(self._name, absent)))
+            ended = tuple(self._name(other) for other in absent if self._has_ended(other, state[other]))
+            yield Waiting(party.name, party.path, words, party.span, tuple(channels), partners, ended)
+
+    def _has_ended(self, index: int, state: int) -> bool:
+        """Whether a process is at its end, and does not wait for branches of its own or to be started."""
+        component = self._system.components[index]
+        if not component.process or state not in component.terminal:
+            return False
+        events = [self._system.events[event] for event, _ in component.edges[state] if event != INTERNAL]
+        return all(event.kind in ("end", "cancel") and event.parties[0] != index for event in events)
 
 
 def ring(waiting: tuple[Waiting, ...]) -> tuple[str, ...]:

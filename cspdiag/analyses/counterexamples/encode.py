@@ -22,6 +22,7 @@ def encoded(found: Counterexample) -> dict[str, Any]:
                 "waits": entry.words,
                 "channels": list(entry.channels),
                 "for": list(entry.partners),
+                "ended": list(entry.ended),
                 **place(entry.span),
             }
             for entry in found.waiting

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from cspdiag.analyses.counterexamples.counterexample import Counterexample, Waiting
 
@@ -17,10 +17,17 @@ def waiting_lines(found: Counterexample) -> Iterator[str]:
         yield f"{_told(by_name[name])}, for `{partner}`"
     others = [entry for entry in found.waiting if entry.name not in found.ring]
     for entry in others[:MOST_OTHERS]:
-        partners = ", ".join(f"`{name}`" for name in entry.partners[:MOST_OTHERS])
+        partners = listed(entry.partners[:MOST_OTHERS])
+        if entry.partners and entry.ended == entry.partners:
+            partners += f", which {'has' if len(entry.ended) == 1 else 'have'} ended"
         yield f"{_told(entry)}, for {partners}" if partners else _told(entry)
     if len(others) > MOST_OTHERS:
         yield f"and {len(others) - MOST_OTHERS} more"
+
+
+def listed(names: Iterable[str]) -> str:
+    """Names of processes, one after the other."""
+    return ", ".join(f"`{name}`" for name in names)
 
 
 def _told(entry: Waiting) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from cspdiag.analyses.counterexamples.counterexample import Counterexample, Failure
-from cspdiag.analyses.counterexamples.words import headline
+from cspdiag.analyses.counterexamples.words import headline, listed
 from cspdiag.analyses.diagnostics_proofs import (
     CanDeadlock,
     CanLivelock,
@@ -68,7 +68,24 @@ def diagnostics_of(answers: Iterable[Answer]) -> list[Diagnostic]:
 
 
 def _advice(answer: Answer) -> str | None:
-    """The changes that were proved to help, the least first."""
+    """The changes that were proved to help, the least first; of one that is more than a line what goes and what comes."""
     if not answer.suggestions:
+        return _about_ends(answer)
+    lines = ["proved after one of these changes:"]
+    for suggestion in answer.suggestions:
+        proved = "" if suggestion.proved_with is None else f": proved with `{suggestion.proved_with}` only"
+        lines.append(f"{suggestion.words}{proved}")
+        difference = suggestion.difference
+        lines += [f"  {line}" for line in difference if len(difference) > 2]
+    return "\n".join(lines)
+
+
+def _about_ends(answer: Answer) -> str | None:
+    """What there is to decide where all that somebody waits for have ended."""
+    waiting = () if answer.counterexample is None else answer.counterexample.waiting
+    left = [entry for entry in waiting if entry.ended and entry.ended == entry.partners]
+    if not left:
         return None
-    return "\n".join(("proved after one of these changes:", *(entry.words for entry in answer.suggestions)))
+    ended = dict.fromkeys(name for entry in left for name in entry.ended)
+    outlive = f"{listed(entry.name for entry in left[:_MOST_PLACES])} {'outlives' if len(left) == 1 else 'outlive'}"
+    return f"{outlive} {listed(list(ended)[:_MOST_PLACES])}: let all of them end, or none"

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from cspdiag.analyses.counterexamples.encode import encoded
+from cspdiag.analyses.counterexamples.suggestion import Suggestion
 from cspdiag.analyses.verification.answer import Answer
 from cspdiag.analyses.verification.diagnostics import diagnostic_of
 from cspdiag.diagnostics.render_json import place
@@ -38,10 +39,20 @@ def _object(answer: Answer) -> dict[str, Any]:
             {"what": abstraction.what, **({} if abstraction.span is None else place(abstraction.span))}
             for abstraction in answer.abstractions
         ],
-        "suggestions": [
-            {"words": suggestion.words, "replacement": suggestion.replacement, **place(suggestion.span)}
-            for suggestion in answer.suggestions
-        ],
+        "suggestions": [_suggested(suggestion) for suggestion in answer.suggestions],
         "counterexample": None if answer.counterexample is None else encoded(answer.counterexample),
         "replayed": answer.replayed,
+    }
+
+
+def _suggested(suggestion: Suggestion) -> dict[str, Any]:
+    """The change of a range of the text, whose end is exclusive; ``proved_with`` is null where the property of the whole program was proved."""
+    span = suggestion.span
+    return {
+        "words": suggestion.words,
+        **place(span),
+        "end_line": span.end_line,
+        "end_column": span.end_column,
+        "replacement": suggestion.replacement,
+        "proved_with": suggestion.proved_with,
     }
