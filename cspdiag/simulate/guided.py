@@ -54,10 +54,10 @@ class Guided:
         """Whether no further run is to be tried."""
         return self._left <= 0
 
-    def follow(self, entries: Sequence[Passed], trace: Trace, cycle: int) -> GuidedRun:
-        """A run that comes to where the entries lead, or the one that comes furthest; from ``cycle`` on they are repeated once."""
+    def follow(self, entries: Sequence[Passed], trace: Trace, cycle: int, *, ends: bool) -> GuidedRun:
+        """A run that comes to where the entries lead, to the end of all if it ``ends``, or the one that comes furthest; from ``cycle`` on they are repeated once."""
         script = (*entries, *(entries[cycle:] if trace.cycle else ()))
-        goal = Goal(trace, self._outside, self._outside - trace.hidden, cycle if trace.cycle else len(script))
+        goal = Goal(trace, self._outside, self._outside - trace.hidden, cycle if trace.cycle else len(script), ends)
         best: GuidedRun | None = None
         for run in self._runs(script, goal):
             if run.succeeded:

@@ -26,13 +26,14 @@ _OPPOSITE = {"to read": "to write", "to write": "to read"}
 class Goal:
     """What a run is to come to; ``outside`` are the channels of the environment, ``visible`` those that a specification sees.
 
-    ``cycle``: from this entry of the script on everything can be repeated.
+    ``cycle``: from this entry of the script on everything can be repeated. ``ends``: all is to end without anything more that can be seen.
     """
 
     trace: Trace
     outside: frozenset[str]
     visible: frozenset[str]
     cycle: int
+    ends: bool
 
     @property
     def is_standstill(self) -> bool:

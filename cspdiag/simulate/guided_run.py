@@ -349,8 +349,12 @@ class Run:
             self.did(reader, "read", channel)
 
     def _communicated(self, channel: str, value: Any) -> None:
+        is_expected = self._expected is not None and channel in self._goal.visible
+        if self._expected is not None and is_expected and self._seen == len(self._expected) and not self._goal.ends:
+            # What was wrong has happened already.
+            return
         self._communications.append((channel, value))
-        if self._expected is None or channel not in self._goal.visible:
+        if self._expected is None or not is_expected:
             return
         expected = self._expected[self._seen] if self._seen < len(self._expected) else None
         self._seen += 1

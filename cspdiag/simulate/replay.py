@@ -91,7 +91,7 @@ def _best(network: Network, package: LoadedPackage, trace: Trace, judge: Judge |
         attempt = _Attempt(network, package, trace, decisions, judge)
         result = attempt.run()
         if result.succeeded:
-            result = attempt.led(guided.follow(conductor.passed, trace, attempt.cycle), result)
+            result = attempt.led(guided.follow(conductor.passed, trace, attempt.cycle, ends=attempt.ends), result)
         if result.succeeded:
             return result
         if best is None or (result.excluded, result.steps) > (best.excluded, best.steps):
@@ -311,6 +311,11 @@ class _Attempt:
         if changed:
             named = ", ".join(f"`{name}`" for name in changed[:3])
             raise _DivergenceError(f"each time round, {named} changes, so that this may come to an end")
+
+    @property
+    def ends(self) -> bool:
+        """Whether the judge was told that all has ended."""
+        return self._judge is not None and self._rest is None
 
     def led(self, run: GuidedRun, result: Replay) -> Replay:
         """The result of this attempt, after the program was led through what it has found."""

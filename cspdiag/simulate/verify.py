@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from cspdiag import pipeline
-from cspdiag.analyses.proofs.verdict import Limits, Method
+from cspdiag.analyses.proofs.verdict import LimitError, Limits, Method
 from cspdiag.analyses.transitions import transition_system
 from cspdiag.analyses.transitions.explore import TransitionError
 from cspdiag.analyses.verification.answer import Answer
@@ -18,7 +18,7 @@ from cspdiag.analyses.verification.question import Question
 if TYPE_CHECKING:
     from cspdiag.analyses.transitions.system import System
     from cspdiag.network.ir import Network
-    from cspdiag.simulate.replay import Replay
+    from cspdiag.simulate.replay import Judge, Replay
     from cspdiag.simulate.replay_trace import Trace
 
 
@@ -30,14 +30,15 @@ def trace_of(answer: Answer, settings: Mapping[str, str]) -> str:
     assert answer.counterexample is not None
     left_open = list(dict.fromkeys(abstraction.what for abstraction in answer.abstractions))
     counterexample = encoded(answer.counterexample)
-    return trace_text(counterexample, answer.question.process, answer.question.text, settings, left_open)
+    question = answer.question
+    return trace_text(counterexample, question.process, question.text, settings, left_open, question.hidden)
 
 
-def replayed(network: Network, trace: Trace, read: pipeline.Reader) -> Replay:
-    """The program of a network, stepped through a trace. Raises as ``pipeline.generate`` does."""
+def replayed(network: Network, trace: Trace, read: pipeline.Reader, judge: Judge | None = None) -> Replay:
+    """The program of a network, stepped through a trace. Raises as ``pipeline.generate`` does, and what ``judge`` raises."""
     from cspdiag.simulate.replay import replay
 
-    return replay(network, pipeline.generate(network, read, level=0), trace)
+    return replay(network, pipeline.generate(network, read, level=0), trace, judge)
 
 
 class VerificationError(Exception):
@@ -82,7 +83,7 @@ class Verifier:
             answer = self._asked_spin(question, limits)
         else:
             answer = prove(question, self.system, limits, self._method)
-        return self._confirmed(answer)
+        return self._confirmed(answer, limits)
 
     def system(self, process: str, told_apart: Mapping[str, Collection[int]] | None = None) -> System:
         """The transition system of a process of the program; of the inputs ``told_apart`` the values matter whatever depends on them."""
@@ -108,23 +109,36 @@ class Verifier:
             raise VerificationError(str(problem)) from problem
         return answered(question, system, verdict, "deadlock", time.monotonic() - began)
 
-    def _confirmed(self, answer: Answer) -> Answer:
+    def _confirmed(self, answer: Answer, limits: Limits) -> Answer:
         """The answer with its counterexample replayed; unknown where the program does not follow it."""
         if answer.counterexample is None:
             return answer
         from cspdiag.codegen import target_errors
         from cspdiag.simulate.execute import BodyError
+        from cspdiag.simulate.replay_told import with_values
         from cspdiag.simulate.replay_trace import read_trace
+        from cspdiag.simulate.suggest import Deadlock, helpful
 
         network = self._asked.network(answer.question.process)
         assert network is not None, "asked for a process with errors"
         try:
-            result = replayed(network, read_trace(trace_of(answer, {})), self._read)
+            trace = read_trace(trace_of(answer, {}))
+            result = replayed(network, trace, self._read, self._judge(answer, network, limits))
         except (BodyError, target_errors()) as problem:
             raise VerificationError(str(problem)) from problem
+        except LimitError as stop:
+            return not_replayed(answer, str(stop))
         if result.divergence is not None:
             return not_replayed(answer, result.divergence)
-        from cspdiag.simulate.suggest import Deadlock, helpful
+        found = with_values(answer.counterexample, result.communications, network)
+        found = replace(found, reason=result.judgement or found.reason)
+        deadlock = Deadlock(self._asked, answer.question, found, self._settings or {})
+        return replace(answer, replayed=True, counterexample=found, suggestions=helpful(deadlock, self._read))
 
-        deadlock = Deadlock(self._asked, answer.question, answer.counterexample, self._settings or {})
-        return replace(answer, replayed=True, suggestions=helpful(deadlock, self._read))
+    def _judge(self, answer: Answer, network: Network, limits: Limits) -> Judge | None:
+        """Who says of a run whether it refines the specification that was asked about."""
+        if answer.question.specification is None:
+            return None
+        from cspdiag.simulate.replay_refinement import judge
+
+        return judge(answer.question, self.system(answer.question.specification), network, limits)
