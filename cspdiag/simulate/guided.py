@@ -18,11 +18,14 @@ from cspdiag.simulate.replay_decisions import Decisions
 from cspdiag.simulate.replay_trace import Trace
 from cspdiag.simulate.replay_values import Values, numbers_of
 
-MOST_ACTIONS = 300_000
+MOST_ACTIONS = 150_000
 """So often may processes get on in all runs together."""
-MOST_RUNS = 400
-"""Of each kind: where nobody does anything that is not in the script, and where others go on besides."""
+MOST_RUNS = 600
+"""All together."""
+MOST_OF_ONE_KIND = 80
+"""So many runs follow one script strictly, and so many with others that go on besides."""
 AT_LEAST = 2_000
+"""So many actions a run may have, whatever others have used up."""
 
 
 class Guided:
@@ -44,6 +47,7 @@ class Guided:
         counts = bool(environments) and all(environment.on_miss != "timeout" for environment in environments)
         self._on_miss = "count" if counts else "timeout"
         self._left = MOST_ACTIONS
+        self._runs_left = MOST_RUNS
 
     def close(self) -> None:
         """Forgets the package."""
@@ -52,7 +56,7 @@ class Guided:
     @property
     def exhausted(self) -> bool:
         """Whether no further run is to be tried."""
-        return self._left <= 0
+        return self._left <= 0 or self._runs_left <= 0
 
     def follow(self, entries: Sequence[Passed], trace: Trace, cycle: int, *, ends: bool) -> GuidedRun:
         """A run that comes to where the entries lead, to the end of all if it ``ends``, or the one that comes furthest; from ``cycle`` on they are repeated once."""
@@ -72,7 +76,7 @@ class Guided:
         yield self._run(script, goal, Decisions(), strict=False)
         for strict in (True, False):
             decisions = Decisions()
-            for _ in range(MOST_RUNS):
+            for _ in range(MOST_OF_ONE_KIND):
                 run = self._run(script, goal, decisions, strict=strict)
                 yield run
                 if self.exhausted or not decisions.advance(run.cut):
@@ -96,6 +100,7 @@ class Guided:
             defaults=self._defaults,
         ).run()
         self._left -= run.actions
+        self._runs_left -= 1
         return run
 
     def _built(self, lines: Lines) -> RunningNetwork:

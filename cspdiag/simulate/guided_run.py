@@ -315,9 +315,8 @@ class Run:
         words = f"at {shown(scheduler.now)}, `{path}` goes on with `{done}`"
         if head is not None:
             words += f" before `{_words(head)}`"
-        if scheduler._levels:
-            return words + _LEFT_OUT.format("priorities")
-        return words + _LEFT_OUT.format("times")
+        timed = head is not None and head.action in {"wait", "after"}
+        return words + _LEFT_OUT.format("priorities" if scheduler._levels and not timed else "times")
 
     def _lose(self, words: str) -> None:
         """The run does something else than the script has."""
