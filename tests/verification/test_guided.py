@@ -323,3 +323,30 @@ assert Controller refines Quiet hide fast, slow
 @pytest.mark.parametrize(("fast", "slow", "misses"), [("900 us", "4 ms", False), ("1100 us", "4 ms", True)])
 def test_loops_that_are_ready_before_their_next_samples_miss_none(fast: str, slow: str, misses: bool) -> None:
     assert refuted(RATE_MONOTONIC.replace("FIRST", fast).replace("SECOND", slow)) == misses
+
+
+REFUSES = """process Lamp {
+  in  pressed : bool
+  out light   : bool
+
+  communication { var on : bool = false }
+
+  composition { mu (pressed ? on ; light ! on) }
+}
+
+process Patient {
+  in  pressed : bool
+  out light   : bool
+
+  communication { var on : bool = false }
+
+  composition { mu (pressed ? on ; pressed ? on ; light ! on) }
+}
+
+assert Lamp refines Patient in failures
+"""
+
+
+def test_what_a_process_refuses_is_seen_before_it_goes_on() -> None:
+    """After the first press the specification wants another one; the lamp is lit at once."""
+    assert refuted(REFUSES)
