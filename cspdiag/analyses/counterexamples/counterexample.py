@@ -114,7 +114,7 @@ class _Teller:
     def _party(self, index: int, state: int) -> Party:
         component = self._system.components[index]
         place = component.places.get(state, Place(""))
-        return Party(self._name(index), component.path, place.words, place.span)
+        return Party(self._name(index), place.path or component.path, place.words, place.span)
 
     def waiting(self, state: tuple[int, ...], stuck: Iterable[int]) -> Iterator[Waiting]:
         """The processes among ``stuck`` that have not ended."""
@@ -136,7 +136,7 @@ class _Teller:
             words = party.words or "waits"
             partners = tuple(dict.fromkeys(map(self._name, absent)))
             ended = tuple(self._name(other) for other in absent if self._has_ended(other, state[other]))
-            yield Waiting(party.name, party.path, words, party.span, tuple(channels), partners, ended)
+            yield Waiting(party.name, components[index].path, words, party.span, tuple(channels), partners, ended)
 
     def _has_ended(self, index: int, state: int) -> bool:
         """Whether a process is at its end, and does not wait for branches of its own or to be started."""

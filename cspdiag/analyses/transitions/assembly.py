@@ -370,10 +370,11 @@ class _Places(Mapping[int, Place]):
         if not 0 <= state < len(self._spots):
             raise KeyError(state)
         spot = self._spots[state]
+        path = ".".join((self._strand.occurrence.path, *spot.path))
         if spot.reference is None or spot.reference[0] in ("constant", "discard"):
-            return Place(spot.words, spot.span)
+            return Place(spot.words, spot.span, path)
         medium = resolve(self._strand.occurrence, spot.reference)
-        return Place(f"{spot.words} {short(medium.name)}", spot.span)
+        return Place(f"{spot.words} {short(medium.name)}", spot.span, path)
 
     def __iter__(self) -> Iterator[int]:
         return iter(range(len(self._spots)))

@@ -69,7 +69,7 @@ def _explored(thread: Thread) -> Template:
     for number, configuration in enumerate(order):
         assert configuration.stack is not None
         frame = configuration.stack[0]
-        template.spots.append(spot(thread, frame, configuration))
+        template.spots.append(spot(thread, configuration))
         if frame[0] in ("idle", "ended", "over", "faulted", "raised", "join") and not (
             frame[0] == "raised" and not thread.role.outermost
         ):

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from cspdiag.analyses.transitions.occurrences import PATIENT
-from cspdiag.analyses.transitions.template import Reference, Spot
+from cspdiag.analyses.transitions.template import Path, Reference, Spot
 from cspdiag.analyses.transitions.thread import Configuration, Context, Frame, Thread
 from cspdiag.network.actions import (
     AfterEvent,
@@ -19,8 +21,24 @@ from cspdiag.network.actions import (
 )
 
 
-def spot(thread: Thread, frame: Frame, configuration: Configuration) -> Spot:
-    """What the thread does where ``frame`` is the first thing to be done."""
+def spot(thread: Thread, configuration: Configuration) -> Spot:
+    """What the thread does in a configuration."""
+    assert configuration.stack is not None
+    return replace(_spot(thread, configuration.stack[0]), path=_innermost(configuration))
+
+
+def _innermost(configuration: Configuration) -> Path:
+    """The innermost process that has not ended."""
+    stack = configuration.stack
+    while stack is not None:
+        frame, stack = stack
+        if frame[0] == "leave":
+            path: Path = frame[1].path
+            return path
+    return ()
+
+
+def _spot(thread: Thread, frame: Frame) -> Spot:
     match frame[0]:
         case "run":
             return _action(frame)

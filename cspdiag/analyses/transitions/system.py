@@ -58,10 +58,11 @@ class Event:
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """What a process is doing in a state, for people: ``waits to write fork[1]``, and where the text says so."""
+    """What a process is doing in a state, for people: ``waits to write fork[1]``, where the text says so, and the path of the innermost process that does it."""
 
     words: str
     span: Span | None = None
+    path: str = ""
 
 
 @dataclass(frozen=True)

@@ -47,11 +47,12 @@ INTERNAL_LABEL: Label = ("internal",)
 
 @dataclass(frozen=True, slots=True)
 class Spot:
-    """What a thread does in a state: words, the medium that they end with, and the place in the text."""
+    """What a thread does in a state: words, the medium that they end with, the place in the text, and the process inside the thread that does it."""
 
     words: str
     reference: Reference | None = None
     span: Span | None = None
+    path: Path = ()
 
 
 @dataclass
