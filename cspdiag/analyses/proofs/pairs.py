@@ -44,13 +44,18 @@ class Shape:
     @cached_property
     def reachable(self) -> tuple[int, ...]:
         """The states that the component reaches when everybody is willing, in increasing order."""
-        found, waiting = {self.initial}, [self.initial]
-        while waiting:
-            for _, after in self.edges[waiting.pop()]:
-                if after not in found:
-                    found.add(after)
+        return tuple(sorted(self.depths))
+
+    @cached_property
+    def depths(self) -> dict[int, int]:
+        """For each of those states the fewest steps to it."""
+        depths, waiting = {self.initial: 0}, [self.initial]
+        for state in waiting:
+            for _, after in self.edges[state]:
+                if after not in depths:
+                    depths[after] = depths[state] + 1
                     waiting.append(after)
-        return tuple(sorted(found))
+        return depths
 
     @cached_property
     def offers(self) -> tuple[tuple[int, ...], ...]:

@@ -8,6 +8,7 @@ excludes is handed on to a search.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 from typing import TypeAlias
 
 from cspdiag.analyses.proofs.question import Question
@@ -19,7 +20,10 @@ SMALL = 60
 """Traps of systems with at most so many components are made smaller before they are used."""
 
 MOST_REFINEMENTS = 2000
-"""Candidates that are excluded one by one before the method gives up."""
+"""Candidates that are excluded one by one before a method gives up."""
+
+MOST_TRAPS = 100
+"""Candidates that are excluded by traps alone; where so many do not suffice, invariants are needed."""
 
 Refinement: TypeAlias = Callable[[Question, Encoding, Sequence[int]], list[Clause]]
 """Clauses that exclude a candidate, given as the state of every component; none if it cannot."""
@@ -36,7 +40,7 @@ FIRST_EXAMINATION = 4
 
 def by_sat(question: Question, limits: Limits) -> Proved | Unknown:
     """Prove the property by SAT and traps, or give the candidate that is left."""
-    verdict = refine(question, limits, [exclude_by_trap], "sat")
+    verdict = refine(question, limits, [exclude_by_trap], "sat", most=MOST_TRAPS)
     assert not isinstance(verdict, Refuted), "nobody examines candidates"
     return verdict
 
@@ -49,8 +53,9 @@ def refine(
     begin: Beginning | None = None,
     examine: Examination | None = None,
     known: int = 0,
+    most: int = MOST_REFINEMENTS,
 ) -> Verdict:
-    """Exclude candidates by ``refinements``, tried in their order, until none is left or one stays.
+    """Exclude at most so many candidates by ``refinements``, tried in their order, until none is left or one stays.
 
     ``begin`` gives clauses of ``known`` invariants, that hold beside those of the encoding. ``examine`` is shown a candidate now and then, before it is excluded.
     """
@@ -64,7 +69,7 @@ def refine(
             solver.add(encoding.clauses)
             if begin is not None:
                 solver.add(begin(encoding))
-            return _exclude_all(question, limits, encoding, solver, refinements, method, examine, known)
+            return _Exclusion(question, limits, encoding, solver, refinements, method, most, examine).verdict(known)
         finally:
             solver.close()
     except SolverTimeoutError:
@@ -73,46 +78,78 @@ def refine(
         return Unknown(method, str(limit))
 
 
-def _exclude_all(
-    question: Question,
-    limits: Limits,
-    encoding: Encoding,
-    solver: Solver,
-    refinements: Sequence[Refinement],
-    method: Method,
-    examine: Examination | None,
-    known: int,
-) -> Verdict:
-    used = [0] * len(refinements)
-    examined_at = FIRST_EXAMINATION
-    for component, goal in encoding.goals:
-        if goal and encoding.left[component].isdisjoint(question.structure.shapes[component].asking):
-            continue
-        while (model := solver.solve(goal)) is not None:
-            limits.check()
-            if sum(used) >= MOST_REFINEMENTS:
-                return Unknown(method, f"candidates were left after {MOST_REFINEMENTS} refinements")
-            candidate, stuck = encoding.states(model), encoding.stuck_components(model)
-            if examine is not None and sum(used[1:]) >= examined_at:
-                examined_at *= 2
-                found = examine(candidate, stuck)
+@dataclass
+class _Exclusion:
+    """Candidates excluded one by one; ``used`` says how often each refinement has done so."""
+
+    question: Question
+    limits: Limits
+    encoding: Encoding
+    solver: Solver
+    refinements: Sequence[Refinement]
+    method: Method
+    most: int
+    examine: Examination | None
+    used: list[int] = field(init=False)
+    examined_at: int = FIRST_EXAMINATION
+
+    def __post_init__(self) -> None:
+        self.used = [0] * len(self.refinements)
+
+    def verdict(self, known: int) -> Verdict:
+        """Proved if there is a candidate for none of the goals; ``known`` invariants held from the start."""
+        shapes, encoding = self.question.structure.shapes, self.encoding
+        for component, goal in encoding.goals:
+            if goal and encoding.left[component].isdisjoint(shapes[component].asking):
+                continue
+            left = self.left(goal)
+            if isinstance(left, Unknown) and left.candidate is not None:
+                return self.nearest(goal, left)
+            if left is not None:
+                return left
+            self.solver.add([[-literal for literal in goal]])
+            if goal:
+                excluded = self.question.waiting.exclude(component)
+                self.solver.add([[-encoding.stuck[free]] for free in excluded if encoding.stuck[free]])
+        return Proved(self.method, _reason(self.used[0], known + sum(self.used[1:])))
+
+    def left(self, assumed: Clause) -> Refuted | Unknown | None:
+        """The candidate that nothing excludes, or what was found from one; None if there is no candidate left."""
+        while (model := self.solver.solve(assumed)) is not None:
+            self.limits.check()
+            if sum(self.used) >= self.most:
+                return Unknown(self.method, f"candidates were left after {self.most} refinements")
+            candidate, stuck = self.encoding.states(model), self.encoding.stuck_components(model)
+            if self.examine is not None and sum(self.used[1:]) >= self.examined_at:
+                self.examined_at *= 2
+                found = self.examine(candidate, stuck)
                 if found is not None:
                     return found
-            for at, refinement in enumerate(refinements):
-                if clauses := refinement(question, encoding, candidate):
-                    used[at] += 1
-                    solver.add(clauses)
+            for at, refinement in enumerate(self.refinements):
+                if clauses := refinement(self.question, self.encoding, candidate):
+                    self.used[at] += 1
+                    self.solver.add(clauses)
                     break
             else:
-                ended = f"the time limit of {limits.seconds:.3g} s was reached"
-                reason = ended if limits.remaining <= 0 else "a candidate could not be excluded"
-                return Unknown(method, reason, candidate, stuck)
-        solver.add([[-literal for literal in goal]])
-        if goal:
-            solver.add(
-                [[-encoding.stuck[free]] for free in question.waiting.exclude(component) if encoding.stuck[free]]
-            )
-    return Proved(method, _reason(used[0], known + sum(used[1:])))
+                ended = f"the time limit of {self.limits.seconds:.3g} s was reached"
+                reason = ended if self.limits.remaining <= 0 else "a candidate could not be excluded"
+                return Unknown(self.method, reason, candidate, stuck)
+        return None
+
+    def nearest(self, goal: Clause, left: Unknown) -> Refuted | Unknown:
+        """A candidate in which no component is further from its initial state than need be: a trace to it is found more easily, and is short."""
+        depth = 1
+        while depth < self.encoding.deepest:
+            near, clauses = self.encoding.within(depth)
+            self.solver.add(clauses)
+            try:
+                nearer = self.left([*goal, near])
+            except (LimitError, SolverTimeoutError):
+                break
+            if isinstance(nearer, Refuted) or (nearer is not None and nearer.candidate is not None):
+                return nearer
+            depth *= 2
+        return left
 
 
 def _reason(traps: int, invariants: int) -> str:

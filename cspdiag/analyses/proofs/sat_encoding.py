@@ -149,6 +149,28 @@ class Encoding:
             self.clauses.append(somebody)
             self.goals = [(-1, [])]
 
+    @property
+    def deepest(self) -> int:
+        """The most steps that any component needs to a state of its own that has a variable."""
+        return max(
+            (
+                shape.depths[state]
+                for shape, of in zip(self.structure.shapes, self.variables, strict=True)
+                for state in of
+            ),
+            default=0,
+        )
+
+    def within(self, depth: int) -> tuple[int, list[Clause]]:
+        """A variable with the clauses that, if it is true, no component is further than so many steps from its initial state."""
+        near = self.fresh()
+        return near, [
+            [-near, -variable]
+            for shape, variables in zip(self.structure.shapes, self.variables, strict=True)
+            for state, variable in variables.items()
+            if shape.depths[state] > depth
+        ]
+
     def states(self, model: Collection[int]) -> tuple[int, ...]:
         """The state of every component in a model."""
         return tuple(

@@ -258,3 +258,55 @@ def _joint(joint: int, commits: bool) -> list[Machine]:
         cycle(f"actuator{joint}", f"drive{joint}", f"move{joint}"),
         Machine(f"log{joint}", {"holds": [(f"log{joint}", "holds")]}, process=False),
     ]
+
+
+def table_with_butler(seats: int, admitted: int) -> System:
+    """Philosophers of one hand; a butler lets so many of them sit down at once."""
+    machines = []
+    for at in range(seats):
+        left, right = f"{at}.{at}", f"{at}.{(at + 1) % seats}"
+        machines.append(
+            cycle(
+                f"philosopher{at}", f"sit{at}", f"pick{left}", f"pick{right}", f"put{left}", f"put{right}", f"rise{at}"
+            )
+        )
+    for at in range(seats):
+        one, other = f"{at}.{at}", f"{(at - 1) % seats}.{at}"
+        table = {
+            "free": [(f"pick{one}", "one"), (f"pick{other}", "other")],
+            "one": [(f"put{one}", "free")],
+            "other": [(f"put{other}", "free")],
+        }
+        machines.append(Machine(f"fork{at}", table))
+    butler: dict[str, list[tuple[str, str]]] = {}
+    for seated in range(admitted + 1):
+        comes = [(f"sit{at}", f"{seated + 1}") for at in range(seats)] if seated < admitted else []
+        goes = [(f"rise{at}", f"{seated - 1}") for at in range(seats)] if seated else []
+        butler[f"{seated}"] = comes + goes
+    return compose([*machines, Machine("butler", butler)])
+
+
+def counted_meals(seats: int, meals: int = 3, *, one_left_handed: bool = True) -> System:
+    """Philosophers, the last of the other hand or not, who have so many meals; a fork only counts how often it is taken."""
+    machines = []
+    for at in range(seats):
+        picks = [f"{at}.{at}", f"{at}.{(at + 1) % seats}"]
+        if at == seats - 1 and one_left_handed:
+            picks.reverse()
+        steps = [f"{done}{fork}" for _ in range(meals) for done in ("pick", "put") for fork in picks]
+        machines.append(line(f"philosopher{at}", steps))
+    for at in range(seats):
+        table: dict[str, list[tuple[str, str]]] = {f"{2 * meals}": []}
+        for uses in range(2 * meals):
+            users = (f"{at}.{at}", f"{(at - 1) % seats}.{at}")
+            table[f"{uses}"] = [(f"pick{user}", f"{uses} {user}") for user in users]
+            table |= {f"{uses} {user}": [(f"put{user}", f"{uses + 1}")] for user in users}
+        first = {"0": table.pop("0")}
+        machines.append(Machine(f"fork{at}", first | table, terminal=frozenset({f"{2 * meals}"})))
+    return compose(machines)
+
+
+def line(name: str, events: list[str]) -> Machine:
+    """A machine that takes the events in this order, and ends."""
+    steps: dict[str, list[tuple[str, str]]] = {str(at): [(event, str(at + 1))] for at, event in enumerate(events)}
+    return Machine(name, {**steps, str(len(events)): []}, terminal=frozenset({str(len(events))}))

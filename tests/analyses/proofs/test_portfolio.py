@@ -7,6 +7,7 @@ import pytest
 from cspdiag.analyses.proofs import sat_solver
 from cspdiag.analyses.proofs.portfolio import METHODS, prove_deadlock_free, prove_knot_free
 from cspdiag.analyses.proofs.verdict import Limits, Method, Proved, Refuted, Unknown
+from cspdiag.analyses.transitions.system import System
 from tests.analyses.proofs import known, naive
 from tests.analyses.proofs.random_networks import FORMS, plain_knot, random_network, truth
 from tests.analyses.proofs.random_systems import random_system
@@ -29,6 +30,19 @@ def test_a_thousand_philosophers_are_refuted_too() -> None:
         assert isinstance(verdict, Refuted)
         assert len(verdict.trace) == 2000
         assert len(verdict.stuck) == 2000
+
+
+@pytest.mark.parametrize(
+    ("system", "steps"),
+    [(known.counted_meals(100, one_left_handed=False), 100), (known.table_with_butler(60, 60), 120)],
+    ids=["meals are counted", "a butler admits one too many"],
+)
+def test_large_tables_with_counters_are_refuted_by_a_shortest_trace(system: System, steps: int) -> None:
+    for prove in (prove_deadlock_free, prove_knot_free):
+        verdict = prove(system, Limits())
+        assert isinstance(verdict, Refuted)
+        assert len(verdict.trace) == steps
+        assert naive.deadlocked(system, naive.replay(system, verdict.trace))
 
 
 def test_the_knot_beside_a_loop_is_found_and_reported_whole() -> None:
