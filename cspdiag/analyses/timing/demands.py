@@ -224,10 +224,7 @@ class Demands:
             period = self._period(job)
             if not period or (job.wait >= 0 and job.wait not in one.waits):
                 continue
-            pending += [
-                (one.number, channel, writes, period, count) for (channel, writes), count in job.path.meets.items()
-            ]
-            pending += _met_at(one, job, period, 1)
+            pending += _begun_by(one, job, period, 1)
         while pending:
             entry = pending.pop()
             if entry in self._activated:
@@ -239,12 +236,14 @@ class Demands:
                     continue
                 jobs = other.jobs_on(channel, writes=not writes)
                 for job in jobs:
-                    pending += _met_at(other, job, period, count)
+                    pending += _begun_by(other, job, period, count)
                 work = max((job.path.work for job in jobs), default=0)
                 if work:
                     step = max(job.path.step for job in jobs)
+                    # Each who communicates there begins the work once more.
+                    cause = f"{channel} of {number}"
                     self.own[other.number].append(
-                        Demand(other.number, other.level, period, count * work, step, 0, one.number, True)
+                        Demand(other.number, other.level, period, count * work, step, 0, one.number, True, cause)
                     )
 
     def taking_part(self, channel: str, *, writes: bool) -> list[Behaviour]:
@@ -256,14 +255,14 @@ class Demands:
         return {number for number, other, side, _, _ in self._activated if (other, side) == (channel, writes)}
 
 
-def _met_at(one: Behaviour, job: Job, period: int, count: int) -> list[tuple[int, str, bool, int, int]]:
-    """What a thread without samples then waits to communicate."""
-    return [
-        (one.number, offer.channel, offer.writes, period, count)
-        for stop in job.path.stops
-        if not one.thread.places[stop].is_idle
-        for offer in one.thread.places[stop].offers
-    ]
+def _begun_by(one: Behaviour, job: Job, period: int, count: int) -> Iterator[tuple[int, str, bool, int, int]]:
+    """What a job communicates, and what a thread without samples then waits to communicate."""
+    for channel, writes, times in job.path.communications():
+        yield one.number, channel, writes, period, times * count
+    for stop in job.path.stops:
+        if not one.thread.places[stop].is_idle:
+            for offer in one.thread.places[stop].offers:
+                yield one.number, offer.channel, offer.writes, period, count
 
 
 def merged(alternatives: Iterable[Sequence[Demand]]) -> list[Demand]:

@@ -41,7 +41,7 @@ class Place:
     """A point of a thread: it computes for ``cost`` and goes on to one of ``successors``, or waits for one of ``offers``; an end has neither.
 
     ``leaf`` is the law or process that computes, ``outputs`` are the nets that it writes to the outside. ``breaks`` tells that another thread may run before it goes on.
-    ``starts`` is the path of a process that begins here, without samples of its own yet.
+    ``starts`` is the path of a process that begins here, without samples of its own yet. ``gives`` are the channels that it writes without ever waiting for who reads them.
     """
 
     span: Span
@@ -53,6 +53,7 @@ class Place:
     breaks: bool = False
     starts: str = ""
     outputs: tuple[str, ...] = ()
+    gives: tuple[str, ...] = ()
 
     @property
     def is_idle(self) -> bool:

@@ -25,7 +25,7 @@ class UnboundedError(Exception):
 @dataclass(slots=True)
 class Path:
     """The most that any way from here to the next wait takes: all work, the part before the first switch to another thread, the longest step after it, the
-    number of switches, of delays and how long these are together, of communications for each channel and side, the waits that it may come to, the laws that compute on the way, and
+    number of switches, of delays and how long these are together, of communications for each channel and side (``meets`` where it waits for them, ``gives`` where it does not), the waits that it may come to, the laws that compute on the way, and
     the outputs that are written.
     """
 
@@ -36,6 +36,7 @@ class Path:
     delays: int = 0
     delayed: int = 0
     meets: dict[tuple[str, bool], int] = field(default_factory=dict)
+    gives: dict[str, int] = field(default_factory=dict)
     stops: frozenset[int] = frozenset()
     heaviest: tuple[int, str] = (0, "")
     leaves: frozenset[str] = frozenset()
@@ -45,6 +46,11 @@ class Path:
     def step(self) -> int:
         """The longest step."""
         return max(self.first, self.later)
+
+    def communications(self) -> Iterator[tuple[str, bool, int]]:
+        """Of each channel and side how often it communicates at most, whether it waits for that or not."""
+        yield from ((channel, writes, count) for (channel, writes), count in self.meets.items())
+        yield from ((channel, True, count) for channel, count in self.gives.items())
 
 
 @dataclass(frozen=True, slots=True)
@@ -169,10 +175,14 @@ class Jobs:
                 path.meets[channel] = max(
                     path.meets.get(channel, 0), count + (offer is not None and channel == (offer.channel, offer.writes))
                 )
+            for net, count in after.gives.items():
+                path.gives[net] = max(path.gives.get(net, 0), count)
             if offer is not None:
                 path.meets.setdefault((offer.channel, offer.writes), 1)
         if is_end and place.offers:
             path.stops = frozenset([number])
+        for net in place.gives:
+            path.gives[net] = path.gives.get(net, 0) + 1
         path.work += place.cost
         path.outputs |= set(place.outputs)
         path.first += place.cost

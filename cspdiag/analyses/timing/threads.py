@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any, assert_never
 
 from cspdiag.analyses.timing.flow import Missing, Offer, Place, Thread
+from cspdiag.analyses.timing.looping import Looping
 from cspdiag.network.actions import (
     Action,
     AfterEvent,
@@ -72,6 +73,7 @@ class Threads:
         self.net_of = {end: net for net in network.nets for end in (*net.writers, *net.readers)}
         self.missing: dict[str, Missing] = {}
         self._groups = 0
+        self._looping = Looping(network)
         self.root = Thread(network.top, ())
         entry = self.classes[self.instances[network.top].class_name]
         context = _Context(self.root, network.top, ())
@@ -205,7 +207,8 @@ class Threads:
         names = [port.name for port in law.ports if port.direction == "out"]
         nets = [self._net(path, PortEnd(c.port, c.index)) for c in connections if c.port in names]
         outputs = tuple(net.path for net in nets if net is not None and net.external == "out")
-        work = self._place(context, law, cost=self._cost(path, law, context), leaf=path, outputs=outputs)
+        gives = tuple(net.path for net in nets if net is not None and _never_waits(net))
+        work = self._place(context, law, cost=self._cost(path, law, context), leaf=path, outputs=outputs, gives=gives)
         fault = self._handler(context, "Fault")
         context.thread.places[work].successors = [present] if fault is None else [present, fault]
         present = work
@@ -232,6 +235,8 @@ class Threads:
                 net = self._net(context.path, action.sink)
                 if net is not None and net.external == "out":
                     return self._place(context, action, successors=[following], outputs=(net.path,))
+                if net is not None and _never_waits(net):
+                    return self._place(context, action, successors=[following], gives=(net.path,))
                 return self._waiting(
                     context, action, self._writing(context.path, action.sink, following, action), following
                 )
@@ -347,7 +352,7 @@ class Threads:
 
     def _parallel(self, action: ParallelSteps, context: _Context, following: int) -> int:
         ranks = [(*context.priority, k) if action.prioritized else context.priority for k in range(len(action.steps))]
-        if not any(self._has_loop(step, context.path) for step in action.steps):
+        if not any(self._looping.has_loop(step, context.path) for step in action.steps):
             self._groups += 1
             inside = replace(context, groups=(*context.groups, self._groups))
             for step, rank in zip(reversed(action.steps), reversed(ranks), strict=True):
@@ -375,25 +380,7 @@ class Threads:
                 runs = [part for part in parts(step) if isinstance(part, RunInstance)]
                 return f"{path}.{runs[0].instance}" if runs else path
 
-    def _has_loop(self, action: Action, path: str) -> bool:
-        for part in parts(action):
-            if isinstance(part, Repeat | WhileLoop):
-                return True
-            if isinstance(part, RunInstance) and self._class_has_loop(
-                self.instances[f"{path}.{part.instance}"].class_name
-            ):
-                return True
-        return False
 
-    def _class_has_loop(self, name: str) -> bool:
-        entry = self.classes[name]
-        if isinstance(entry, SubmodelClass):
-            return False
-        if entry.body is None:
-            return True
-        inside = {instance.name: instance.class_name for instance in entry.instances}
-        return any(
-            isinstance(part, Repeat | WhileLoop)
-            or (isinstance(part, RunInstance) and self._class_has_loop(inside[part.instance]))
-            for part in parts(entry.body)
-        )
+def _never_waits(net: Net) -> bool:
+    """Whether writing never waits, though somebody may be waiting to read."""
+    return net.external is None and net.kind == "overwrite"

@@ -7,7 +7,10 @@ from dataclasses import dataclass, field
 
 from tests.analyses.timing.programs import law
 
-FORMS = ("one law", "laws in sequence", "laws in parallel", "two periods", "a partner", "a delay")
+FORMS = (
+    "one law", "laws in sequence", "laws in parallel", "two periods", "a partner", "a delay",
+    "work on arrival", "a server", "a shared listener", "an event",
+)  # fmt: skip
 
 
 @dataclass
@@ -17,6 +20,7 @@ class Composed:
     source: random.Random
     laws: list[str] = field(default_factory=list)
     inputs: list[tuple[str, int]] = field(default_factory=list)
+    events: list[str] = field(default_factory=list)
     outputs: list[tuple[str, int]] = field(default_factory=list)
     parts: list[str] = field(default_factory=list)
     runs: list[str] = field(default_factory=list)
@@ -57,17 +61,69 @@ class Composed:
                 self.runs.append(f"(mu (x{fast[3:]} -> {fast} [] x{slow[3:]} -> {slow}))")
             case "a partner":
                 self.runs += [f"(mu {name})" for name in self.passed_on(period)]
+            case "work on arrival":
+                self._work_on_arrival(period)
+            case "a server":
+                self._server()
+            case "a shared listener":
+                self._listener()
+            case "an event":
+                name = self.law(1, sampled=False)
+                self.events.append(f"e{name}")
+                self.parts += [f"var v{name} : double = 0", f"v{name} -> {name}.x"]
+                self.runs.append(f"(mu (e{name} ? v{name} -> {name}))")
             case _:
                 name = self.law(period)
                 self.inputs.append((f"z{name}", period))
                 self.parts.append(f"var v{name} : double = 0")
                 self.runs.append(f"(mu (z{name} ? v{name} ; wait {self.source.randint(50, 200)} us ; {name}))")
 
+    def _work_on_arrival(self, period: int) -> None:
+        """A loop that hands on what another one computes with, beside its own samples."""
+        first, then = self.law(period, written=False), self.law(period, sampled=False)
+        own = self.law(self.source.choice([1, 2, 4, 5]))
+        kind = self.source.choice(["", "overwrite 1", "overwrite 2", "buffer 1", "buffer 2"])
+        operator = self.source.choice(["[]", "[]>"])
+        self.parts += [f"var a{first} : double = 0", f"var b{first} : double = 0", f"{first}.y -> a{first}"]
+        self.parts += [f"b{first} -> {then}.x", f"channel c{first} : double {kind}"]
+        guards = [f"c{first} ? b{first} -> {then}", f"x{own[3:]} -> {own}"]
+        self.source.shuffle(guards)
+        self.runs += [f"(mu ({first} ; c{first} ! a{first}))", f"(mu ({f' {operator} '.join(guards)}))"]
+
+    def _server(self) -> None:
+        """Two loops that ask the same server."""
+        serving = self.law(1, sampled=False, written=False)
+        self.parts += [f"var q{serving} : double = 0", f"var r{serving} : double = 0"]
+        self.parts += [f"q{serving} -> {serving}.x", f"{serving}.y -> r{serving}"]
+        served = []
+        for _ in range(2):
+            asks = self.law(self.source.choice([2, 4, 5]), sampled=False)
+            period = self.periods[f"Main.{asks}"] // 1_000_000
+            self.inputs.append((f"z{asks}", period))
+            self.parts += [f"var v{asks} : double = 0", f"var w{asks} : double = 0", f"w{asks} -> {asks}.x"]
+            self.parts += [f"channel ask{asks} : double", f"channel answer{asks} : double"]
+            self.runs.append(f"(mu (z{asks} ? v{asks} ; ask{asks} ! v{asks} ; answer{asks} ? w{asks} ; {asks}))")
+            served.append(f"ask{asks} ? q{serving} -> ({serving} ; answer{asks} ! r{serving})")
+        self.runs.append(f"(mu ({' [] '.join(served)}))")
+
+    def _listener(self) -> None:
+        """Two loops that tell a third one, which has no samples of its own."""
+        listening = self.law(1, sampled=False, written=False)
+        kind = self.source.choice(["any", "any", "overwrite 1"])
+        told = [self.law(self.source.choice([1, 2, 4, 5]), written=False) for _ in range(2 if kind == "any" else 1)]
+        self.parts += [f"var n{listening} : double = 0", f"n{listening} -> {listening}.x", f"{listening}.y -> _"]
+        self.parts.append(f"channel d{listening} : double {kind}")
+        for tells in told:
+            self.parts += [f"var m{tells} : double = 0", f"{tells}.y -> m{tells}"]
+            self.runs.append(f"(mu ({tells} ; d{listening} ! m{tells}))")
+        self.runs.append(f"(mu (d{listening} ? n{listening} ; {listening}))")
+
     def text(self) -> str:
         """The program, its loops in a random order, with or without priorities."""
         self.source.shuffle(self.runs)
         composition = self.source.choice([" || ", " ||> "]).join(self.runs)
         ports = "".join(f"  in {name} : double @ {period} ms\n" for name, period in self.inputs)
+        ports += "".join(f"  in {name} : double\n" for name in self.events)
         ports += "".join(f"  out {name} : double @ {period} ms\n" for name, period in self.outputs)
         diagram = "\n".join(f"    {part}" for part in self.parts)
         return (

@@ -289,3 +289,51 @@ def test_an_input_that_another_branch_of_the_same_process_reads_begins_no_chain(
     )  # fmt: skip
     found = {(chain.source, chain.loops) for chain in report_of(text).chains}
     assert found == {("angle", ("outer", "inner")), ("speed", ("inner",))}
+
+
+ON_ARRIVAL = (
+    law("Sense", "100 us") + law("Compute", "300 us") + law("Control", "50 us") + law("Log", "10 us") +
+    """
+    process Main {
+      in  x, s, z : double @ 1 ms
+      out w, v    : double @ 1 ms
+      communication {
+        sense   : Sense
+        compute : Compute
+        control : Control
+        log     : Log
+        channel passed : double <kind>
+        var sensed : double = 0
+        var taken  : double = 0
+        x -> sense.x
+        sense.y -> sensed
+        taken -> compute.x
+        compute.y -> _
+        s -> control.x
+        control.y -> v
+        z -> log.x
+        log.y -> w
+      }
+      composition { mu (sense ; passed ! sensed) || mu (passed ? taken -> compute [] s -> control) || mu log }
+    }
+    """
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", ["", "overwrite 1", "overwrite 2", "buffer 1"])
+def test_work_that_an_arrival_begins_adds_to_that_of_the_samples(kind: str) -> None:
+    report = report_of(ON_ARRIVAL.replace("<kind>", kind))
+    assert report.utilization == pytest.approx(0.46)
+    assert by_name(report)["log"].response >= 460 * US  # type: ignore[operator]
+
+
+def test_work_that_is_handed_on_twice_counts_for_those_beside_it() -> None:
+    """The second loop takes what the first writes between its own samples, and makes a third thread compute."""
+    text = ON_ARRIVAL.replace("<kind>", "").replace(
+        "mu (passed ? taken -> compute [] s -> control)",
+        "mu (passed ? taken -> further ! taken [] s -> control) || mu (further ? more -> compute)",
+    )
+    text = text.replace("taken -> compute.x", "var more : double = 0  channel further : double  more -> compute.x")
+    report = report_of(text)
+    assert report.utilization == pytest.approx(0.46)
+    assert by_name(report)["log"].response >= 460 * US  # type: ignore[operator]
