@@ -13,7 +13,7 @@ from cspdiag.sources import read_source
 
 if TYPE_CHECKING:
     from cspdiag.network.ir import Network
-    from cspdiag.simulate.replay import Replay
+    from cspdiag.simulate.replay_result import Replay
     from cspdiag.simulate.replay_trace import Trace
 
 _UNFIT = ("environment", "until", "record", "trace", "plot")

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterator, Mapping, Sequence
+from typing import Literal
 
 from cspdiag.network.ir import Network
 from cspdiag.runtime.network import Network as RunningNetwork
 from cspdiag.runtime.scheduler import scheduler
 from cspdiag.simulate.execute import BodyError, account_of
 from cspdiag.simulate.guided_goal import Goal
-from cspdiag.simulate.guided_run import GuidedRun, Lines, Run
+from cspdiag.simulate.guided_run import GuidedRun, Run
 from cspdiag.simulate.guided_runtime import guided_runtime
-from cspdiag.simulate.guided_script import Passed
+from cspdiag.simulate.guided_script import Passed, Script
+from cspdiag.simulate.guided_world import Lines, World
 from cspdiag.simulate.package import LoadedPackage
 from cspdiag.simulate.replay_decisions import Decisions
 from cspdiag.simulate.replay_trace import Trace
@@ -45,7 +47,7 @@ class Guided:
         self._outside = frozenset(f"{network.top}.{port.name}" for port in network.external_ports)
         environments = network.environments
         counts = bool(environments) and all(environment.on_miss != "timeout" for environment in environments)
-        self._on_miss = "count" if counts else "timeout"
+        self._on_miss: Literal["timeout", "count"] = "count" if counts else "timeout"
         self._left = MOST_ACTIONS
         self._runs_left = MOST_RUNS
 
@@ -66,18 +68,23 @@ class Guided:
         for run in self._runs(script, goal):
             if run.succeeded:
                 return run
-            if best is None or run.done > best.done:
+            if best is None or (bool(run.happened), run.done) > (bool(best.happened), best.done):
                 best = run
         assert best is not None
         return best
 
     def _runs(self, script: Sequence[Passed], goal: Goal) -> Iterator[GuidedRun]:
-        """As it comes at first, then strictly after the script, then with decisions of every kind."""
-        yield self._run(script, goal, Decisions(), strict=False)
+        """As it comes at first, then strictly after the script, then with decisions of every kind until one comes to a standstill."""
+        first = self._run(script, goal, Decisions(), strict=False)
+        others = bool(first.happened)
+        yield first
         for strict in (True, False):
             decisions = Decisions()
             for _ in range(MOST_OF_ONE_KIND):
+                if others and not strict:
+                    return
                 run = self._run(script, goal, decisions, strict=strict)
+                others = others or bool(run.happened)
                 yield run
                 if self.exhausted or not decisions.advance(run.cut):
                     break
@@ -88,17 +95,9 @@ class Guided:
         lines = Lines()
         limit = max(AT_LEAST, self._left // 4)
         network = self._built(lines)
-        run = Run(
-            network,
-            lines,
-            script,
-            goal,
-            decisions,
-            strict=strict,
-            limit=limit,
-            on_miss=self._on_miss,
-            defaults=self._defaults,
-        ).run()
+        wanted = Script(script)
+        world = World(network.ports, lines, wanted, self._defaults, self._on_miss)
+        run = Run(network, wanted, world, goal, decisions, strict=strict, limit=limit).run()
         self._left -= run.actions
         self._runs_left -= 1
         return run

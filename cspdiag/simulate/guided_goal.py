@@ -19,6 +19,8 @@ Offer: TypeAlias = tuple[str, str]
 """What a waiting process could go on with: ``to read`` or ``to write`` and a channel, or other words and nothing."""
 
 _NEVER = frozenset({"for ever, at stop", "for an alternative of which no guard is enabled"})
+_PART = ": "
+"""In the names of events that pass no channel: the end of a parallel, a delay."""
 _OPPOSITE = {"to read": "to write", "to write": "to read"}
 
 
@@ -59,6 +61,20 @@ class Goal:
                 ):
                     return f"`{path}` can still go on" + (f" with `{channel}`" if channel else "")
         return None
+
+    def is_as_told(self, root: Task) -> bool:
+        """Whether those wait who wait in the counterexample, and for the same."""
+        waiting = [(_path(task), {channel for _, channel in _offers(task) if channel}) for task in _leaves(root)]
+        told = [(of, {channel.partition(" (")[0] for channel in channels}) for of, channels in self.trace.stuck]
+        everybody = self.trace.failure != "deadlock" or all(
+            any(belongs(path, of) and (waits & channels or not waits) for of, channels in told)
+            for path, waits in waiting
+        )
+        return everybody and all(
+            any(belongs(path, of) and waits & channels for path, waits in waiting)
+            for of, channels in told
+            if any(_PART not in channel for channel in channels)
+        )
 
     def _is_stuck(self, path: str, offers: Iterable[Offer]) -> bool:
         channels = {channel for _, channel in offers if channel}

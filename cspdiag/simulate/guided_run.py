@@ -8,7 +8,7 @@ otherwise in another attempt is a ``Decisions``.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from heapq import heapify, heappop, heappush, nsmallest
 from typing import Any
@@ -16,13 +16,14 @@ from typing import Any
 from cspdiag.runtime.composition import end_all, task_for
 from cspdiag.runtime.deadlock import DeadlockReport, report_deadlock
 from cspdiag.runtime.durations import shown
-from cspdiag.runtime.inputs import SampledInput
 from cspdiag.runtime.network import Network as RunningNetwork
 from cspdiag.runtime.scheduler import Party, Priority, Task, nobody, scheduler
 from cspdiag.simulate.guided_goal import Goal
-from cspdiag.simulate.guided_runtime import _EventInput, guidance
-from cspdiag.simulate.guided_script import Key, Passed, Script, key_of
+from cspdiag.simulate.guided_runtime import guidance
+from cspdiag.simulate.guided_script import Actor, Happened, Key, Passed, Script, key_of
+from cspdiag.simulate.guided_world import World
 from cspdiag.simulate.replay_decisions import Decisions
+from cspdiag.simulate.replay_gates import names_of
 
 MOST_CHOICES = 6
 """So many of the processes that are ready are tried as the next."""
@@ -46,32 +47,13 @@ class GuidedRun:
     communications: tuple[tuple[str, Any], ...]
     deadlock: DeadlockReport | None
     cut: int
+    happened: tuple[Happened, ...] = ()
+    """All that was done, where it has come to its goal in another way than the script has."""
 
     @property
     def succeeded(self) -> bool:
-        """Whether it has reached its goal."""
+        """Whether it has reached its goal as the script has it."""
         return self.divergence is None
-
-
-class _Line:
-    """A port's side of the environment."""
-
-    def __init__(self) -> None:
-        self.value: Any = None
-
-    def read(self) -> Any:
-        return self.value
-
-    def write(self, value: Any) -> None:
-        """Takes everything."""
-
-
-class Lines(dict[str, _Line]):
-    """The environment, by port."""
-
-    def __missing__(self, name: str) -> _Line:
-        line = self[name] = _Line()
-        return line
 
 
 class Run:
@@ -80,36 +62,31 @@ class Run:
     def __init__(
         self,
         network: RunningNetwork,
-        lines: Lines,
-        entries: Sequence[Passed],
+        script: Script,
+        world: World,
         goal: Goal,
         decisions: Decisions,
         *,
         strict: bool,
         limit: int,
-        on_miss: Any,
-        defaults: Mapping[str, Any],
     ) -> None:
-        self._script = Script(entries)
+        self._script = script
+        self._world = world
         self._goal = goal
         self._decisions = decisions
         self._strict = strict
         self._limit = limit
         self._root = task_for(network.process, self, None)
-        self._lines = lines
-        self._sampled = [port for port in network.ports if isinstance(port, SampledInput)]
-        self._events = {port.name: port for port in network.ports if isinstance(port, _EventInput)}
-        for port in self._sampled:
-            port.on_miss = on_miss
-        self._defaults = dict(defaults)
-        self._outputs = goal.outside - {port.name for port in (*self._sampled, *self._events.values())}
+        self._outputs = goal.outside - world.inputs
         self._expected = goal.expected() if goal.trace.failure == "refinement" else None
         self._seen = 0
         self._keys: dict[Task, Key] = {}
         self._ready: dict[Priority, list[tuple[int, int, Party]]] = {(): []}
         self._serial = 0
-        self._actions = 0
+        self._steps = 0
         self._communications: list[tuple[str, Any]] = []
+        self._happened: list[Happened] = []
+        self._broadcasts: set[str] = set()
         self._problem: str | None = None
         self._lost: str | None = None
         self._cut: int | None = None
@@ -126,8 +103,11 @@ class Run:
         scheduler.observe = self._observe
         scheduler.enqueue(self._root)
         divergence, deadlock = None, None
+        happened: tuple[Happened, ...] = ()
         try:
             self._go()
+            if self._goal.is_standstill and self._script.left:
+                divergence, happened = self._lost or self._not_come(), tuple(self._happened)
             deadlock = report_deadlock(self._root, scheduler.now) if self._goal.is_standstill else None
         except AstrayError as problem:
             divergence = self._lost or str(problem)
@@ -137,7 +117,7 @@ class Run:
             end_all(self._root)
         done = len(self._script.entries) - self._script.left
         cut = self._decisions.made if self._cut is None else self._cut
-        return GuidedRun(done, self._actions, divergence, tuple(self._communications), deadlock, cut)
+        return GuidedRun(done, self._actions, divergence, tuple(self._communications), deadlock, cut, happened)
 
     def _go(self) -> None:
         while self._script.left or self._goal.is_standstill:
@@ -148,7 +128,7 @@ class Run:
                     return
                 self._pass_time()
                 continue
-            self._actions += 1
+            self._steps += 1
             scheduler._run_one(party)
             scheduler.current = nobody
             if self._error is not None:
@@ -160,14 +140,20 @@ class Run:
         if self._goal.trace.failure == "livelock" and self._cycle_began not in (None, scheduler.now):
             raise AstrayError("time passes before everything is repeated")
 
+    @property
+    def _actions(self) -> int:
+        return self._steps + self._world.met
+
     def _concluded(self) -> bool:
         """Nobody is ready: whether that is the standstill."""
         if self._root.ended:
             raise AstrayError("it ends instead of coming to a halt" if not self._script.left else self._not_come())
-        if self._script.left or not self._goal.is_standstill:
+        if not self._goal.is_standstill or (self._script.left and self._strict):
             return False
         missed = self._goal.missed(self._root)
-        if missed is not None and not self._time_can_pass():
+        if missed is None and not self._goal.is_as_told(self._root):
+            missed = "others wait than the counterexample says"
+        if missed is not None and not self._script.left and not self._world.time_can_pass:
             raise AstrayError(missed)
         return missed is None
 
@@ -204,80 +190,27 @@ class Run:
     def _offer(self) -> None:
         """The environment offers what is wanted next."""
         number = self._script.next()
-        if number is None or not self._can_offer(self._script.entries[number]):
+        if number is None or not self._world.can_offer(self._script.entries[number]):
             return
         ready = scheduler.queue or any(self._ready.values())
         if not ready or not self._decisions.choose(2):
-            self._occur(self._script.entries[number])
-
-    def _can_offer(self, entry: Passed) -> bool:
-        if entry.action != "read" or entry.channel not in self._events or isinstance(entry.value, BaseException):
-            return False
-        return not self._events[entry.channel].end_of(entry.path).fresh
-
-    def _occur(self, entry: Passed) -> None:
-        self._events[entry.channel].occur(entry.value)
+            self._world.offer(self._script.entries[number])
 
     def _pass_time(self) -> None:
         """Nobody is ready: time goes on to the next instant, or something comes from outside."""
-        if self._time_can_pass():
-            instant = self._next_instant()
-            assert instant is not None
-            self._meet(instant)
+        instant = self._world.next_instant() if self._world.time_can_pass else None
+        if instant is not None:
+            self._world.meet(instant)
             return
-        entry = next(filter(self._can_offer, self._script.undone()), None)
+        entry = next(filter(self._world.can_offer, self._script.undone()), None)
         if entry is None:
             raise AstrayError(self._not_come())
-        self._occur(entry)
-
-    def _time_can_pass(self) -> bool:
-        return scheduler.timers.next_instant() is not None or any(port.can_come for port in self._sampled)
-
-    def _next_instant(self) -> int | None:
-        """The next instant at which a delay ends, or a sample comes to somebody who listens."""
-        instants = [(scheduler.now // port.period + 1) * port.period for port in self._sampled if _listens(port)]
-        timer = scheduler.timers.next_instant()
-        return min([*instants, *([] if timer is None else [timer])], default=None)
-
-    def _meet(self, instant: int) -> None:
-        self._actions += 1
-        scheduler.now = instant
-        for port in self._sampled:
-            if instant % port.period == 0:
-                wanted = self._script.next_read(port.name)
-                if wanted is not None and not isinstance(wanted.value, BaseException):
-                    self._defaults[port.name] = wanted.value
-                self._lines[port.name.partition(".")[2]].value = self._defaults[port.name]
-                port.sample()
-        scheduler.timers.fall_due(instant)
+        self._world.offer(entry)
 
     def compute(self) -> None:
-        """See ``Guide.compute``: as long as helps what is wanted, or not at all."""
-        instants = self._computing()
-        until = instants[self._decisions.choose(len(instants))] if len(instants) > 1 else scheduler.now
-        while (instant := self._next_instant()) is not None and instant <= until:
-            self._meet(instant)
-        scheduler.now = until
-
-    def _computing(self) -> Sequence[int]:
-        """Until when the current task may compute, the most promising first."""
-        following = self._next_instant()
-        if following is None:
-            return (scheduler.now,)
-        number = self._script.next()
-        entry = None if number is None else self._script.entries[number]
-        missed = [port for port in self._sampled if self._is_to_miss(port)]
-        twice = max([(scheduler.now // port.period + 2) * port.period for port in missed], default=following)
-        first = scheduler.now
-        if missed:
-            first = twice
-        elif entry is not None and entry.action in {"wait", "after"} and entry.key != self._key(scheduler.current):
-            first = following
-        return tuple(dict.fromkeys((first, scheduler.now, following, twice)))
-
-    def _is_to_miss(self, port: SampledInput[Any]) -> bool:
-        wanted = self._script.next_read(port.name)
-        return wanted is not None and isinstance(wanted.value, BaseException)
+        """See ``Guide.compute``."""
+        instants = self._world.computing(self._key(scheduler.current))
+        self._world.pass_until(instants[self._decisions.choose(len(instants))] if len(instants) > 1 else instants[0])
 
     def pick(self, guards: Sequence[tuple[int, str, str]]) -> int:
         """See ``Guide.pick``."""
@@ -300,6 +233,19 @@ class Run:
 
     def did(self, party: Party, action: str, channel: str = "", index: int = 0) -> None:
         """See ``Guide.did``."""
+        if action == "write":
+            self._broadcasts.add(channel)
+        if action != "skip":
+            self._note(action, channel, None, party)
+        self._match(party, action, channel, index)
+
+    def _note(self, action: str, channel: str, value: Any, *parties: Party | None) -> None:
+        tasks = [_task_of(party) for party in parties if party is not None]
+        actors = tuple(Actor("" if task.process is None else task.process.name, names_of(task)) for task in tasks)
+        self._happened.append(Happened(action, channel, actors, value))
+
+    def _match(self, party: Party, action: str, channel: str, index: int = 0) -> None:
+        """Whether that was wanted."""
         key = self._key(party)
         number = self._script.do(key, action, channel, index)
         if number is not None:
@@ -336,16 +282,18 @@ class Run:
     def wrote(self, channel: str, value: Any, writer: Party) -> None:
         """See ``Guide.wrote``."""
         self._communicated(channel, value)
-        self.did(writer, "write", channel)
+        self._note("communication", channel, value, writer)
+        self._match(writer, "write", channel)
 
     def _observe(self, channel: str, value: Any, writer: Party | None, reader: Party | None) -> None:
         if channel in self._outputs:
             return
         self._communicated(channel, value)
-        if writer is not None:
-            self.did(writer, "write", channel)
+        self._note("communication", channel, value, writer, reader)
+        if writer is not None and channel not in self._broadcasts:
+            self._match(writer, "write", channel)
         if reader is not None:
-            self.did(reader, "read", channel)
+            self._match(reader, "read", channel)
 
     def _communicated(self, channel: str, value: Any) -> None:
         is_expected = self._expected is not None and channel in self._goal.visible
@@ -372,10 +320,6 @@ def _task_of(party: Any) -> Task:
 
 def _is(entry: Passed, action: str, channel: str, index: int) -> bool:
     return entry.action == action and (entry.channel == channel if channel else entry.index == index)
-
-
-def _listens(port: SampledInput[Any]) -> bool:
-    return any(end.listens for end in port.ends)
 
 
 def _words(entry: Passed) -> str:

@@ -118,15 +118,16 @@ def described(guard: Guard, index: int) -> tuple[int, str, str]:
             return index, "skip", ""
 
 
-class _Computed(Out[T]):
+class _Computed:
     """An end before whose write a submodel has computed."""
 
     __slots__ = ()
 
-    def write(self, value: T, /) -> Generator[None, None, None]:
+    @coroutine
+    def write(self, value: Any, /) -> Generator[None, None, None]:
         """See ``Out.write``."""
         _compute_first()
-        return super().write(value)  # type: ignore[return-value]
+        yield from super().write(value)  # type: ignore[misc]
 
 
 def _compute_first() -> None:
@@ -146,15 +147,15 @@ class _Submodel(Submodel):
             guidance.guide.compute()
 
 
-class _Channel(_Computed[T], Channel[T]):
+class _Channel(_Computed, Channel[T]):
     pass
 
 
-class _AnyChannel(_Computed[T], runtime.AnyChannel[T]):
+class _AnyChannel(_Computed, runtime.AnyChannel[T]):
     pass
 
 
-class _Buffer(_Computed[T], Buffer[T]):
+class _Buffer(_Computed, Buffer[T]):
     def take(self) -> T:
         value = super().take()
         guidance.guide.did(scheduler.current, "read", self.name)
@@ -171,20 +172,20 @@ class _Overwriting(_Buffer[T], Overwriting[T]):
     pass
 
 
-class _Broadcast(_Computed[T], Broadcast[T]):
+class _Broadcast(_Computed, Broadcast[T]):
     def offer(self, party: Party, value: T, /) -> bool:
         guidance.guide.did(party, "write", self.name)
         return super().offer(party, value)
 
 
-class _EventOutput(_Computed[T], EventOutput[T]):
+class _EventOutput(_Computed, EventOutput[T]):
     def offer(self, party: Party, value: T, /) -> bool:
         super().offer(party, value)
         guidance.guide.wrote(self.name, value, party)
         return True
 
 
-class _SampledOutput(_Computed[T], SampledOutput[T]):
+class _SampledOutput(_Computed, SampledOutput[T]):
     def offer(self, party: Party, value: T, /) -> bool:
         super().offer(party, value)
         guidance.guide.wrote(self.name, value, party)

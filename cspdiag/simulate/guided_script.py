@@ -49,6 +49,24 @@ class Passed:
         return self.channel or self.action
 
 
+@dataclass(frozen=True)
+class Actor:
+    """A task that took part in something: its process, and what a counterexample may call it."""
+
+    path: str
+    names: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Happened:
+    """Something that tasks did in a run: ``communication``, or as ``Passed``; who writes is the first of the actors."""
+
+    action: str
+    channel: str
+    actors: tuple[Actor, ...]
+    value: Any = None
+
+
 class Script:
     """What is wanted of all tasks, in the order of the counterexample, and what of it has been done."""
 

@@ -7,9 +7,8 @@ is found so has still to be done by the program as it always runs (``guided``).
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any, TypeAlias
+from collections.abc import Iterator, Mapping
+from typing import Any
 
 from cspdiag.network.ir import Network
 from cspdiag.runtime.composition import end_all, task_for
@@ -28,6 +27,7 @@ from cspdiag.simulate.replay_gates import Gate, Interruption, Option, conductor
 from cspdiag.simulate.replay_memory import memory
 from cspdiag.simulate.replay_names import UNFIT, WRITTEN, belongs, fit, is_medium
 from cspdiag.simulate.replay_rest import Resting, resting
+from cspdiag.simulate.replay_result import Judge, Replay
 from cspdiag.simulate.replay_runtime import replaying_runtime
 from cspdiag.simulate.replay_trace import Trace, TraceStep
 from cspdiag.simulate.replay_values import Values, numbers_of
@@ -37,34 +37,8 @@ _ALLOWED = "with the values that it has there, it does what the specification al
 _SILENT = frozenset({"variable", "start", "end", "cancel", "exception", "failure", "delivered"})
 
 
-@dataclass(frozen=True)
-class Replay:
-    """How far the program followed a trace.
-
-    ``divergence`` says why it did not to the end; None if it did. ``communications`` are (channel, value) in order; ``deadlock`` is what the runtime says at the end.
-    """
-
-    steps: int
-    divergence: str | None
-    communications: tuple[tuple[str, Any], ...]
-    deadlock: DeadlockReport | None = None
-    excluded: bool = False
-    """Whether priorities or times keep the program from following."""
-    judgement: str = ""
-    """What the judge has found wrong."""
-
-    @property
-    def succeeded(self) -> bool:
-        """Whether the program did all of it."""
-        return self.divergence is None
-
-
 class _DivergenceError(Exception):
     """The program does not follow the trace; the message says where."""
-
-
-Judge: TypeAlias = Callable[[Sequence[tuple[str, Any]], Resting | None], str | None]
-"""Says what is wrong with a run, from its communications and how the processes stand then; None if nothing is."""
 
 
 def replay(network: Network, files: Mapping[str, str], trace: Trace, judge: Judge | None = None) -> Replay:
@@ -96,7 +70,7 @@ def _best(network: Network, package: LoadedPackage, trace: Trace, judge: Judge |
             return result
         if best is None or (result.excluded, result.steps) > (best.excluded, best.steps):
             best = result
-        if guided.exhausted or not decisions.advance():
+        if best.other or guided.exhausted or not decisions.advance():
             break
     assert best is not None
     return best
@@ -324,7 +298,7 @@ class _Attempt:
             found = self._judge(run.communications, self._rest)
             divergence, judgement = (_ALLOWED, "") if found is None else (None, found)
         return Replay(
-            result.steps, divergence, run.communications, run.deadlock, not run.succeeded, judgement=judgement
+            result.steps, divergence, run.communications, run.deadlock, not run.succeeded, judgement, run.happened
         )
 
     def _judged(self) -> str:

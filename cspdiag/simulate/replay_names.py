@@ -2,12 +2,22 @@
 
 from __future__ import annotations
 
-from cspdiag.simulate.replay_gates import Gate, Interruption
+from typing import Protocol
+
 from cspdiag.simulate.replay_trace import TraceStep
 
 UNFIT = 3
 WRITTEN = " (written)"
 """With this ends the name of the event in which a broadcast is begun; each of its readers takes the value in an event of its own."""
+
+
+class Named(Protocol):
+    """A task in a running program: its process, and what a trace may call it."""
+
+    @property
+    def path(self) -> str: ...  # noqa: D102
+    @property
+    def names(self) -> tuple[str, ...]: ...  # noqa: D102
 
 
 def is_medium(name: str, step: TraceStep) -> bool:
@@ -16,7 +26,7 @@ def is_medium(name: str, step: TraceStep) -> bool:
     return name == channel or name.startswith(f"{channel} to ")
 
 
-def fit(candidate: Gate | Interruption, name: str, path: str) -> int:
+def fit(candidate: Named, name: str, path: str) -> int:
     """How well a process that halts fits one of a trace: 0 is best, and ``UNFIT`` not at all."""
     if name in candidate.names:
         return 0

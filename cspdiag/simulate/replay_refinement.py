@@ -13,8 +13,8 @@ from cspdiag.analyses.transitions.system import System
 from cspdiag.analyses.verification.question import Question
 from cspdiag.model.types import Type
 from cspdiag.network.ir import Network
-from cspdiag.simulate.replay import Judge
 from cspdiag.simulate.replay_rest import Resting
+from cspdiag.simulate.replay_result import Judge
 from cspdiag.simulate.replay_values import written
 
 _Told: TypeAlias = "tuple[Type, frozenset[int] | None]"

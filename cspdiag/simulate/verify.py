@@ -18,7 +18,7 @@ from cspdiag.analyses.verification.question import Question
 if TYPE_CHECKING:
     from cspdiag.analyses.transitions.system import System
     from cspdiag.network.ir import Network
-    from cspdiag.simulate.replay import Judge, Replay
+    from cspdiag.simulate.replay_result import Judge, Replay
     from cspdiag.simulate.replay_trace import Trace
 
 
@@ -111,10 +111,12 @@ class Verifier:
 
     def _confirmed(self, answer: Answer, limits: Limits) -> Answer:
         """The answer with its counterexample replayed; unknown where the program does not follow it."""
-        if answer.counterexample is None:
+        found = answer.counterexample
+        if found is None:
             return answer
         from cspdiag.codegen import target_errors
         from cspdiag.simulate.execute import BodyError
+        from cspdiag.simulate.guided_told import retold
         from cspdiag.simulate.replay_told import with_values
         from cspdiag.simulate.replay_trace import read_trace
         from cspdiag.simulate.suggest import Deadlock, helpful
@@ -122,15 +124,21 @@ class Verifier:
         network = self._asked.network(answer.question.process)
         assert network is not None, "asked for a process with errors"
         try:
-            trace = read_trace(trace_of(answer, {}))
-            result = replayed(network, trace, self._read, self._judge(answer, network, limits))
+            judge = self._judge(answer, network, limits)
+            result = replayed(network, read_trace(trace_of(answer, {})), self._read, judge)
+            if result.other:
+                system = self.system(answer.question.process)
+                other = retold(found, system, result.other, network)
+                trace = read_trace(trace_of(replace(answer, counterexample=other), {}))
+                again = replayed(network, trace, self._read, judge)
+                found, result = (other, again) if again.succeeded else (found, result)
         except (BodyError, target_errors()) as problem:
             raise VerificationError(str(problem)) from problem
         except LimitError as stop:
             return not_replayed(answer, str(stop))
         if result.divergence is not None:
             return not_replayed(answer, result.divergence)
-        found = with_values(answer.counterexample, result.communications, network)
+        found = with_values(found, result.communications, network)
         found = replace(found, reason=result.judgement or found.reason)
         deadlock = Deadlock(self._asked, answer.question, found, self._settings or {})
         return replace(answer, replayed=True, counterexample=found, suggestions=helpful(deadlock, self._read))

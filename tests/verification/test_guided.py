@@ -350,3 +350,48 @@ assert Lamp refines Patient in failures
 def test_what_a_process_refuses_is_seen_before_it_goes_on() -> None:
     """After the first press the specification wants another one; the lamp is lit at once."""
     assert refuted(REFUSES)
+
+
+TURNS = """process Cell {
+  out number : int
+
+  communication { var n : int = 0 }
+
+  composition { while n < 3 do (number ! n ; n := n + 1 ; wait 2 ms) }
+}
+
+process Collector {
+  in  number[2] : int
+  out sum       : int
+
+  communication { var got : int = 0  var last : int = 0 }
+
+  composition { mu ((alt i < 2 : number[i] ? last -> skip) ; got := got + 1) until got == 6 ; stop }
+}
+
+process Collected {
+  communication {
+    cell[2]   : Cell
+    collector : Collector
+
+    for i < 2 { cell[i].number -> collector.number[i] }
+    collector.sum -> _
+  }
+
+  composition { (par i < 2 : cell[i]) || collector }
+}
+
+assert Collected deadlock free
+"""
+
+
+def test_where_times_want_another_order_that_run_is_told() -> None:
+    """Each cell writes every two milliseconds, so that none can be served three times before the other is."""
+    answer = answer_to(TURNS)
+    assert (answer.outcome, answer.replayed) == ("refuted", True)
+    assert answer.counterexample is not None
+    told = [step for step in answer.counterexample.steps if step.kind == "communication"]
+    assert len(told) == 6
+    for earlier, later in ((0, 1), (2, 3), (4, 5)):
+        assert told[earlier].channel != told[later].channel
+    assert all(party.span is not None for step in told for party in step.parties)

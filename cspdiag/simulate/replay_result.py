@@ -1,0 +1,38 @@
+"""How a program followed a trace."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+from cspdiag.runtime.deadlock import DeadlockReport
+from cspdiag.simulate.guided_script import Happened
+from cspdiag.simulate.replay_rest import Resting
+
+Judge: TypeAlias = Callable[[Sequence[tuple[str, Any]], Resting | None], str | None]
+"""Says what is wrong with a run, from its communications and how the processes stand then; None if nothing is."""
+
+
+@dataclass(frozen=True)
+class Replay:
+    """How far the program followed a trace.
+
+    ``divergence`` says why it did not to the end; None if it did. ``communications`` are (channel, value) in order; ``deadlock`` is what the runtime says at the end.
+    """
+
+    steps: int
+    divergence: str | None
+    communications: tuple[tuple[str, Any], ...]
+    deadlock: DeadlockReport | None = None
+    excluded: bool = False
+    """Whether priorities or times keep the program from following."""
+    judgement: str = ""
+    """What the judge has found wrong."""
+    other: tuple[Happened, ...] = ()
+    """What the program did instead, where it has come to the same standstill in another way."""
+
+    @property
+    def succeeded(self) -> bool:
+        """Whether the program did all of it."""
+        return self.divergence is None
