@@ -151,11 +151,14 @@ def _settings(arguments: Namespace) -> dict[str, str]:
 
 def _answers(asked: Asked, arguments: Namespace, read: Reader) -> list[Answer]:
     from cspdiag.analyses.proofs.verdict import Limits
+    from cspdiag.cli.alarm import ended_by_alarm
     from cspdiag.simulate.verify import VerificationError, Verifier
 
     memory = int(arguments.memory_limit * 1e6)
     spin = arguments.engine == "spin"
-    verifier = Verifier(asked, read, arguments.method, spin=spin, settings=_settings(arguments))
+    verifier = Verifier(
+        asked, read, arguments.method, spin=spin, settings=_settings(arguments), enforced=ended_by_alarm
+    )
     try:
         return [verifier.answer(question, Limits(arguments.time_limit, memory)) for question in asked.questions]
     except VerificationError as problem:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Collection, Mapping
+from contextlib import nullcontext
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -12,7 +13,7 @@ from cspdiag.analyses.proofs.verdict import LimitError, Limits, Method
 from cspdiag.analyses.transitions import transition_system
 from cspdiag.analyses.transitions.explore import TransitionError
 from cspdiag.analyses.verification.answer import Answer
-from cspdiag.analyses.verification.prove import answered, not_replayed, prove
+from cspdiag.analyses.verification.prove import Enforced, answered, not_replayed, prove
 from cspdiag.analyses.verification.question import Question
 
 if TYPE_CHECKING:
@@ -48,7 +49,8 @@ class VerificationError(Exception):
 class Verifier:
     """Answers what was asked of a program, with counterexamples that its code was stepped through.
 
-    ``settings`` are those with which it was asked. ``method`` is the only method of proof to be used; with ``spin``, SPIN looks for deadlocks.
+    ``settings`` are those with which it was asked. ``method`` is the only method of proof to be used; with ``spin``, SPIN looks for deadlocks. ``enforced`` ends
+    a proof that does not end by itself when its time is up.
     """
 
     def __init__(
@@ -59,12 +61,14 @@ class Verifier:
         *,
         spin: bool = False,
         settings: Mapping[str, str] | None = None,
+        enforced: Enforced = nullcontext,
     ) -> None:
         self._asked = asked
         self._read = read
         self._method = method
         self._spin = spin
         self._settings = settings
+        self._enforced = enforced
         self._systems: dict[tuple[str, frozenset[tuple[str, frozenset[int]]]], System] = {}
 
     def answer(self, question: Question, limits: Limits) -> Answer:
@@ -82,7 +86,7 @@ class Verifier:
         if self._spin and question.claim == "deadlock free":
             answer = self._asked_spin(question, limits)
         else:
-            answer = prove(question, self.system, limits, self._method)
+            answer = prove(question, self.system, limits, self._method, self._enforced)
         return self._confirmed(answer, limits)
 
     def system(self, process: str, told_apart: Mapping[str, Collection[int]] | None = None) -> System:

@@ -72,9 +72,13 @@ class Limits:
         """Seconds that are left; negative when the time is up."""
         return self.seconds - (time.monotonic() - self.started)
 
+    def time_is_up(self) -> LimitError:
+        """What is raised when the time is up."""
+        return LimitError(f"the time limit of {self.seconds:.3g} s was reached")
+
     def check(self, used: int = 0) -> None:
         """Raise LimitError when the time, or the memory of which ``used`` bytes are taken, is up."""
         if time.monotonic() - self.started > self.seconds:
-            raise LimitError(f"the time limit of {self.seconds:.3g} s was reached")
+            raise self.time_is_up()
         if used > self.memory:
             raise LimitError(f"the memory limit of {self.memory / 1e6:g} MB was reached")

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
-from typing import Protocol
+from typing import Protocol, TypeAlias
 
 from cspdiag.analyses.counterexamples.counterexample import Counterexample, Failure, counterexample
-from cspdiag.analyses.proofs.verdict import Limits, Method, Proved, Refuted, Unknown, Verdict
-from cspdiag.analyses.transitions.system import System
+from cspdiag.analyses.proofs.verdict import LimitError, Limits, Method, Proved, Refuted, Unknown, Verdict
+from cspdiag.analyses.transitions.system import Abstraction, System
 from cspdiag.analyses.verification.answer import Answer
 from cspdiag.analyses.verification.question import Question
 
@@ -21,18 +22,29 @@ class Systems(Protocol):
         """That of the process of this name; of the inputs ``told_apart`` the values matter as well. See ``transition_system``."""
 
 
-def prove(question: Question, systems: Systems, limits: Limits, method: Method | None = None) -> Answer:
+Enforced: TypeAlias = Callable[[Limits], AbstractContextManager[object]]
+"""Ends what is done inside it with LimitError when the time is up, if need be."""
+
+
+def prove(
+    question: Question, systems: Systems, limits: Limits, method: Method | None = None, enforced: Enforced = nullcontext
+) -> Answer:
     """The answer to a question; ``method`` is the only one to be used.
 
     Raises what ``systems`` raises. A limit that is reached makes the answer unknown.
     """
     began = time.monotonic()
-    system, specification = _asked(question, systems)
+    left_open: tuple[Abstraction, ...] = ()
     try:
-        answer = _answer(question, system, specification, limits, method)
+        with enforced(limits):
+            system, specification = _asked(question, systems)
+            left_open = system.abstractions
+            answer = _answer(question, system, specification, limits, method)
+    except LimitError as limit:
+        answer = Answer(question, "unknown", method, str(limit), 0.0)
     except MemoryError:
         answer = Answer(question, "unknown", method, "the memory of this machine is used up", 0.0)
-    return replace(answer, seconds=time.monotonic() - began, abstractions=(*system.abstractions, *answer.abstractions))
+    return replace(answer, seconds=time.monotonic() - began, abstractions=(*left_open, *answer.abstractions))
 
 
 def _asked(question: Question, systems: Systems) -> tuple[System, System | None]:
