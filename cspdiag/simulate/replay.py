@@ -177,15 +177,20 @@ class _Attempt:
                 raise _DivergenceError(f"`{step}` does not come about")
 
     def _choose_ready(self, step: TraceStep) -> None:
-        """A process takes a guard that leaves the reading to it; one that is alone in its alternative is no choice."""
-        for option, candidate in self._offers(("ready",), step.channel):
-            if any(belongs(candidate.path, path) for _, path in step.parties):
-                if isinstance(candidate, Interruption):
-                    candidate.fire()
-                else:
-                    conductor.release(candidate, option)
-                self._settle()
-                return
+        """A process takes a guard that leaves the reading to it, or abandons a body because a guard is ready; one that is alone in its alternative is no choice."""
+        path = step.parties[0][1]
+        for option, candidate in self._offers(("ready", "read", "write"), step.channel):
+            if not belongs(candidate.path, path):
+                continue
+            if isinstance(candidate, Interruption):
+                is_seen = option.action != "ready" or step.channel not in self._ports
+                (candidate.abandon if is_seen else candidate.fire)()
+            elif option.action == "ready":
+                conductor.release(candidate, option)
+            else:
+                continue
+            self._settle()
+            return
 
     def _offers(self, actions: tuple[str, ...], channel: str | None) -> list[tuple[Option, Gate | Interruption]]:
         """What processes at gates could do."""

@@ -83,11 +83,12 @@ def names_of(task: Task) -> tuple[str, ...]:
 
 @dataclass
 class Interruption:
-    """An interrupt whose body runs: ``fire`` abandons the body at the gate at which it halts."""
+    """An interrupt whose body runs: ``fire`` takes the guard and abandons the body at the gate at which it halts; ``abandon`` leaves the guard to wait."""
 
     task: Task
     options: tuple[Option]
     fire: Callable[[], None]
+    abandon: Callable[[], None]
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -202,15 +202,20 @@ def _interrupt(
         raise Cancelled
     branches = Branches(task)
     branches.start((body,))
-    fired = False
+    fired = noted = False
 
-    def fire() -> None:
+    def abandon() -> None:
         nonlocal fired
         fired = True
-        conductor.note(task, interruption.options[0])
         branches.tasks[0].cancel()
 
-    interruption = Interruption(task, (_option(guard, 0),), fire)
+    def fire() -> None:
+        nonlocal noted
+        noted = True
+        conductor.note(task, interruption.options[0])
+        abandon()
+
+    interruption = Interruption(task, (_option(guard, 0),), fire, abandon)
     conductor.interruptions.append(interruption)
     try:
         yield from branches.wait()
@@ -223,6 +228,8 @@ def _interrupt(
         yield from alternative.select()
         if isinstance(guard, Input):
             guard.value = alternative.value
+    if not noted:
+        conductor.note(task, interruption.options[0])
     conductor.done.append((interruption.options[0].action, interruption.options[0].channel))
     yield from handler().__await__()
 

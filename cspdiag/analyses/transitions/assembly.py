@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Sequence
 from itertools import product
 from math import prod
 from typing import Any, TypeAlias
 
 from cspdiag.analyses.transitions import media
+from cspdiag.analyses.transitions.alarms import Alarms, may_be_withdrawn
 from cspdiag.analyses.transitions.explore import TransitionError
 from cspdiag.analyses.transitions.facts import FAULT, TIMEOUT
 from cspdiag.analyses.transitions.occurrences import Medium
+from cspdiag.analyses.transitions.places import Places
 from cspdiag.analyses.transitions.ranges import Range
 from cspdiag.analyses.transitions.ranges import text as range_text
 from cspdiag.analyses.transitions.shape import Shape
@@ -22,10 +24,9 @@ from cspdiag.analyses.transitions.system import (
     Edge,
     Event,
     EventKind,
-    Place,
     System,
 )
-from cspdiag.analyses.transitions.template import INTERNAL_LABEL, Label, Spot, Template
+from cspdiag.analyses.transitions.template import INTERNAL_LABEL, Label, Template
 from cspdiag.analyses.transitions.thread import resolve
 from cspdiag.analyses.transitions.threads import ParallelKey, Strand, Strands, parallel_key
 from cspdiag.analyses.transitions.values import UNKNOWN, Known
@@ -60,9 +61,11 @@ class Assembly:
         self._of: list[dict[Label, list[int]]] = [{} for _ in self.threads]
         self._echoes: list[dict[Label, list[int]]] = [{} for _ in self.threads]
         """Events by which a thread shows what it offers, without taking part."""
+        self._of_the_unsteady: set[int] = set()
+        """Those of them that are shown only where the offer may be withdrawn."""
         self._alarms: dict[Medium, list[Use]] = defaultdict(list)
         self._nobody: int | None = None
-        self._shapes: dict[tuple[int, bool], Shape] = {}
+        self._shapes: dict[tuple[int, bool, frozenset[Label]], Shape] = {}
         self._uses: dict[Medium, list[Use]] = defaultdict(list)
         self._forks: dict[ParallelKey, list[Strand]] = {}
 
@@ -89,18 +92,19 @@ class Assembly:
         """The machines of all threads, without what lies before the start of a parallel that is the first thing its parent does."""
         started: set[Strand] = {self.strands.top}
         shapes: list[Shape] = []
+        alarms = Alarms(self.threads)
         for strand in self.threads:
-            shape = self._shape(strand.template, strand in started)
+            shape = self._shape(strand.template, strand in started, alarms.silent(strand))
             shapes.append(shape)
             for key in shape.forked_at_once:
                 started.update(self.strands.branches[parallel_key(strand.occurrence, key)])
         return shapes
 
-    def _shape(self, template: Template, started: bool) -> Shape:
-        key = (id(template), started)
+    def _shape(self, template: Template, started: bool, silent: frozenset[Label]) -> Shape:
+        key = (id(template), started, silent)
         known = self._shapes.get(key)
         if known is None:
-            known = self._shapes[key] = Shape(template, started=started)
+            known = self._shapes[key] = Shape(template, started=started, never=silent)
         return known
 
     def _component(self, strand: Strand, shape: Shape) -> Component:
@@ -115,17 +119,23 @@ class Assembly:
             strand.name,
             tuple(edges),
             shape.terminal,
-            places=_Places(shape.spots, strand),
+            places=Places(shape.spots, strand),
             path=strand.occurrence.path,
         )
 
     def _with_echoes(self, edges: list[tuple[Edge, ...]], strand: Strand, shape: Shape) -> list[tuple[Edge, ...]]:
         echoes = self._echoes[strand.number]
-        shown = [echoes.get(label, ()) for label in shape.labels]
-        return [
-            (*found, *dict.fromkeys((event, state) for number, _ in compiled for event in shown[number]))
-            for state, (found, compiled) in enumerate(zip(edges, shape.edges, strict=True))
-        ]
+        found: list[tuple[Edge, ...]] = []
+        for state, (own, compiled) in enumerate(zip(edges, shape.edges, strict=True)):
+            labels = [shape.labels[number] for number, _ in compiled]
+            shown = [
+                (event, state)
+                for label in labels
+                for event in echoes.get(label, ())
+                if event not in self._of_the_unsteady or may_be_withdrawn(label, labels)
+            ]
+            found.append((*own, *dict.fromkeys(shown)))
+        return found
 
     def _event(
         self,
@@ -180,20 +190,29 @@ class Assembly:
         else:
             self._alarms[medium].append((strand, label))
 
-    def _ring(self, medium: Medium, uses: list[Use]) -> None:
-        """Whoever would communicate with the guard of an interrupt lets it be seen, and stays as it is."""
-        for watcher, label in self._alarms.get(medium, ()):
-            for strand, offered in uses:
-                if strand is not watcher and (offered[0] == "read") == (label[2] == "read"):
-                    event = self._event(medium.name, (watcher.number, strand.number), "ready")
-                    self._for(watcher, label, event)
-                    self._echoes[strand.number].setdefault(offered, []).append(event)
+    def _ring(self, medium: Medium, watcher: Use, others: Iterable[Use], latch: tuple[int, ...] = ()) -> int:
+        """The event that a guard of an interrupt is seen to be ready: those who would communicate stay as they are."""
+        strand, alarm = watcher
+        parties = (strand.number, *dict.fromkeys(other.number for other, _ in others), *latch)
+        event = self._event(medium.name, parties, "ready")
+        self._for(strand, alarm, event)
+        for other, offered in others:
+            self._echoes[other.number].setdefault(offered, []).append(event)
+        return event
+
+    def _ring_rendezvous(self, medium: Medium, uses: list[Use]) -> None:
+        for strand, alarm in self._alarms.get(medium, ()):
+            for use in uses:
+                if use[0] is not strand and (use[1][0] == "read") == (alarm[2] == "read"):
+                    event = self._ring(medium, (strand, alarm), [use])
+                    if not medium.is_contended:
+                        self._of_the_unsteady.add(event)
 
     def _medium(self, medium: Medium, uses: list[Use]) -> None:
         match medium.kind:
             case "sync" | "any":
                 self._rendezvous(medium, uses)
-                self._ring(medium, uses)
+                self._ring_rendezvous(medium, uses)
             case "buffer" | "overwrite":
                 self._queue(medium, uses)
             case "broadcast":
@@ -281,9 +300,16 @@ class Assembly:
         for number, ends in zip(latches, readers.values(), strict=True):
             taken.append(self._with(medium, ends, number, ("read",), "communication"))
         self._guarded_broadcasts(medium, uses, list(readers.values()), absent)
-        for takes, ends in zip(taken, readers.values(), strict=True):
+        for number, takes, ends in zip(latches, taken, readers.values(), strict=True):
             name = f"{medium.name} to {ends[0][0].name}"
-            self._add(media.latch(name, writes, takes, delivered, withdrawn))
+            seen = self._ring_latch(medium, ends, number) if withdrawn else []
+            self._add(media.latch(name, writes, takes, delivered, withdrawn, seen))
+
+    def _ring_latch(self, medium: Medium, ends: list[Use], number: int) -> list[int]:
+        """The events that the guards of interrupts see a value at their end of a broadcast, which may be taken back."""
+        where = {(strand, label[3]) for strand, label in ends}
+        watchers = [use for use in self._alarms.get(medium, ()) if (use[0], use[1][3]) in where]
+        return [self._ring(medium, watcher, (), (number,)) for watcher in watchers]
 
     def _broadcast_writes(
         self, medium: Medium, uses: list[Use], latches: tuple[int, ...], absent: tuple[int, ...]
@@ -324,6 +350,16 @@ class Assembly:
                 self._for(strand, label, event)
                 for reader, read in chosen:
                     self._for(reader, read, event)
+                self._ring_all(medium, ((strand, label), *chosen))
+
+    def _ring_all(self, medium: Medium, parties: Sequence[Use]) -> None:
+        """Each of those who would take part in a broadcast by an output guard, where it is the guard of an interrupt, sees the others."""
+        for strand, label in parties:
+            for watcher, alarm in self._alarms.get(medium, ()):
+                own = (label[0] == "read" and label[3] == alarm[3]) or (label[0] == "guarded" and alarm[2] == "read")
+                if watcher is strand and own:
+                    others = [other for other in parties if other[0] is not strand]
+                    self._ring(medium, (watcher, alarm), others)
 
     def _composition(self, key: ParallelKey, shapes: list[Shape]) -> None:
         branches = self.strands.branches[key]
@@ -357,32 +393,3 @@ class Assembly:
             event = self._event(f"{branch.name}: {label[3]}", (parent.number, branch.number), kind)
             self._for(parent, label, event)
             self._for(branch, throw, event)
-
-
-class _Places(Mapping[int, Place]):
-    """The places of a thread, put into words when somebody asks."""
-
-    def __init__(self, spots: list[Spot], strand: Strand) -> None:
-        self._spots = spots
-        self._strand = strand
-
-    def __getitem__(self, state: int) -> Place:
-        if not 0 <= state < len(self._spots):
-            raise KeyError(state)
-        spot = self._spots[state]
-        path = ".".join((self._strand.occurrence.path, *spot.path))
-        if spot.reference is None or spot.reference[0] in ("constant", "discard"):
-            return Place(spot.words, spot.span, path)
-        medium = resolve(self._strand.occurrence, spot.reference)
-        return Place(f"{spot.words} {short(medium.name)}", spot.span, path)
-
-    def __iter__(self) -> Iterator[int]:
-        return iter(range(len(self._spots)))
-
-    def __len__(self) -> int:
-        return len(self._spots)
-
-
-def short(name: str) -> str:
-    """A hierarchical name without the outermost process."""
-    return name.split(".", 1)[-1]

@@ -83,16 +83,18 @@ def latch(
     takes: Mapping[Known, Sequence[int]],
     delivered: Sequence[int],
     withdrawn: Sequence[int],
+    seen: Sequence[int] = (),
 ) -> Component:
     """One reading end of a ``broadcast``: free, or with a value that its reader has not taken.
 
-    The value is ``delivered``, and the writer goes on, when all ends are free; a writer that is cancelled takes it back.
+    The value is ``delivered``, and the writer goes on, when all ends are free; a writer that is cancelled takes it back. While there is one it may be ``seen``.
     """
     values = list(writes)
     free: list[Edge] = [(event, number + 1) for number, value in enumerate(values) for event in writes[value]]
     edges = [(*free, *((event, 0) for event in (*delivered, *withdrawn)))]
-    for value in values:
-        edges.append(tuple((event, 0) for event in (*takes.get(value, ()), *withdrawn)))
+    for number, value in enumerate(values, start=1):
+        leaving = ((event, 0) for event in (*takes.get(value, ()), *withdrawn))
+        edges.append((*leaving, *((event, number) for event in seen)))
     return Component(name, tuple(edges), process=False, path=name)
 
 

@@ -9,7 +9,7 @@ from cspdiag.analyses.transitions.follow import POINTS, Follower
 from cspdiag.analyses.transitions.joining import LawParallels, fork_edges, join_edges
 from cspdiag.analyses.transitions.program import Node
 from cspdiag.analyses.transitions.template import INTERNAL_LABEL, Label, Reference
-from cspdiag.analyses.transitions.thread import Configuration, Context, Frame, Stack, Thread
+from cspdiag.analyses.transitions.thread import Configuration, Context, Frame, Stack, Thread, reading_end
 from cspdiag.analyses.transitions.values import UNKNOWN, Known
 from cspdiag.network.actions import (
     ChannelEnd,
@@ -20,6 +20,7 @@ from cspdiag.network.actions import (
     ParallelSteps,
     PortEnd,
     ReadValue,
+    ReadyEvent,
     StopStep,
     WaitStep,
 )
@@ -193,17 +194,22 @@ class Offers(Communications):
         return found
 
     def _lost_races(self, outside: Configuration, context: Context, node: Node, value: Known) -> list[Move]:
-        """The body was abandoned because the guard was ready, and then another process is faster: nothing is left but to wait for the guard again."""
+        """The body was abandoned because the guard was ready, and then it is not any more: nothing is left but to wait for the guard."""
         assert isinstance(node.action, InterruptOn)
         event = node.action.branch.event
-        if not isinstance(event, InputEvent | OutputEvent):
+        if isinstance(event, OutputEvent):
+            reference = context.reference(event.sink)
+            alarm: Label = ("alarm", reference, "read", None)
+        elif isinstance(event, InputEvent | ReadyEvent):
+            reference = context.reference(event.source)
+            alarm = ("alarm", reference, "write", reading_end(context, event.source))
+        else:
             return []
-        reference = context.reference(event.source if isinstance(event, InputEvent) else event.sink)
-        if not self.thread.medium(reference).is_contended:
+        medium = self.thread.medium(reference)
+        if medium.kind not in ("sync", "any", "broadcast") and not medium.is_contended:
             return []
         waits = ("guard only", node, context, value)
-        side = "write" if isinstance(event, InputEvent) else "read"
-        return [(("alarm", reference, side), outside._replace(stack=(waits, outside.stack)))]
+        return [(alarm, outside._replace(stack=(waits, outside.stack)))]
 
     def _reading(self, c: Configuration, frame: Frame, rest: Stack) -> list[Move]:
         _, context, instance, node, remaining = frame

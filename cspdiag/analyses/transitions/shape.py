@@ -8,13 +8,15 @@ from cspdiag.analyses.transitions.template import Label, ParallelId, Spot, Templ
 
 
 class Shape:
-    """The machine of a thread; ``started`` says that it has been started when the system begins.
+    """The machine of a thread; ``started`` says that it has been started when the system begins, and labels in ``never`` do not happen.
 
     ``forked_at_once`` are the parallels that it has then started too: nothing else can happen first, nor can it come back to that.
     """
 
-    def __init__(self, template: Template, *, started: bool) -> None:
+    def __init__(self, template: Template, *, started: bool, never: frozenset[Label] = frozenset()) -> None:
         edges = template.edges
+        if never:
+            edges = [[edge for edge in found if edge[0] not in never] for found in edges]
         initial = 0
         if started and edges[0] and edges[0][0][0] == ("start",):
             initial = edges[0][0][1]

@@ -34,7 +34,7 @@ Label: TypeAlias = tuple[Any, ...]
 - ``("delivered", reference)``, ``("withdrawn", reference)``: the writer of a broadcast goes on, or was cancelled
 - ``("input", reference, value)``, ``("sample", reference, value)``, ``("miss", reference)``, ``("ready", reference)``, ``("output", reference, value)``: with the outside
 - ``("time", words)``
-- ``("alarm", reference, "read" or "write")``: somebody would read or write there
+- ``("alarm", reference, "read" or "write", reading end or None)``: somebody else would read or write there, seen at the end of a guard
 - ``("load", reference, value)``, ``("store", reference, value)``: a shared variable
 - ``("fork", parallel)``, ``("join", parallel)``, ``("cancel", parallel)``, ``("thrown", parallel, branch, exception)``: as the parent of a parallel
 - ``("start",)``, ``("end",)``, ``("cancelled",)``, ``("throw", exception)``: as a branch

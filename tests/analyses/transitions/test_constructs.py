@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pytest
+
 from cspdiag.analyses.transitions.system import INTERNAL
 from tests.analyses.transitions.building import component, listing, system_of
 
@@ -458,3 +460,61 @@ def test_body_that_was_abandoned_in_vain_waits_for_its_guard() -> None:
         (ready[0], 0),
         (ready[1], 0),
     ]
+
+
+def interrupted(partner: str) -> str:
+    """Work that is interrupted by a partner of some form."""
+    return (
+        "exception Enough\n"
+        f"process Partner {{ out ring : int composition {{ {partner} }} }}\n"
+        "process Work { in ring : int out done : int communication { var x : int }"
+        " composition { (mu (done ! 1 ; wait 1 ms)) interrupt ring ? x -> skip } }\n"
+    )
+
+
+@pytest.mark.parametrize(
+    ("partner", "in_vain"),
+    [("ring ! 1", False), ("(ring ! 1 -> skip [] after 1 ms -> skip)", True), ("(ring ! 1 -> skip)", False)],
+)
+def test_body_is_abandoned_in_vain_where_the_offer_may_be_withdrawn(partner: str, in_vain: bool) -> None:
+    text = interrupted(partner) + main(
+        "partner : Partner work : Work partner.ring -> work.ring work.done -> done", "partner || work", "out done : int"
+    )
+    system = system_of(text)
+    assert any(event.kind == "ready" for event in system.events) == in_vain
+    assert ("ready Main.partner.ring" in listing(system, "Main.work")) == in_vain
+    assert len(component(system, "Main.work").edges) == (5 if in_vain else 4)
+
+
+def test_offer_of_a_process_that_is_cancelled_is_withdrawn() -> None:
+    text = interrupted("(ring ! 1 || raise Enough) catch Enough -> skip") + main(
+        "partner : Partner work : Work partner.ring -> work.ring work.done -> done", "partner || work", "out done : int"
+    )
+    assert "ready Main.partner.ring" in listing(system_of(text), "Main.work")
+
+
+def test_value_of_a_broadcast_that_is_taken_back_was_seen() -> None:
+    both = (
+        "partner : Partner work : Work more : Work partner.ring -> broadcast -> work.ring, more.ring"
+        " work.done, more.done -> any -> done"
+    )
+    seen = interrupted("(ring ! 1 || raise Enough) catch Enough -> skip")
+    system = system_of(seen + main(both, "partner || work || more", "out done : int"))
+    latch = component(system, "Main.partner.ring to Main.work")
+    ready = {number for number, event in enumerate(system.events) if event.kind == "ready"}
+    assert [sorted(target for event, target in edges if event in ready) for edges in latch.edges] == [[], [1]]
+    kept = system_of(interrupted("ring ! 1") + main(both, "partner || work || more", "out done : int"))
+    assert not any(event.kind == "ready" for event in kept.events)
+
+
+def test_output_guard_on_a_broadcast_is_seen_by_the_guard_of_an_interrupt() -> None:
+    both = (
+        "partner : Partner work : Work more : Work partner.ring -> broadcast -> work.ring, more.ring"
+        " work.done, more.done -> any -> done"
+    )
+    text = interrupted("(ring ! 1 -> skip [] after 1 ms -> skip)")
+    system = system_of(text + main(both, "partner || work || more", "out done : int"))
+    ready = [event for event in system.events if event.kind == "ready"]
+    parties = [{system.components[party].name for party in event.parties} for event in ready]
+    assert parties
+    assert all(names == {"Main.partner", "Main.work", "Main.more"} for names in parties)
