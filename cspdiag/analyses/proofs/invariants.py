@@ -43,7 +43,7 @@ def by_invariants(question: Question, limits: Limits, examine: Examination | Non
         balanced = structure.remembered("balanced", lambda: invariants_with_equality(structure, limits))
     except LimitError as limit:
         return Unknown("invariants", str(limit))
-    with WeightsProcess(problem, limits.remaining) as process:
+    with WeightsProcess(problem, limits) as process:
 
         def exclude(question: Question, encoding: Encoding, candidate: Sequence[int]) -> list[Clause]:
             weights = _exact(problem, process.weights(candidate), candidate)

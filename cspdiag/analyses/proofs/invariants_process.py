@@ -1,6 +1,7 @@
 """The solver for weights, in a process that can be ended at any time: ``python -m cspdiag.analyses.proofs.invariants_process``.
 
-The process reads lines of JSON, first the problem and then candidates, and answers each candidate with a line.
+The process reads lines of JSON, first the problem and then candidates, and answers each candidate with a line. It takes no more memory than it is given: where it needs
+more it ends, and there is no answer.
 """
 
 from __future__ import annotations
@@ -14,17 +15,18 @@ from threading import Timer
 from typing import Any
 
 from cspdiag.analyses.proofs.invariants_problem import Problem
+from cspdiag.analyses.proofs.verdict import Limits
 
 MARGIN = 1e-9
 """Weights nearer to 0 than this are 0."""
 
 
 class WeightsProcess:
-    """Asks the process; a context that starts it when it is first needed, and ends it, at the latest after some seconds."""
+    """Asks the process; a context that starts it when it is first needed, and ends it, at the latest when the time is up."""
 
-    def __init__(self, problem: Problem, seconds: float) -> None:
+    def __init__(self, problem: Problem, limits: Limits) -> None:
         self._problem = problem
-        self._seconds = seconds
+        self._limits = limits
         self._process: subprocess.Popen[str] | None = None
         self._timer: Timer | None = None
 
@@ -59,13 +61,13 @@ class WeightsProcess:
                 [sys.executable, "-m", __name__],
                 stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
             )  # fmt: skip
-            self._timer = Timer(max(self._seconds, 0.0), self._process.kill)
+            self._timer = Timer(max(self._limits.remaining, 0.0), self._process.kill)
             self._timer.daemon = True
             self._timer.start()
             assert self._process.stdin is not None
             problem = self._problem
             start = [places[state] for places, state in zip(problem.places, problem.initial, strict=True)]
-            described = {"start": start, "free": problem.free, "events": problem.events}
+            described = {"start": start, "free": problem.free, "events": problem.events, "memory": self._limits.memory}
             self._process.stdin.write(
                 json.dumps({**described, "places": sum(len(places) for places in problem.places)}) + "\n"
             )
@@ -128,9 +130,26 @@ class _Program:
         return [0.0 if abs(value) < MARGIN else value for value in values]
 
 
+def limit_memory(more: int) -> None:
+    """Let this process take so many bytes more than it has; only on Linux, which alone says how much that is."""
+    try:
+        resource = import_module("resource")
+        with open("/proc/self/statm", encoding="ascii") as file:
+            taken = int(file.read().split()[0]) * resource.getpagesize()
+        hard = resource.getrlimit(resource.RLIMIT_AS)[1]
+        most = taken + more if hard == resource.RLIM_INFINITY else min(taken + more, hard)
+        resource.setrlimit(resource.RLIMIT_AS, (most, hard))
+    except (ImportError, OSError):
+        pass
+
+
 def main() -> None:
     """Answer candidates until there are no more."""
-    program = _Program(json.loads(sys.stdin.readline()))
+    # The libraries themselves are not counted.
+    import_module("scipy.optimize")
+    problem = json.loads(sys.stdin.readline())
+    limit_memory(problem["memory"])
+    program = _Program(problem)
     for line in sys.stdin:
         print(json.dumps(program.solve(json.loads(line))), flush=True)
 

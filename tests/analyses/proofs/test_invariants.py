@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import time
 
 import pytest
@@ -92,12 +93,24 @@ def test_a_fork_is_taken_by_whom_holds_it() -> None:
 
 def test_the_solver_is_ended_when_its_time_is_up() -> None:
     problem = problem_of(Structure(known.philosophers(3)))
-    with WeightsProcess(problem, seconds=0.0) as process:
+    with WeightsProcess(problem, Limits(seconds=0.0)) as process:
         deadline = time.monotonic() + 20
         while process.weights([0] * len(problem.places)) is not None:
             assert time.monotonic() < deadline
         # Whoever asks again is told that there is nothing, not left waiting.
         assert process.weights([0] * len(problem.places)) is None
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux says how much memory a process has")
+def test_the_solver_has_no_more_memory_than_the_limit_says() -> None:
+    problem = problem_of(Structure(known.counted_meals(60)))
+    # The last philosopher has eaten, and nobody else has done anything.
+    candidate = [shape.initial for shape in Structure(known.counted_meals(60)).shapes]
+    candidate[59] = 12
+    with WeightsProcess(problem, Limits()) as process:
+        assert process.weights(candidate) is not None
+    with WeightsProcess(problem, Limits(memory=100_000)) as process:
+        assert process.weights(candidate) is None
 
 
 def test_the_time_limit_makes_the_answer_unknown() -> None:
