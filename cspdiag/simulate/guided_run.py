@@ -181,7 +181,7 @@ class Run:
             queue.clear()
 
     def _key(self, party: Party) -> Key:
-        task = _task_of(party)
+        task = task_of(party)
         found = self._keys.get(task)
         if found is None:
             found = self._keys[task] = key_of(task)
@@ -240,7 +240,7 @@ class Run:
         self._match(party, action, channel, index)
 
     def _note(self, action: str, channel: str, value: Any, *parties: Party | None) -> None:
-        tasks = [_task_of(party) for party in parties if party is not None]
+        tasks = [task_of(party) for party in parties if party is not None]
         actors = tuple(Actor("" if task.process is None else task.process.name, names_of(task)) for task in tasks)
         self._happened.append(Happened(action, channel, actors, value))
 
@@ -310,7 +310,7 @@ class Run:
             self._problem += _LEFT_OUT.format("priorities" if scheduler._levels else "times")
 
 
-def _task_of(party: Any) -> Task:
+def task_of(party: Any) -> Task:
     """The task on whose behalf a party waits."""
     if isinstance(party, Task):
         return party
