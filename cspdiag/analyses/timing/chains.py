@@ -1,122 +1,133 @@
 """From inputs to outputs through loops that pass values on: how long a change takes, and how old a value may be.
 
-Within a loop a value goes from its sample to its output. From loop to loop it is passed on by a variable or a channel, and the next loop takes it up
-at one of its own samples: at most a period and its response later (Davare and others, Period optimization for hard real-time
-distributed automotive systems, 2007).
+Within a sample of a loop a value goes from law to law and to the outputs. What a law computes before it is handed what it computes with, and what another loop computes,
+is a sample later: a value lies in a variable or a channel until it is taken up at one of the samples of who reads it, at most a period and a response of who writes it (Davare and others,
+Period optimization for hard real-time distributed automotive systems, 2007).
 """
 
 from __future__ import annotations
 
-from collections import defaultdict
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 
-from cspdiag.analyses.timing.result import Chain, LoopTiming
-from cspdiag.network.actions import Action, ChannelEnd, PortEnd
-from cspdiag.network.ir import Network, ProcessClass
-from cspdiag.network.walk import parts
+from cspdiag.analyses.timing.passing import Passing, Spot, Stage
+from cspdiag.analyses.timing.result import Chain
 
 LARGEST_NUMBER_OF_WAYS = 10_000
 """Ways from loop to loop that are followed; of programs with more of them some chains are left out."""
 
+Latency = Callable[[str, int, int], "tuple[int, int] | None"]
+"""Of an output, by its net, the age and the delay of what a loop of a period and a response writes to it; None if it is none."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Way:
+    """A value on its way: the stages in which it was, each with what it passed there, their names, and the time until the next one has taken it up."""
+
+    stages: tuple[int, ...] = ()
+    passed: tuple[frozenset[Spot], ...] = ()
+    names: tuple[str, ...] = ()
+    time: int = 0
+
 
 def chains(
-    network: Network,
-    loops: Sequence[LoopTiming],
-    modes: Sequence[tuple[int, int]],
-    branches: Sequence[Sequence[tuple[str, Action]]],
+    passing: Passing, stages: Sequence[Stage], names: Sequence[str], latency: Latency
 ) -> tuple[list[Chain], bool]:
-    """The chains from sampled inputs to outputs, and whether these are all. ``modes`` has of each loop its thread and its cycle there: of two cycles of a
-    thread one follows the other, so that nothing is passed on while both run. ``branches`` has of each loop the branches that its threads run.
-    """
-    own = [branch for branch, loop in zip(branches, loops, strict=True) if loop.response is not None]
-    usable = [loop for loop in loops if loop.response is not None]
-    mode = [mode for mode, loop in zip(modes, loops, strict=True) if loop.response is not None]
-    reads, writes = _ends(network, usable, own)
-    periods = {net.path: net.period for net in network.nets if net.external is not None}
-    readers: dict[str, list[int]] = defaultdict(list)
-    for k, read in enumerate(reads):
-        for net in read - set(periods):
-            readers[net].append(k)
-    following = [
-        sorted({k for net in written for k in readers.get(net, ()) if mode[k][0] != own_mode[0] or mode[k] == own_mode})
-        for written, own_mode in zip(writes, mode, strict=True)
-    ]
-    top = f"{network.top}."
-    found: list[Chain] = []
-    ways = 0
-    for first in range(len(usable)):
-        for source in sorted(net for net in reads[first] if periods.get(net)):
-            pending: list[tuple[int, ...]] = [(first,)]
-            while pending:
-                if ways == LARGEST_NUMBER_OF_WAYS:
-                    return found, False
-                ways += 1
-                way = pending.pop()
-                found += _along(source.removeprefix(top), [usable[k] for k in way])
-                pending += [(*way, k) for k in following[way[-1]] if k not in way]
-    return found, True
+    """The chains from sampled inputs to outputs, and whether these are all. ``names`` are the paths of the loops."""
+    found: dict[tuple[str, str, tuple[str, ...]], Chain] = {}
+    looked = 0
+    for first, source in _sources(passing, stages):
+        entries = frozenset(spot for spot in stages[first].spots if source in passing.move(spot).reads)
+        pending = [(_Way(), first, entries)]
+        while pending:
+            if looked == LARGEST_NUMBER_OF_WAYS:
+                return list(found.values()), False
+            looked += 1
+            way, at, entries = pending.pop()
+            here = _in_sample(passing, at, entries)
+            through = (*way.names, _name(passing, names[at], here))
+            for chain in _ends(passing, stages[at], source, through, way.time, here, latency):
+                key = (chain.source, chain.sink, chain.loops)
+                if key not in found or found[key].reaction < chain.reaction:
+                    found[key] = chain
+            pending += _further(
+                passing, stages[at], _Way((*way.stages, at), (*way.passed, frozenset(here)), through, way.time), here
+            )
+    return list(found.values()), True
 
 
-def _along(source: str, loops: Sequence[LoopTiming]) -> Iterator[Chain]:
-    """The chains that end with the last of some loops."""
-    *passing, last = loops
-    if last.latency is not None:
-        age = sum(loop.period + (loop.response or 0) for loop in passing) + last.latency[1]
-        for sink in last.outputs:
-            yield Chain(source, sink, tuple(loop.name for loop in loops), age + last.period, age)
+def _sources(passing: Passing, stages: Sequence[Stage]) -> Iterator[tuple[int, str]]:
+    for k, stage in enumerate(stages):
+        read = {net for spot in stage.spots - stage.taken for net in passing.move(spot).reads}
+        yield from ((k, net) for net in sorted(read) if passing.periods.get(net) == stage.period)
+
+
+def _in_sample(passing: Passing, at: int, entries: frozenset[Spot]) -> dict[Spot, int]:
+    """The spots that a value passes in one sample of a stage, each with the time that it may have lain in channels meanwhile."""
+    known: dict[tuple[Spot, tuple[Spot, ...]], int] = {}
+    pending: list[tuple[Spot, tuple[Spot, ...], int]] = [(spot, (), 0) for spot in sorted(entries)]
+    while pending:
+        spot, left, waited = pending.pop()
+        if known.get((spot, left), -1) >= waited:
+            continue
+        known[spot, left] = waited
+        for hop in passing.hops(at, spot):
+            if hop.in_sample and _comes_in_time(passing, at, left, hop.spot):
+                others = (*left, spot) if hop.spot[0] != spot[0] else left
+                pending.append((hop.spot, tuple(part for part in others if part[0] != hop.spot[0]), waited + hop.waits))
+    here: dict[Spot, int] = {}
+    for (spot, _), waited in known.items():
+        here[spot] = max(waited, here.get(spot, 0))
+    return here
+
+
+def _comes_in_time(passing: Passing, at: int, left: tuple[Spot, ...], spot: Spot) -> bool:
+    """Whether a value that comes back to a thread comes before what is done there next; ``left`` are the spots at which it left threads."""
+    return all(part != spot and passing.is_in_order(at, part, spot) for part in left if part[0] == spot[0])
 
 
 def _ends(
-    network: Network, loops: Sequence[LoopTiming], branches: Sequence[Sequence[tuple[str, Action]]]
-) -> tuple[list[set[str]], list[set[str]]]:
-    """The nets that each loop reads and writes: those of its laws and processes, and those that processes copy into variables of its laws."""
-    from cspdiag.analyses.timing.copies import copied_nets
-
-    sources: dict[str, set[str]] = defaultdict(set)
-    for source, targets in copied_nets(network).items():
-        for target in targets:
-            sources[target].add(source)
-    read_by: dict[str, set[str]] = defaultdict(set)
-    written_by: dict[str, set[str]] = defaultdict(set)
-    for net in network.nets:
-        for path, _ in net.readers:
-            read_by[path].add(net.path)
-        for path, _ in net.writers:
-            written_by[path].add(net.path)
-    narrowed = _Narrowed(network)
-    reads: list[set[str]] = []
-    writes: list[set[str]] = []
-    for loop, own in zip(loops, branches, strict=True):
-        read: set[str] = set().union(*(narrowed.to(own, leaf, read_by) for leaf in loop.leaves))
-        reads.append(read.union(*(sources.get(net, ()) for net in read)))
-        writes.append(set().union(*(narrowed.to(own, leaf, written_by) for leaf in loop.leaves)))
-    return reads, writes
+    passing: Passing,
+    stage: Stage,
+    source: str,
+    through: tuple[str, ...],
+    time: int,
+    here: Mapping[Spot, int],
+    latency: Latency,
+) -> Iterator[Chain]:
+    """The chains that end with an output of a stage."""
+    for spot, waited in sorted(here.items()):
+        for net in sorted(passing.move(spot).writes):
+            found = latency(net, stage.period, stage.response + waited)
+            if found is not None:
+                age, delay = found
+                yield Chain(_short(source), _short(net), through, time + stage.period + delay, time + age)
 
 
-class _Narrowed:
-    """The nets that leaves use; of a process with branches that different threads run, those that it uses in some of them."""
+def _further(
+    passing: Passing, stage: Stage, way: _Way, here: Mapping[Spot, int]
+) -> Iterator[tuple[_Way, int, frozenset[Spot]]]:
+    """Where a value is taken up next, at another sample."""
+    at = way.stages[-1]
+    known = {(one, spot) for one, spots in zip(way.stages, way.passed, strict=True) for spot in spots}
+    entries: dict[int, set[Spot]] = {}
+    longest: dict[int, int] = {}
+    for spot, waited in here.items():
+        for hop in passing.hops(at, spot):
+            if (hop.to, hop.spot) not in known:
+                entries.setdefault(hop.to, set()).add(hop.spot)
+                longest[hop.to] = max(longest.get(hop.to, 0), waited + hop.waits)
+    for to in sorted(entries):
+        time = way.time + stage.period + stage.response + longest[to]
+        yield replace(way, time=time), to, frozenset(entries[to])
 
-    def __init__(self, network: Network) -> None:
-        self._net_of = {end: net.path for net in network.nets for end in (*net.writers, *net.readers)}
-        self._classes = {entry.name: entry for entry in network.classes}
-        self._instances = {instance.path: instance for instance in network.instances}
-        self._everywhere: dict[tuple[str, int], set[str]] = {}
 
-    def to(self, branches: Sequence[tuple[str, Action]], leaf: str, used_by: Mapping[str, set[str]]) -> set[str]:
-        """The nets that a leaf uses in these branches."""
-        nets = used_by.get(leaf, set())
-        here = [action for process, action in branches if process == leaf]
-        if not nets or not here:
-            return nets
-        key = leaf, id(used_by)
-        if key not in self._everywhere:
-            entry = self._classes[self._instances[leaf].class_name]
-            assert isinstance(entry, ProcessClass)
-            self._everywhere[key] = nets - self._nets(leaf, entry.body)
-        return self._everywhere[key].union(*(self._nets(leaf, action) & nets for action in here))
+def _name(passing: Passing, loop: str, here: Iterable[Spot]) -> str:
+    """That of the loop, or of a law in it if the value does not pass the law that the loop is named after."""
+    # Places are numbered from the last to the first.
+    laws = [leaf for spot in sorted(here, reverse=True) if (leaf := passing.leaf(spot))]
+    return _short(loop if loop in laws or not laws else laws[0])
 
-    def _nets(self, process: str, action: Action | None) -> set[str]:
-        from cspdiag.analyses.timing.copies import net_path
 
-        ends = [part for part in parts(action) if isinstance(part, PortEnd | ChannelEnd)]
-        return {net for end in ends if (net := net_path(process, end, self._net_of)) is not None}
+def _short(path: str) -> str:
+    return path.partition(".")[2] or path

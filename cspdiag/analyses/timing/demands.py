@@ -43,6 +43,7 @@ class Behaviour:
     waits: frozenset[int]
     loop_of: dict[int, int]
     has_samples: bool
+    ways: Jobs
 
     def at(self, wait: int) -> Iterator[Job]:
         """The jobs that begin at a wait."""
@@ -68,11 +69,13 @@ def behaviour(number: int, thread: Thread, level: int, refusals: list[Refusal]) 
     """How a thread goes from wait to wait; None where its work has no bound, which is told."""
     samples = thread.has_samples()
     try:
-        jobs = Jobs(thread, meets=samples).all()
+        ways = Jobs(thread, meets=samples)
+        jobs = ways.all()
         waits, loops = _loops(jobs)
         delays = frozenset(wait for loop in loops for wait in _delays_in(thread, loop))
         if delays:
-            jobs = Jobs(thread, delays=delays, meets=samples).all()
+            ways = Jobs(thread, delays=delays, meets=samples)
+            jobs = ways.all()
             waits, loops = _loops(jobs)
     except UnboundedError as problem:
         refusals.append(
@@ -82,7 +85,7 @@ def behaviour(number: int, thread: Thread, level: int, refusals: list[Refusal]) 
     for loop in loops:
         refusals += _refused(thread, loop)
     loop_of = {wait: k for k, loop in enumerate(loops) for wait in loop}
-    return Behaviour(number, thread, level, jobs, waits, loop_of, samples)
+    return Behaviour(number, thread, level, jobs, waits, loop_of, samples, ways)
 
 
 def _loops(jobs: Sequence[Job]) -> tuple[frozenset[int], list[frozenset[int]]]:
@@ -224,7 +227,7 @@ class Demands:
             period = self._period(job)
             if not period or (job.wait >= 0 and job.wait not in one.waits):
                 continue
-            pending += _begun_by(one, job, period, 1)
+            pending += [(one.number, channel, writes, period, count) for channel, writes, count in begun_by(one, job)]
         while pending:
             entry = pending.pop()
             if entry in self._activated:
@@ -236,7 +239,9 @@ class Demands:
                     continue
                 jobs = other.jobs_on(channel, writes=not writes)
                 for job in jobs:
-                    pending += _begun_by(other, job, period, count)
+                    pending += [
+                        (other.number, met, side, period, count * times) for met, side, times in begun_by(other, job)
+                    ]
                 work = max((job.path.work for job in jobs), default=0)
                 if work:
                     step = max(job.path.step for job in jobs)
@@ -255,14 +260,13 @@ class Demands:
         return {number for number, other, side, _, _ in self._activated if (other, side) == (channel, writes)}
 
 
-def _begun_by(one: Behaviour, job: Job, period: int, count: int) -> Iterator[tuple[int, str, bool, int, int]]:
-    """What a job communicates, and what a thread without samples then waits to communicate."""
-    for channel, writes, times in job.path.communications():
-        yield one.number, channel, writes, period, times * count
+def begun_by(one: Behaviour, job: Job) -> Iterator[tuple[str, bool, int]]:
+    """What a job communicates, and what a thread without samples then waits to communicate: channels and sides, and how often."""
+    yield from job.path.communications()
     for stop in job.path.stops:
         if not one.thread.places[stop].is_idle:
             for offer in one.thread.places[stop].offers:
-                yield one.number, offer.channel, offer.writes, period, count
+                yield offer.channel, offer.writes, 1
 
 
 def merged(alternatives: Iterable[Sequence[Demand]]) -> list[Demand]:

@@ -11,7 +11,6 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from cspdiag.diagnostics import Span
-from cspdiag.network.actions import Action
 
 WaitKind = Literal["sample", "event", "delay", "partner", "join"]
 
@@ -36,12 +35,21 @@ class Offer:
     groups: tuple[int, ...] = ()
 
 
+@dataclass(frozen=True, slots=True)
+class Move:
+    """Values pass from some channels and variables to others, by the paths of their nets."""
+
+    reads: frozenset[str]
+    writes: frozenset[str]
+
+
 @dataclass(slots=True)
 class Place:
     """A point of a thread: it computes for ``cost`` and goes on to one of ``successors``, or waits for one of ``offers``; an end has neither.
 
     ``leaf`` is the law or process that computes, ``outputs`` are the nets that it writes to the outside. ``breaks`` tells that another thread may run before it goes on.
-    ``starts`` is the path of a process that begins here, without samples of its own yet. ``gives`` are the channels that it writes without ever waiting for who reads them.
+    ``starts`` is the path of a process that begins here, without samples of its own yet. ``gives`` are the channels that it writes without ever waiting for who reads them. ``move`` is what it
+    hands on, of a write before who reads is waited for, of a read after who writes was.
     """
 
     span: Span
@@ -54,6 +62,7 @@ class Place:
     starts: str = ""
     outputs: tuple[str, ...] = ()
     gives: tuple[str, ...] = ()
+    move: Move | None = None
 
     @property
     def is_idle(self) -> bool:
@@ -63,17 +72,13 @@ class Place:
 
 @dataclass(slots=True)
 class Thread:
-    """A sequential part of the program. ``forks`` are the groups of threads that it starts and waits for.
-
-    ``branch`` is the branch of a parallel that it runs, with the path of the process that has it; None is the outermost process.
-    """
+    """A sequential part of the program. ``forks`` are the groups of threads that it starts and waits for."""
 
     path: str
     priority: tuple[int, ...]
     places: list[Place] = field(default_factory=list)
     entry: int = 0
     forks: list[list[Thread]] = field(default_factory=list)
-    branch: tuple[str, Action] | None = None
 
     def with_forks(self) -> Iterator[Thread]:
         """The thread and all that it starts."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
 from cspdiag.analyses.timing.flow import Offer, Thread
@@ -26,7 +26,7 @@ class UnboundedError(Exception):
 class Path:
     """The most that any way from here to the next wait takes: all work, the part before the first switch to another thread, the longest step after it, the
     number of switches, of delays and how long these are together, of communications for each channel and side (``meets`` where it waits for them, ``gives`` where it does not), the waits that it may come to, the laws that compute on the way, and
-    the outputs that are written.
+    the outputs that are written, and the places that hand values on.
     """
 
     work: int = 0
@@ -41,6 +41,7 @@ class Path:
     heaviest: tuple[int, str] = (0, "")
     leaves: frozenset[str] = frozenset()
     outputs: frozenset[str] = frozenset()
+    moves: frozenset[int] = frozenset()
 
     @property
     def step(self) -> int:
@@ -81,6 +82,17 @@ class Jobs:
                 period = offer.period if offer.kind == "sample" else 0
                 found.append(Job(number, offer, self._path(offer.target, period, reads)))
         return found
+
+    def reachable(self, starts: Iterable[int], period: int, avoided: int) -> set[int]:
+        """The places that a job may come to from some without passing another one, if all samples of its period are there."""
+        reached = {start for start in starts if start != avoided}
+        pending = list(reached)
+        while pending:
+            for (number, _), _, _, _ in self._following((pending.pop(), frozenset()), period):
+                if number != avoided and number not in reached:
+                    reached.add(number)
+                    pending.append(number)
+        return reached
 
     def _path(self, start: int, period: int, reads: Reads) -> Path:
         done: dict[State, Path] = {}
@@ -170,6 +182,7 @@ class Jobs:
             path.stops |= after.stops
             path.leaves |= after.leaves
             path.outputs |= after.outputs
+            path.moves |= after.moves
             path.heaviest = max(path.heaviest, after.heaviest, key=lambda part: part[0])
             for channel, count in after.meets.items():
                 path.meets[channel] = max(
@@ -185,6 +198,8 @@ class Jobs:
             path.gives[net] = path.gives.get(net, 0) + 1
         path.work += place.cost
         path.outputs |= set(place.outputs)
+        if place.move is not None:
+            path.moves |= {number}
         path.first += place.cost
         if place.leaf:
             path.leaves |= {place.leaf}

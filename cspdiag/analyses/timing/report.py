@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import lcm
 
@@ -12,14 +12,15 @@ from cspdiag.analyses.timing.chains import chains
 from cspdiag.analyses.timing.demands import ONCE, Behaviour, Demand, Demands, behaviour, merged
 from cspdiag.analyses.timing.flow import Thread
 from cspdiag.analyses.timing.jobs import Job
+from cspdiag.analyses.timing.outputs import Outputs
 from cspdiag.analyses.timing.partners import Partners, Together
+from cspdiag.analyses.timing.passing import Passing, Stage
 from cspdiag.analyses.timing.response import Response, response_time, response_times
 from cspdiag.analyses.timing.result import Chain, LoopTiming, Refusal, TimingReport
 from cspdiag.analyses.timing.surroundings import Surroundings
 from cspdiag.analyses.timing.task import Task
 from cspdiag.analyses.timing.threads import Threads
 from cspdiag.diagnostics import Span
-from cspdiag.network.actions import Action
 from cspdiag.network.ir import Network
 
 LARGEST_NUMBER_OF_ROUNDS = 50
@@ -69,11 +70,7 @@ def timing_report(network: Network, measured: Mapping[str, int] | None = None) -
     analysis = _Analysis(every, behaviours, demands, loops)
     rows = analysis.rows(network, refusals)
     tasks = tuple(analysis.tasks())
-    modes = [(loop.owner.number, loop.owner.loop_of[loop.waits[0]]) for loop in loops]
-    found_chains: list[Chain] = []
-    are_all_chains = True
-    if not (missing or refusals):
-        found_chains, are_all_chains = chains(network, rows, modes, [analysis.branches(loop) for loop in loops])
+    found_chains, are_all_chains = ([], True) if missing or refusals else analysis.chains(network, rows)
     return TimingReport(
         network.top,
         tuple(rows),
@@ -146,10 +143,10 @@ class _Analysis:
 
     def rows(self, network: Network, refusals: list[Refusal]) -> list[LoopTiming]:
         """Every loop with its bound; rounds until those that wait for each other agree."""
-        ports = _Ports(network)
+        outputs = Outputs(network)
         matters = self._waiting or any(loop.owner.number in self._causing for loop in self.loops)
         for _ in range(LARGEST_NUMBER_OF_ROUNDS):
-            rows = [self._row(ports, loop) for loop in self.loops]
+            rows = [self._row(outputs, loop) for loop in self.loops]
             lateness: dict[int, int] = {}
             for loop, row in zip(self.loops, rows, strict=True):
                 late = loop.period if row.response is None else min(row.response, loop.period)
@@ -162,7 +159,7 @@ class _Analysis:
         for loop in self.loops:
             most[loop.owner.number] = max(loop.period, most[loop.owner.number])
         self._come_late(most)
-        rows = [self._row(ports, loop) for loop in self.loops]
+        rows = [self._row(outputs, loop) for loop in self.loops]
         if not all(row.is_met for row in rows):
             reason = "the response times of its loops depend on each other and do not settle"
             refusals.append(Refusal(network.top, reason, self.loops[0].span, "use fewer rendezvous between loops"))
@@ -173,18 +170,18 @@ class _Analysis:
         self._tasks.clear()
         self._together.clear()
 
-    def _row(self, ports: _Ports, loop: _Loop) -> LoopTiming:
+    def _row(self, ports: Outputs, loop: _Loop) -> LoopTiming:
         task = self.task(loop)
         response = self._response(loop, task)
         jobs = [*loop.jobs, *self._of_partners(loop)]
         written = frozenset(net for job in jobs for net in job.path.outputs)
         leaves = frozenset(leaf for job in jobs for leaf in job.path.leaves)
         places = frozenset(loop.owner.thread.places[wait].path for wait in loop.waits)
-        outputs = ports.outputs(written)
+        outputs = ports.names(written)
         return LoopTiming(
             loop.name.partition(".")[2] or loop.name, loop.owner.thread.path, loop.span, loop.period, loop.together.level,
             loop.together.work, loop.together.step, response.blocking, response.worst, response.start,
-            outputs, ports.latency(outputs, response.worst),
+            outputs, ports.interval(written, loop.period, response.worst),
             tuple(self.behaviours[k].thread.path.partition(".")[2] for k in sorted(loop.together.members - {loop.owner.number})),
             leaves | places, task,
         )  # fmt: skip
@@ -214,10 +211,24 @@ class _Analysis:
         partners = [self.behaviours[number] for number in loop.together.members]
         return [job for one in partners if not one.has_samples for job in one.jobs if job.wait in one.waits]
 
-    def branches(self, loop: _Loop) -> list[tuple[str, Action]]:
-        """The branches that the loop's thread and its partners run."""
-        threads = [self.behaviours[number].thread for number in sorted(loop.together.members)]
-        return [thread.branch for thread in threads if thread.branch is not None]
+    def chains(self, network: Network, rows: Sequence[LoopTiming]) -> tuple[list[Chain], bool]:
+        """How values pass through the loops, and whether that is told in full."""
+        bounded = [(loop, row.response) for loop, row in zip(self.loops, rows, strict=True) if row.response is not None]
+        stages = [self._stage(loop, response) for loop, response in bounded]
+        passing = Passing(network, self.behaviours, stages)
+        return chains(passing, stages, [loop.name for loop, _ in bounded], Outputs(network).latency)
+
+    def _stage(self, loop: _Loop, response: int) -> Stage:
+        stage = Stage(loop.period, response, (loop.owner.number, loop.owner.loop_of[loop.waits[0]]))
+        stage.jobs[loop.owner.number] = list(loop.jobs)
+        for number in loop.together.members:
+            one = self.behaviours[number]
+            if not one.has_samples:
+                stage.jobs[number] = [job for job in one.jobs if job.wait in one.waits]
+        stage.spots = {
+            (number, place) for number, jobs in stage.jobs.items() for job in jobs for place in job.path.moves
+        }
+        return stage
 
     def task(self, loop: _Loop) -> Task:
         """The loop with its partners as a task."""
@@ -284,28 +295,3 @@ class _Analysis:
             if order is None
             else tuple(dict.fromkeys(tasks[k].name.partition(".")[2] or tasks[k].name for k in order))
         )
-
-
-class _Ports:
-    """The outputs of a program, by the nets that lead to them."""
-
-    def __init__(self, network: Network) -> None:
-        self._order = {net.path: k for k, net in enumerate(network.nets)}
-        self._ports = {
-            port.name if port.index is None or port.name.endswith("]") else f"{port.name}[{port.index}]": port
-            for port in network.external_ports
-        }
-
-    def outputs(self, written: Iterable[str]) -> tuple[str, ...]:
-        """The outputs at the end of some nets, in the order of the text."""
-        return tuple(net.partition(".")[2] for net in sorted(written, key=self._order.__getitem__))
-
-    def latency(self, outputs: Sequence[str], response: int | None) -> tuple[int, int] | None:
-        """From the sample to the outputs: a latched one changes at the tick that ends the work, an immediate one when it is written."""
-        ports = [self._ports[name] for name in outputs if name in self._ports]
-        if not ports or response is None:
-            return None
-        latched = [port.period for port in ports if port.period is not None and not port.immediate]
-        shortest = [*latched, *([0] if len(latched) < len(ports) else [])]
-        longest = [max(1, -(-response // period)) * period for period in latched]
-        return min(shortest), max([*longest, *([response] if len(latched) < len(ports) else [])])

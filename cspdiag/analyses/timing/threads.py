@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, assert_never
 
-from cspdiag.analyses.timing.flow import Missing, Offer, Place, Thread
+from cspdiag.analyses.timing.ends import Ends, never_waits
+from cspdiag.analyses.timing.flow import Missing, Move, Offer, Place, Thread
 from cspdiag.analyses.timing.looping import Looping
 from cspdiag.network.actions import (
     Action,
@@ -16,7 +17,6 @@ from cspdiag.network.actions import (
     CatchException,
     ChannelEnd,
     Choice,
-    End,
     Group,
     IfElse,
     InputEvent,
@@ -40,9 +40,8 @@ from cspdiag.network.actions import (
     WhileLoop,
     WriteValue,
 )
-from cspdiag.network.constant_value import constant_value
-from cspdiag.network.expressions import Expression, ParameterValue, SignalValue, Value
-from cspdiag.network.ir import Connection, Declared, Net, Network, ProcessClass, SubmodelClass
+from cspdiag.network.expressions import Expression, VariableValue
+from cspdiag.network.ir import Connection, Declared, Network, ProcessClass, SubmodelClass
 from cspdiag.network.walk import parts
 
 
@@ -69,8 +68,7 @@ class Threads:
         self.measured = measured
         self.classes = {entry.name: entry for entry in network.classes}
         self.instances = {instance.path: instance for instance in network.instances}
-        self.nets = {net.path: net for net in network.nets}
-        self.net_of = {end: net for net in network.nets for end in (*net.writers, *net.readers)}
+        self.ends = Ends(network)
         self.missing: dict[str, Missing] = {}
         self._groups = 0
         self._looping = Looping(network)
@@ -110,16 +108,23 @@ class Threads:
     def _written_by_hand(self, path: str, entry: ProcessClass, context: _Context, following: int) -> int:
         """It waits for any of its ports, computes, and waits again, until it ends."""
         cost = self._cost(path, entry, context)
-        work = self._place(context, entry, cost=cost, leaf=path)
+        ports = [(port, k) for port in entry.ports for k in ((None,) if port.size is None else range(port.size))]
+        ends = [(self.ends.net(path, PortEnd(port.name, k)), port.direction) for port, k in ports]
+        move = Move(
+            frozenset(net.path for net, direction in ends if net is not None and direction == "in"),
+            frozenset(net.path for net, direction in ends if net is not None and direction == "out"),
+        )
+        outputs = tuple(net.path for net, _ in ends if net is not None and net.external == "out")
+        gives = tuple(net.path for net, _ in ends if net is not None and never_waits(net))
+        work = self._place(context, entry, cost=cost, leaf=path, outputs=outputs, gives=gives, move=move)
         waits = self._place(context, entry)
         place = context.thread.places[waits]
-        for port in entry.ports:
-            for k in (None,) if port.size is None else range(port.size):
-                end = PortEnd(port.name, k)
-                if port.direction == "in":
-                    place.offers += self._reading(path, end, work, entry)
-                else:
-                    place.offers += self._writing(path, end, work, entry)
+        for port, k in ports:
+            end = PortEnd(port.name, k)
+            if port.direction == "in":
+                place.offers += self.ends.reading(path, end, work, entry)
+            else:
+                place.offers += self.ends.writing(path, end, work, entry)
         context.thread.places[work].successors = [waits, following] if place.offers else [following]
         self._interruptible(place, context)
         return waits if place.offers else work
@@ -133,32 +138,6 @@ class Threads:
             self.missing.setdefault(path, Missing(path, entry.definition, kind, entry.span))  # type: ignore[arg-type]
             return 0
         return stated
-
-    def _net(self, path: str, end: End) -> Net | None:
-        if isinstance(end, ChannelEnd):
-            return self.nets.get(f"{path}.{end.channel}")
-        return self.net_of.get((path, end.port if end.index is None else f"{end.port}[{end.index}]"))
-
-    def _reading(
-        self, path: str, end: End, target: int, where: Step | Declared, *, owner: str = "", takes: bool = True
-    ) -> list[Offer]:
-        """What reading waits for; nothing where it never waits. ``owner`` is the process that keeps books of samples."""
-        net = self._net(path, end)
-        span = where.span
-        if net is None or (net.kind == "var" and net.external is None):
-            return []
-        if net.external == "in" and net.period is not None:
-            key = (net.path, owner or path, end.end)
-            return [Offer("sample", target, span, net.path, net.period, key, takes)]
-        if net.external == "in":
-            return [Offer("event", target, span, net.path)]
-        return [Offer("partner", target, span, net.path)]
-
-    def _writing(self, path: str, end: End, target: int, where: Step | Declared) -> list[Offer]:
-        net = self._net(path, end)
-        if net is None or net.external is not None or net.kind in ("var", "overwrite"):
-            return []
-        return [Offer("partner", target, where.span, net.path, writes=True)]
 
     def _waiting(self, context: _Context, where: Step | Declared, offers: list[Offer], following: int) -> int:
         """A place that waits for one communication; ``following`` where it never waits."""
@@ -202,13 +181,15 @@ class Threads:
         present = following
         for connection in reversed(connections):
             if connection.port not in inputs:
-                offers = self._writing(path, PortEnd(connection.port, connection.index), present, where)
+                offers = self.ends.writing(path, PortEnd(connection.port, connection.index), present, where)
                 present = self._waiting(context, where, offers, present)
         names = [port.name for port in law.ports if port.direction == "out"]
-        nets = [self._net(path, PortEnd(c.port, c.index)) for c in connections if c.port in names]
+        nets = [self.ends.net(path, PortEnd(c.port, c.index)) for c in connections if c.port in names]
         outputs = tuple(net.path for net in nets if net is not None and net.external == "out")
-        gives = tuple(net.path for net in nets if net is not None and _never_waits(net))
-        work = self._place(context, law, cost=self._cost(path, law, context), leaf=path, outputs=outputs, gives=gives)
+        gives = tuple(net.path for net in nets if net is not None and never_waits(net))
+        work = self._place(
+            context, law, cost=self._cost(path, law, context), leaf=path, outputs=outputs, gives=gives, move=self._move(path, connections, inputs)
+        )  # fmt: skip
         fault = self._handler(context, "Fault")
         context.thread.places[work].successors = [present] if fault is None else [present, fault]
         present = work
@@ -218,33 +199,37 @@ class Threads:
             attached = connection.attachment
             if connection.port in inputs and isinstance(attached, PortEnd | ChannelEnd):
                 end = PortEnd(connection.port, connection.index, attached.end)
-                reads += self._reading(path, end, 0, where, owner=context.path)
+                reads += self.ends.reading(path, end, 0, where, owner=context.path)
         for offer in sorted(reads, key=lambda offer: ("partner", "event", "sample").index(offer.kind)):
             present = self._waiting(context, where, [replace(offer, target=present)], present)
         return present
+
+    def _move(self, path: str, connections: Iterable[Connection], inputs: Collection[str]) -> Move:
+        """What a law or a process written by hand computes from what."""
+        nets = [(self.ends.net(path, PortEnd(c.port, c.index)), c.port in inputs) for c in connections]
+        reads = frozenset(net.path for net, is_read in nets if net is not None and is_read)
+        return Move(reads, frozenset(net.path for net, is_read in nets if net is not None and not is_read))
 
     def _action(self, action: Action, context: _Context, following: int) -> int:
         match action:
             case RunInstance():
                 return self._run(action, context, following)
             case ReadValue():
+                moved = self._copied(context, action, following)
                 return self._waiting(
-                    context, action, self._reading(context.path, action.source, following, action), following
+                    context, action, self.ends.reading(context.path, action.source, moved, action), moved
                 )
             case WriteValue():
-                net = self._net(context.path, action.sink)
-                if net is not None and net.external == "out":
-                    return self._place(context, action, successors=[following], outputs=(net.path,))
-                if net is not None and _never_waits(net):
-                    return self._place(context, action, successors=[following], gives=(net.path,))
-                return self._waiting(
-                    context, action, self._writing(context.path, action.sink, following, action), following
-                )
+                return self._written(context, action, following)
             case WaitStep():
                 return self._waiting(
-                    context, action, self._delay(action.duration, context, following, action), following
+                    context, action, self.ends.delay(context.path, action.duration, following, action.span), following
                 )
-            case AssignValue() | SkipStep() | ResetInstance():
+            case AssignValue():
+                target = frozenset([f"{context.path}.{action.target.channel}"])
+                move = Move(_variables(context.path, action.value), target)
+                return self._place(context, action, successors=[following], move=move)
+            case SkipStep() | ResetInstance():
                 return following
             case StopStep():
                 stops = self._place(context, action)
@@ -305,7 +290,7 @@ class Threads:
     def _choice(self, action: Choice, context: _Context, following: int) -> int:
         offers = [offer for branch in action.branches for offer in self._guard(branch, context, following)]
         ready = [
-            self._action(branch.body, context, following)
+            self._guarded(branch, context, following)
             for branch in action.branches
             if isinstance(branch.event, SkipEvent) or not self._guard_waits(branch, context)
         ]
@@ -316,39 +301,61 @@ class Threads:
             return waits
         return self._place(context, action, successors=[*ready, waits])
 
+    def _guarded(self, branch: Branch, context: _Context, following: int) -> int:
+        """What comes after a guard, with what the guard itself hands on."""
+        body = self._action(branch.body, context, following)
+        match branch.event:
+            case InputEvent():
+                return self._copied(context, branch.event, body)
+            case OutputEvent():
+                return self._handed_over(context, branch.event, body)
+            case _:
+                return body
+
+    def _copied(self, context: _Context, action: ReadValue | InputEvent, following: int) -> int:
+        """A value that was read into a variable."""
+        net = self.ends.net(context.path, action.source)
+        read = frozenset() if net is None else frozenset([net.path])
+        move = Move(read, frozenset([f"{context.path}.{action.target.channel}"]))
+        return self._place(context, action, successors=[following], move=move)
+
+    def _handed_over(self, context: _Context, action: WriteValue | OutputEvent, following: int) -> int:
+        """A value that goes to a channel or an output."""
+        net = self.ends.net(context.path, action.sink)
+        if net is None:
+            return following
+        move = Move(_variables(context.path, action.value), frozenset([net.path]))
+        outputs = (net.path,) if net.external == "out" else ()
+        gives = (net.path,) if never_waits(net) else ()
+        return self._place(context, action, successors=[following], outputs=outputs, gives=gives, move=move)
+
+    def _written(self, context: _Context, action: WriteValue, following: int) -> int:
+        offers = self.ends.writing(context.path, action.sink, following, action)
+        return self._handed_over(context, action, self._waiting(context, action, offers, following))
+
     def _guard_waits(self, branch: Branch, context: _Context) -> bool:
         return bool(self._offers(branch, context, 0))
 
     def _guard(self, branch: Branch, context: _Context, following: int) -> list[Offer]:
         if not self._offers(branch, context, 0):
             return []
-        return self._offers(branch, context, self._action(branch.body, context, following))
+        return self._offers(branch, context, self._guarded(branch, context, following))
 
     def _offers(self, branch: Branch, context: _Context, target: int) -> list[Offer]:
         event = branch.event
         match event:
             case ReadyEvent():
-                return self._reading(context.path, event.source, target, event, takes=False)
+                return self.ends.reading(context.path, event.source, target, event, takes=False)
             case InputEvent():
-                return self._reading(context.path, event.source, target, event)
+                return self.ends.reading(context.path, event.source, target, event)
             case OutputEvent():
-                return self._writing(context.path, event.sink, target, event)
+                return self.ends.writing(context.path, event.sink, target, event)
             case AfterEvent():
-                return self._delay(event.duration, context, target, event)
+                return self.ends.delay(context.path, event.duration, target, event.span)
             case SkipEvent():
                 return []
             case _:
                 assert_never(event)
-
-    def _delay(self, duration: Expression, context: _Context, target: int, where: Step | Declared) -> list[Offer]:
-        arguments = dict(self.instances[context.path].arguments)
-
-        def lookup(part: ParameterValue | SignalValue) -> Value | None:
-            return arguments.get(part.name)
-
-        known = constant_value(duration, lookup)
-        length = known if isinstance(known, int) and known > 0 else 0
-        return [Offer("delay", target, where.span, period=length)]
 
     def _parallel(self, action: ParallelSteps, context: _Context, following: int) -> int:
         ranks = [(*context.priority, k) if action.prioritized else context.priority for k in range(len(action.steps))]
@@ -361,7 +368,7 @@ class Threads:
             return following
         started: list[Thread] = []
         for step, rank in zip(action.steps, ranks, strict=True):
-            thread = Thread(self._named(step, context.path), rank, branch=(context.path, step))
+            thread = Thread(self._named(step, context.path), rank)
             inner = _Context(thread, context.path, rank, stated=context.stated)
             thread.entry = self._action(step, inner, self._place(inner, step))
             started.append(thread)
@@ -381,6 +388,5 @@ class Threads:
                 return f"{path}.{runs[0].instance}" if runs else path
 
 
-def _never_waits(net: Net) -> bool:
-    """Whether writing never waits, though somebody may be waiting to read."""
-    return net.external is None and net.kind == "overwrite"
+def _variables(path: str, value: Expression) -> frozenset[str]:
+    return frozenset(f"{path}.{part.channel}" for part in parts(value) if isinstance(part, VariableValue))

@@ -1,101 +1,21 @@
-"""The program itself on a processor that takes time: its laws never take longer than the bounds, and some take exactly as long.
-
-The runtime runs against a clock of ours, which stands still but for what laws compute and for waiting. So this is the real scheduler, the real order of
-ports, and the real composition.
-"""
+"""The program itself on a processor that takes time: its laws never take longer than the bounds, and some take exactly as long."""
 
 from __future__ import annotations
 
 import random
-from collections.abc import Callable, Mapping
-from typing import Any
 
 import pytest
 
 import cspdiag.runtime.network
-from cspdiag import pipeline
 from cspdiag.analyses.timing.report import timing_report
-from cspdiag.api import LoadedProgram
-from cspdiag.diagnostics import SourceFile
-from cspdiag.network.ir import Network, SubmodelClass
-from cspdiag.runtime import Submodel
-from cspdiag.simulate.execute import simulate
-from cspdiag.simulate.probes import parts_of
 from tests.analyses.timing.compositions import composed
+from tests.analyses.timing.processor import Processor, longest, wcets, with_bench
 from tests.analyses.timing.programs import US, by_name, law, loops_of
-
-
-class Processor:
-    """A clock that goes on while laws compute, and jumps to what is waited for."""
-
-    real = True
-    present = 0
-
-    def start(self) -> None:
-        Processor.present = 0
-
-    def now(self) -> int:
-        return Processor.present
-
-    def reach(self, instant: int | None) -> bool:
-        assert instant is not None
-        Processor.present = max(Processor.present, instant)
-        return True
-
-    def notify(self) -> None:
-        raise AssertionError("nothing comes from outside")
 
 
 @pytest.fixture(autouse=True)
 def processor(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cspdiag.runtime.network, "RealClock", Processor)
-
-
-def read(path: str) -> SourceFile:
-    raise FileNotFoundError(path)
-
-
-def longest(network: Network, times: Callable[[str], int], periods: Mapping[str, int], until: int) -> dict[str, int]:
-    """The longest time from the tick of a sample to the end of each law in a run."""
-    found: dict[str, int] = {}
-
-    def slow(running: Any) -> None:
-        def timed(path: str, calculate: Callable[..., Any]) -> Callable[..., Any]:
-            def calculated(*inputs: Any) -> Any:
-                release = Processor.present // periods[path] * periods[path]
-                Processor.present += times(path)
-                found[path] = max(found.get(path, 0), Processor.present - release)
-                return calculate(*inputs)
-
-            return calculated
-
-        for part in parts_of(running.process):
-            if isinstance(part, Submodel):
-                part.calculate = timed(part.name, part.calculate)  # type: ignore[attr-defined]
-
-    run = simulate(network, pipeline.generate(network, read), until=until, real_time=True, on_start=slow)
-    assert run.outcome.ended == "time limit", run.summary()
-    assert not any(run.outcome.missed.values())
-    return found
-
-
-def wcets(network: Network) -> dict[str, int]:
-    found = {}
-    for instance in network.instances:
-        entry = network.class_named(instance.class_name)
-        if isinstance(entry, SubmodelClass) and entry.wcet is not None:
-            found[instance.path] = entry.wcet
-    return found
-
-
-def with_bench(text: str, ports: list[str], outputs: list[str], grid: str) -> Network:
-    source = " ".join(f"{port} = time / 1 s" for port in ports)
-    wires = " ".join(f"source.{port} -> {port}" for port in ports) + " " + " ".join(f"{port} -> _" for port in outputs)
-    bench = f"""
-        submodel Source {{ out {", ".join(ports)} : double {source} }}
-        environment Bench for Main step {grid} {{ source : Source {wires} }}
-        """
-    return LoadedProgram(SourceFile("main.csp", text + bench)).network
 
 
 @pytest.mark.parametrize("order", ["||", "||>"])

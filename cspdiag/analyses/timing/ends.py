@@ -1,0 +1,62 @@
+"""What communicating at the end of a channel waits for."""
+
+from __future__ import annotations
+
+from cspdiag.analyses.timing.flow import Offer
+from cspdiag.diagnostics import Span
+from cspdiag.network.actions import ChannelEnd, End, Step
+from cspdiag.network.constant_value import constant_value
+from cspdiag.network.expressions import Expression, ParameterValue, SignalValue, Value
+from cspdiag.network.ir import Declared, Net, Network
+
+
+class Ends:
+    """The ends of the channels of a network."""
+
+    def __init__(self, network: Network) -> None:
+        self._arguments = {instance.path: instance.arguments for instance in network.instances}
+        self._nets = {net.path: net for net in network.nets}
+        self._net_of = {end: net for net in network.nets for end in (*net.writers, *net.readers)}
+
+    def net(self, path: str, end: End) -> Net | None:
+        """The net at an end of a process or law."""
+        if isinstance(end, ChannelEnd):
+            return self._nets.get(f"{path}.{end.channel}")
+        return self._net_of.get((path, end.port if end.index is None else f"{end.port}[{end.index}]"))
+
+    def reading(
+        self, path: str, end: End, target: int, where: Step | Declared, *, owner: str = "", takes: bool = True
+    ) -> list[Offer]:
+        """What reading waits for; nothing where it never waits. ``owner`` is the process that keeps books of samples."""
+        net = self.net(path, end)
+        if net is None or (net.kind == "var" and net.external is None):
+            return []
+        if net.external == "in" and net.period is not None:
+            key = (net.path, owner or path, end.end)
+            return [Offer("sample", target, where.span, net.path, net.period, key, takes)]
+        if net.external == "in":
+            return [Offer("event", target, where.span, net.path)]
+        return [Offer("partner", target, where.span, net.path)]
+
+    def writing(self, path: str, end: End, target: int, where: Step | Declared) -> list[Offer]:
+        """What writing waits for; nothing where it never waits."""
+        net = self.net(path, end)
+        if net is None or net.external is not None or net.kind in ("var", "overwrite"):
+            return []
+        return [Offer("partner", target, where.span, net.path, writes=True)]
+
+    def delay(self, path: str, duration: Expression, target: int, span: Span) -> list[Offer]:
+        """The shortest time that passes; nothing is known of one that is computed."""
+        arguments = dict(self._arguments[path])
+
+        def lookup(part: ParameterValue | SignalValue) -> Value | None:
+            return arguments.get(part.name)
+
+        known = constant_value(duration, lookup)
+        length = known if isinstance(known, int) and known > 0 else 0
+        return [Offer("delay", target, span, period=length)]
+
+
+def never_waits(net: Net) -> bool:
+    """Whether writing never waits, though somebody may be waiting to read."""
+    return net.external is None and net.kind == "overwrite"
