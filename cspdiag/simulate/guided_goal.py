@@ -10,6 +10,8 @@ from cspdiag.runtime.choice import waits_of_guard
 from cspdiag.runtime.composition import Branches
 from cspdiag.runtime.interrupt import _Body
 from cspdiag.runtime.scheduler import Task
+from cspdiag.simulate.guided_script import Actor, Standing
+from cspdiag.simulate.replay_gates import names_of
 from cspdiag.simulate.replay_names import belongs
 from cspdiag.simulate.replay_trace import Trace
 
@@ -75,6 +77,15 @@ class Goal:
             for of, channels in told
             if any(_PART not in channel for channel in channels)
         )
+
+    def standing(self, root: Task) -> Iterator[Standing]:
+        """Who waits for ever."""
+        for task in _leaves(root):
+            offers = list(_offers(task))
+            if self.trace.failure == "deadlock" or self._is_stuck(_path(task), offers):
+                yield Standing(
+                    Actor(_path(task), names_of(task)), frozenset(channel for _, channel in offers if channel)
+                )
 
     def _is_stuck(self, path: str, offers: Iterable[Offer]) -> bool:
         channels = {channel for _, channel in offers if channel}

@@ -67,6 +67,14 @@ class Happened:
     value: Any = None
 
 
+@dataclass(frozen=True)
+class Standing:
+    """A task that waits for ever, and the channels at which it does."""
+
+    actor: Actor
+    channels: frozenset[str]
+
+
 class Script:
     """What is wanted of all tasks, in the order of the counterexample, and what of it has been done."""
 

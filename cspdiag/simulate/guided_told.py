@@ -6,11 +6,11 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from cspdiag.analyses.counterexamples.counterexample import SILENT, Counterexample, Party, Step
+from cspdiag.analyses.counterexamples.counterexample import SILENT, Counterexample, Party, Step, Waiting, ring
 from cspdiag.analyses.transitions.system import INTERNAL, Place, System
 from cspdiag.model.types import BoolType, EnumType, IntType, RealType, TimeType, Type
 from cspdiag.network.ir import Network
-from cspdiag.simulate.guided_script import Actor, Happened
+from cspdiag.simulate.guided_script import Actor, Happened, Standing
 from cspdiag.simulate.replay_names import UNFIT, WRITTEN, fit
 from cspdiag.simulate.replay_values import types_of, written
 
@@ -26,12 +26,15 @@ class _Match:
     fit: int
 
 
-def retold(found: Counterexample, system: System, run: Sequence[Happened], network: Network) -> Counterexample:
-    """The counterexample with the steps of another run that comes to where the same processes wait."""
+def retold(
+    found: Counterexample, system: System, run: Sequence[Happened], standing: Sequence[Standing], network: Network
+) -> Counterexample:
+    """The counterexample with the steps of another run, and with those who wait after it."""
     types = types_of(network)
     teller = _Teller(system, network.top)
-    steps = (teller.step(happened, _text(happened, types)) for happened in run)
-    return replace(found, steps=tuple(steps), cycle=())
+    steps = tuple(teller.step(happened, _text(happened, types)) for happened in run)
+    waiting = tuple(map(teller.waiting, standing))
+    return replace(found, steps=steps, cycle=(), waiting=waiting, ring=ring(waiting))
 
 
 def _text(happened: Happened, types: Mapping[str, Type]) -> str | None:
@@ -64,6 +67,45 @@ class _Teller:
                 return self._taken(value, best, [match for match in matches if match.actors == best.actors])
         parties = tuple(Party(actor.path.removeprefix(self._prefix), actor.path) for actor in happened.actors)
         return Step("communication", happened.channel, value, parties)
+
+    def waiting(self, stands: Standing) -> Waiting:
+        """A process that never goes on."""
+        actor = stands.actor
+        candidates = [
+            (self._fit(actor, number), number, state)
+            for number, component in enumerate(self._system.components)
+            if component.process and self._fit(actor, number) < UNFIT
+            for state in self._reached(number)
+            if self._channels(number, state) == stands.channels
+        ]
+        if not candidates:
+            name = actor.path.removeprefix(self._prefix)
+            return Waiting(name, actor.path, "waits", None, tuple(sorted(stands.channels)), ())
+        _, number, state = min(candidates, key=lambda candidate: candidate[0])
+        component, events = (
+            self._system.components[number],
+            [self._system.events[e] for e in self._waits(number, state)],
+        )
+        place = component.places.get(state, Place("waits"))
+        partners = dict.fromkeys(
+            self._system.components[party].name.removeprefix(self._prefix)
+            for event in events
+            for party in event.parties
+            if party != number
+        )
+        channels = dict.fromkeys(event.channel for event in events)
+        name = component.name.removeprefix(self._prefix)
+        return Waiting(name, component.path, place.words, place.span, tuple(channels), tuple(partners))
+
+    def _waits(self, component: int, state: int) -> Sequence[int]:
+        """The events for which a component waits in a state, but for the end of all that runs beside it."""
+        events = sorted({event for event, _ in self._edges(component, state)} - {INTERNAL})
+        return [event for event in events if self._system.events[event].kind not in _UNSEEN - {"delivered"}]
+
+    def _channels(self, component: int, state: int) -> frozenset[str]:
+        return frozenset(
+            self._system.events[event].channel.partition(" (")[0] for event in self._waits(component, state)
+        )
 
     def _matches(self, happened: Happened, actors: Sequence[Actor], value: str | None) -> Iterator[_Match]:
         for number in self._possible(happened, value):

@@ -303,7 +303,14 @@ class _Attempt:
             found = self._judge(run.communications, self._rest)
             divergence, judgement = (_ALLOWED, "") if found is None else (None, found)
         return Replay(
-            result.steps, divergence, run.communications, run.deadlock, not run.succeeded, judgement, run.happened
+            result.steps,
+            divergence,
+            run.communications,
+            run.deadlock,
+            not run.succeeded,
+            judgement,
+            run.happened,
+            run.standing,
         )
 
     def _judged(self) -> str:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 from cspdiag.runtime.deadlock import DeadlockReport
-from cspdiag.simulate.guided_script import Happened
+from cspdiag.simulate.guided_script import Happened, Standing
 from cspdiag.simulate.replay_rest import Resting
 
 Judge: TypeAlias = Callable[[Sequence[tuple[str, Any]], Resting | None], str | None]
@@ -30,7 +30,9 @@ class Replay:
     judgement: str = ""
     """What the judge has found wrong."""
     other: tuple[Happened, ...] = ()
-    """What the program did instead, where it has come to the same standstill in another way."""
+    """What the program did instead, where it has come to a standstill in another way."""
+    standing: tuple[Standing, ...] = ()
+    """Who waits for ever after that."""
 
     @property
     def succeeded(self) -> bool:

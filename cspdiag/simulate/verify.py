@@ -132,7 +132,7 @@ class Verifier:
             result = replayed(network, read_trace(trace_of(answer, {})), self._read, judge)
             if result.other:
                 system = self.system(answer.question.process)
-                other = retold(found, system, result.other, network)
+                other = retold(found, system, result.other, result.standing, network)
                 trace = read_trace(trace_of(replace(answer, counterexample=other), {}))
                 again = replayed(network, trace, self._read, judge)
                 found, result = (other, again) if again.succeeded else (found, result)
