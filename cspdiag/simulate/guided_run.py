@@ -241,8 +241,7 @@ class Run:
         """See ``Guide.did``."""
         if action == "write":
             self._broadcasts.add(channel)
-        if action != "skip":
-            self._note(action, channel, None, party)
+        self._note(action, channel, None, party)
         self._match(party, action, channel, index)
 
     def _note(self, action: str, channel: str, value: Any, *parties: Party | None) -> None:

@@ -157,9 +157,8 @@ class _AnyChannel(_Computed, runtime.AnyChannel[T]):
 
 class _Buffer(_Computed, Buffer[T]):
     def take(self) -> T:
-        value = super().take()
         guidance.guide.did(scheduler.current, "read", self.name)
-        return value
+        return super().take()
 
     def _enter(self, value: T, writer: Party) -> None:
         reader = self._reader

@@ -60,13 +60,17 @@ class _Teller:
 
     def step(self, happened: Happened, value: str | None) -> Step:
         """What happened as a step; without places where the components do not tell them."""
+        if happened.action == "skip":
+            return Step("internal", "", None, self._untold(happened))
         for actors in (happened.actors, happened.actors[1:], happened.actors[:1]):
             matches = list(self._matches(happened, actors, value)) if actors else []
             if matches:
                 best = min(matches, key=lambda match: match.fit)
                 return self._taken(value, best, [match for match in matches if match.actors == best.actors])
-        parties = tuple(Party(actor.path.removeprefix(self._prefix), actor.path) for actor in happened.actors)
-        return Step("communication", happened.channel, value, parties)
+        return Step("communication", happened.channel, value, self._untold(happened))
+
+    def _untold(self, happened: Happened) -> tuple[Party, ...]:
+        return tuple(Party(actor.path.removeprefix(self._prefix), actor.path) for actor in happened.actors)
 
     def waiting(self, stands: Standing) -> Waiting:
         """A process that never goes on."""

@@ -168,8 +168,7 @@ class Choose(Request):
         if not ready:
             self.park()
             return
-        last = -1 if self.prioritized else self.memory.get("last", -1)
-        index = next((i for i in ready if i > last), ready[0])
+        index = ready[0] if self.prioritized else self.world.fair(ready, self.memory.get("last", -1))
         self._settle(index)
         offer = self.offers.get(index)
         if offer is None:

@@ -128,9 +128,18 @@ class Scheduler:
     def run_until_none_is_ready(self) -> None:
         """Run processes by priority, then first come first served."""
         while self.ready:
-            task = min(self.ready, key=Task.rank)
+            highest = min(task.rank() for task in self.ready)
+            task = self.next_of([task for task in self.ready if task.rank() == highest])
             self.ready.remove(task)
             self._run(task)
+
+    def next_of(self, ready: Sequence[Task]) -> Task:
+        """Who runs of those that are ready, in the order in which they became so: the first."""
+        return ready[0]
+
+    def fair(self, ready: Sequence[int], last: int) -> int:
+        """Which of the guards that are ready an alternative takes that is not prioritized: the first after the one that it chose last, beginning again at the front."""
+        return next((index for index in ready if index > last), ready[0])
 
     def _run(self, task: Task) -> None:
         self.running = task

@@ -60,14 +60,15 @@ def execute(
     environment: str | None = None,
     until: int | None = None,
     look: Callable[[Scheduler], None] | None = None,
+    scheduler: Callable[..., Scheduler] = Scheduler,
 ) -> Execution:
     """Run a network in an environment (the first, where none is named) to its end, or to ``until`` nanoseconds.
 
-    ``look`` is handed the state after each communication.
+    ``look`` is handed the state after each communication. ``scheduler`` makes the scheduler, where it is to be another one.
     """
     chosen = next((e for e in network.environments if environment in (None, e.name)), None)
     plant = None if chosen is None or chosen.system is None else Plant(chosen)
-    world = Scheduler(network.top, plant, timeouts=chosen is None or chosen.on_miss == "timeout")
+    world = scheduler(network.top, plant, timeouts=chosen is None or chosen.on_miss == "timeout")
     world.look = look
     ports: dict[Place, Medium] = {}
     for port in network.external_ports:

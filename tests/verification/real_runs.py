@@ -1,0 +1,104 @@
+"""What a program does in a real run, as a script to be followed: a replay must be able to do it again."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from cspdiag import pipeline
+from cspdiag.network.ir import Network
+from cspdiag.runtime.exceptions import Timeout
+from cspdiag.runtime.scheduler import Party, scheduler
+from cspdiag.simulate.guided import Guided
+from cspdiag.simulate.guided_run import GuidedRun, task_of
+from cspdiag.simulate.guided_runtime import guidance, guided_runtime
+from cspdiag.simulate.guided_script import Passed, key_of
+from cspdiag.simulate.package import LoadedPackage
+from cspdiag.simulate.replay_trace import Trace, TraceStep
+from cspdiag.sources import read_source
+
+
+class _Record:
+    """Notes the first things that a run does, and leaves everything as it is in any run. ``visible`` are those at ports, in order."""
+
+    def __init__(self, network: Network, most: int) -> None:
+        self.entries: list[Passed] = []
+        self.visible: list[TraceStep] = []
+        self._ports = {f"{network.top}.{port.name}": port.direction for port in network.external_ports}
+        self._broadcasts: set[str] = set()
+        self._most = most
+
+    def did(self, party: Party, action: str, channel: str = "", index: int = 0) -> None:
+        if action == "write":
+            self._broadcasts.add(channel)
+        self._note(party, action, channel, index, Timeout() if channel in self._ports else None)
+
+    def wrote(self, channel: str, value: Any, writer: Party) -> None:
+        self._see(channel)
+        self._note(writer, "write", channel)
+
+    def pick(self, guards: Sequence[tuple[int, str, str]]) -> int:
+        return guards[0][0]
+
+    def preferred(self, chosen: tuple[int, str, str], ready: Sequence[tuple[int, str, str]]) -> None:
+        pass
+
+    def compute(self) -> None:
+        pass
+
+    def observe(self, channel: str, value: Any, writer: Party | None, reader: Party | None) -> None:
+        if self._ports.get(channel) == "out":
+            return
+        self._see(channel)
+        if writer is not None and channel not in self._broadcasts:
+            self._note(writer, "write", channel)
+        if reader is not None:
+            self._note(reader, "read", channel, 0, value if writer is None else None)
+
+    def _see(self, channel: str) -> None:
+        if channel in self._ports and len(self.entries) < self._most:
+            self.visible.append(TraceStep("external", channel, None, ()))
+
+    def _note(self, party: Party, action: str, channel: str, index: int = 0, value: Any = None) -> None:
+        if len(self.entries) < self._most:
+            task = task_of(party)
+            path = "" if task.process is None else task.process.name
+            self.entries.append(Passed(key_of(task), path, action, channel, index, value=value))
+
+
+class _Observed:
+    """An environment, with a record of what happens in it."""
+
+    def __init__(self, environment: Any, record: _Record) -> None:
+        self._environment = environment
+        self._record = record
+        self.step = environment.step
+        self.drivers = environment.drivers
+
+    def start(self) -> None:
+        scheduler.observe = self._record.observe
+        self._environment.start()
+
+    def advance(self, now: int) -> None:
+        self._environment.advance(now)
+
+
+def followed(network: Network, until: int, most: int) -> tuple[list[Passed], GuidedRun]:
+    """The first ``most`` things that a network does in its first environment, and a guided run that is to do the same, with nothing else at its ports."""
+    files = pipeline.generate(network, read_source, level=0)
+    package = LoadedPackage(network.name, files, guided_runtime())
+    record = _Record(network, most)
+    guidance.guide = record
+    try:
+        chosen = network.environments[0]
+        environment = package.module("environments").ENVIRONMENTS[chosen.name]()
+        running = package.module("network").build(environment.drivers)
+        running.run(_Observed(environment, record), until=until, on_miss=chosen.on_miss)
+        trace = Trace(network.top, {}, "", "refinement", tuple(record.visible), (), (), exact=True)
+        guided = Guided(network, files, package)
+        try:
+            return record.entries, guided.follow(record.entries, trace, 0, ends=False)
+        finally:
+            guided.close()
+    finally:
+        package.close()
