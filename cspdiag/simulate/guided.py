@@ -13,7 +13,7 @@ from cspdiag.simulate.execute import BodyError, account_of
 from cspdiag.simulate.guided_goal import Goal
 from cspdiag.simulate.guided_run import GuidedRun, Run
 from cspdiag.simulate.guided_runtime import guided_runtime
-from cspdiag.simulate.guided_script import Passed, Script
+from cspdiag.simulate.guided_script import Passed, Script, put_off
 from cspdiag.simulate.guided_world import Lines, World
 from cspdiag.simulate.package import LoadedPackage
 from cspdiag.simulate.replay_decisions import Decisions
@@ -44,6 +44,7 @@ class Guided:
         self._defaults = {
             f"{network.top}.{port.name}": next(iter(values.candidates(port.type, None)), None) for port in inputs
         }
+        self._events = frozenset(f"{network.top}.{port.name}" for port in inputs if port.period is None)
         self._outside = frozenset(f"{network.top}.{port.name}" for port in network.external_ports)
         environments = network.environments
         counts = bool(environments) and all(environment.on_miss != "timeout" for environment in environments)
@@ -60,10 +61,18 @@ class Guided:
         """Whether no further run is to be tried."""
         return self._left <= 0 or self._runs_left <= 0
 
-    def follow(self, entries: Sequence[Passed], trace: Trace, cycle: int, *, ends: bool) -> GuidedRun:
-        """A run that comes to where the entries lead, to the end of all if it ``ends``, or the one that comes furthest; from ``cycle`` on they are repeated once."""
+    def follow(
+        self, entries: Sequence[Passed], trace: Trace, cycle: int, *, ends: bool, further: bool = False
+    ) -> GuidedRun:
+        """A run that comes to where the entries lead, to the end of all if it ``ends``, or the one that comes furthest; from ``cycle`` on they are repeated once.
+
+        ``further``: processes have gone round more often than the trace says. Others may do so meanwhile, also where a specification sees it, and what is offered once is offered late.
+        """
+        if further:
+            entries = (*put_off(entries[:cycle], self._events), *entries[cycle:])
         script = (*entries, *(entries[cycle:] if trace.cycle else ()))
-        goal = Goal(trace, self._outside, self._outside - trace.hidden, cycle if trace.cycle else len(script), ends)
+        visible = self._outside - trace.hidden
+        goal = Goal(trace, self._outside, visible, cycle if trace.cycle else len(script), ends, further)
         best: GuidedRun | None = None
         for run in self._runs(script, goal):
             if run.succeeded:
@@ -78,7 +87,7 @@ class Guided:
         first = self._run(script, goal, Decisions(), strict=False)
         others = bool(first.happened)
         yield first
-        for strict in (True, False):
+        for strict in (False,) if goal.further else (True, False):
             decisions = Decisions()
             for _ in range(MOST_OF_ONE_KIND):
                 if others and not strict:

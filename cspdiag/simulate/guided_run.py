@@ -126,7 +126,7 @@ class Run:
         )
 
     def _go(self) -> None:
-        while self._script.left or self._goal.is_standstill:
+        while self._script.left or self._goal.is_standstill or self._is_to_come():
             self._offer()
             party = self._next()
             if party is None:
@@ -149,6 +149,10 @@ class Run:
     @property
     def _actions(self) -> int:
         return self._steps + self._world.met
+
+    def _is_to_come(self) -> bool:
+        """Whether what a specification is to see in the end has not been seen, though all processes have done their part once."""
+        return self._goal.further and self._expected is not None and self._seen < len(self._expected)
 
     def _concluded(self) -> bool:
         """Nobody is ready: whether that is the standstill."""
@@ -199,7 +203,8 @@ class Run:
         if number is None or not self._world.can_offer(self._script.entries[number]):
             return
         ready = scheduler.queue or any(self._ready.values())
-        if not ready or not self._decisions.choose(2):
+        waits = ready or (self._goal.further and self._world.time_can_pass)
+        if not waits or not self._decisions.choose(2):
             self._world.offer(self._script.entries[number])
 
     def _pass_time(self) -> None:
@@ -249,17 +254,18 @@ class Run:
         actors = tuple(Actor("" if task.process is None else task.process.name, names_of(task)) for task in tasks)
         self._happened.append(Happened(action, channel, actors, value))
 
-    def _match(self, party: Party, action: str, channel: str, index: int = 0) -> None:
+    def _match(self, party: Party, action: str, channel: str, index: int = 0) -> bool:
         """Whether that was wanted."""
         key = self._key(party)
         number = self._script.do(key, action, channel, index)
         if number is not None:
             if number >= self._goal.cycle and self._cycle_began is None:
                 self._cycle_began = scheduler.now
-            return
+            return True
         head = self._script.head(key)
         if head is not None or self._strict:
             self._lose(self._other(party, channel or action, head))
+        return False
 
     def _other(self, party: Party, done: str, head: Passed | None) -> str:
         path = "" if party.process is None else party.process.name
@@ -271,6 +277,8 @@ class Run:
 
     def _lose(self, words: str) -> None:
         """The run does something else than the script has."""
+        if self._goal.further:
+            return
         if self._cut is None:
             self._lost, self._cut = words, self._decisions.made
         if self._strict:
@@ -295,10 +303,13 @@ class Run:
             return
         self._communicated(channel, value)
         self._note("communication", channel, value, writer, reader)
+        wanted = set()
         if writer is not None and channel not in self._broadcasts:
-            self._match(writer, "write", channel)
+            wanted.add(self._match(writer, "write", channel))
         if reader is not None:
-            self._match(reader, "read", channel)
+            wanted.add(self._match(reader, "read", channel))
+        if self._goal.further and len(wanted) > 1:
+            self._problem = f"at {shown(scheduler.now)}, `{channel}` is communicated with another process"
 
     def _communicated(self, channel: str, value: Any) -> None:
         is_expected = self._expected is not None and channel in self._goal.visible
@@ -309,6 +320,8 @@ class Run:
         if self._expected is None or not is_expected:
             return
         expected = self._expected[self._seen] if self._seen < len(self._expected) else None
+        if channel != expected and self._goal.further:
+            return
         self._seen += 1
         if channel != expected:
             self._problem = f"at {shown(scheduler.now)}, `{channel}` comes before `{expected or 'the end'}`"

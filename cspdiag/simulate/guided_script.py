@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Container, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
@@ -73,6 +73,18 @@ class Standing:
 
     actor: Actor
     channels: frozenset[str]
+
+
+def put_off(entries: Sequence[Passed], channels: Container[str]) -> tuple[Passed, ...]:
+    """The same entries; those that read one of ``channels`` as late as the task that reads can wait."""
+    waiting: dict[Key, list[Passed]] = {}
+    found: list[Passed] = []
+    for entry in entries:
+        if entry.action == "read" and entry.channel in channels:
+            waiting.setdefault(entry.key, []).append(entry)
+        else:
+            found += (*waiting.pop(entry.key, ()), entry)
+    return (*found, *(entry for late in waiting.values() for entry in late))
 
 
 class Script:

@@ -1,388 +1,83 @@
 """Steps the generated program through a trace: does it do what the transition system was found to do?
 
-Who gets on and what alternatives choose follows the trace; values that the trace leaves open are tried one after the other. Priorities and times play no part here: what
-is found so has still to be done by the program as it always runs (``guided``).
+Values that the trace leaves open are tried one after the other, and then how often loops go round. What is found so has still to be done by the program as it always
+runs, with its priorities and in exact times (``guided``).
 """
 
 from __future__ import annotations
 
-from collections import defaultdict
-from collections.abc import Iterator, Mapping
-from typing import Any
+from collections.abc import Mapping
 
 from cspdiag.network.ir import Network
-from cspdiag.runtime.composition import end_all, task_for
-from cspdiag.runtime.deadlock import DeadlockReport, report_deadlock
-from cspdiag.runtime.exceptions import Fault, ProcessError, Timeout
-from cspdiag.runtime.network import Network as RunningNetwork
-from cspdiag.runtime.scheduler import Task, scheduler
-from cspdiag.settings import SettingError, parse_duration
-from cspdiag.simulate.execute import BodyError, account_of
 from cspdiag.simulate.guided import Guided
-from cspdiag.simulate.guided_goal import STANDSTILLS
-from cspdiag.simulate.guided_run import GuidedRun
 from cspdiag.simulate.package import LoadedPackage
+from cspdiag.simulate.replay_attempt import Attempt
 from cspdiag.simulate.replay_decisions import Decisions
-from cspdiag.simulate.replay_gates import Gate, Interruption, Option, conductor
-from cspdiag.simulate.replay_memory import memory
-from cspdiag.simulate.replay_names import UNFIT, WRITTEN, belongs, fit, is_medium
-from cspdiag.simulate.replay_rest import Resting, resting
+from cspdiag.simulate.replay_gates import conductor
 from cspdiag.simulate.replay_result import Judge, Replay
+from cspdiag.simulate.replay_rounds import Rounds
 from cspdiag.simulate.replay_runtime import replaying_runtime
-from cspdiag.simulate.replay_trace import Trace, TraceStep
-from cspdiag.simulate.replay_values import Values, numbers_of
+from cspdiag.simulate.replay_trace import Trace
 
 MOST_ATTEMPTS = 400
-_ALLOWED = "with the values that it has there, it does what the specification allows"
-_SILENT = frozenset({"variable", "start", "end", "cancel", "exception", "failure", "delivered"})
-
-
-class _DivergenceError(Exception):
-    """The program does not follow the trace; the message says where."""
 
 
 def replay(network: Network, files: Mapping[str, str], trace: Trace, judge: Judge | None = None) -> Replay:
     """Step the package ``files`` of ``network``, compiled without optimization, through a trace, after which the ``judge`` has to find something wrong.
 
-    What is found so is tried on the program as it always runs, with its priorities and in exact times: ``Guided``.
-
     Raises BodyError for a hand-written body that cannot be made.
     """
     package = LoadedPackage(network.name, files, replaying_runtime())
     guided = Guided(network, files, package)
+    attempts = _Attempts(network, package, trace, judge, guided)
     try:
-        return _best(network, package, trace, judge, guided)
+        result = attempts.best()
+        if result.succeeded or result.other or trace.exact:
+            return result
+        return max(attempts.best(Rounds(network, trace)), result, key=_distance)
     finally:
         guided.close()
         package.close()
 
 
-def _best(network: Network, package: LoadedPackage, trace: Trace, judge: Judge | None, guided: Guided) -> Replay:
-    """The attempt that succeeds, or comes furthest."""
-    decisions = Decisions()
-    best: Replay | None = None
-    for _ in range(MOST_ATTEMPTS):
-        attempt = _Attempt(network, package, trace, decisions, judge)
-        result = attempt.run()
-        if result.succeeded:
-            result = attempt.led(guided.follow(conductor.passed, trace, attempt.cycle, ends=attempt.ends), result)
-        if result.succeeded:
-            return result
-        if best is None or (result.excluded, result.steps) > (best.excluded, best.steps):
-            best = result
-        if best.other or guided.exhausted or not decisions.advance():
-            break
-    assert best is not None
-    return best
+def _distance(result: Replay) -> tuple[bool, bool, int]:
+    """How far the program has come."""
+    return result.succeeded, result.excluded, result.steps
 
 
-class _Attempt:
-    """One run of the program along the trace, with certain decisions about what the trace leaves open."""
+class _Attempts:
+    """Attempts to follow one trace."""
 
     def __init__(
-        self, network: Network, package: LoadedPackage, trace: Trace, decisions: Decisions, judge: Judge | None
+        self, network: Network, package: LoadedPackage, trace: Trace, judge: Judge | None, guided: Guided
     ) -> None:
-        self._judge = judge
-        self._trace = trace
+        self._network = network
         self._package = package
-        self._decisions = decisions
-        self._ports = {f"{network.top}.{port.name}": port for port in network.external_ports}
-        types = package.module("types") if network.enums or network.structs else None
-        self._values = Values(types, numbers_of(network))
-        self._communications: list[tuple[str, Any]] = []
-        self._failed: BaseException | None = None
-        self._ended = False
-        self._rest: Resting | None = None
-        self.cycle = 0
-        """How many things processes have gone on with before what can be repeated."""
+        self._trace = trace
+        self._judge = judge
+        self._guided = guided
 
-    def branch_ended(self, branch: Task, error: BaseException | None) -> None:
-        """The outermost process has ended."""
-        self._ended = True
-        self._failed = error
+    def best(self, rounds: Rounds | None = None) -> Replay:
+        """The attempt that succeeds, or comes furthest."""
+        decisions = Decisions()
+        best: Replay | None = None
+        for _ in range(MOST_ATTEMPTS):
+            result = self._made(decisions, rounds)
+            if result.succeeded:
+                return result
+            if best is None or _distance(result) > _distance(best):
+                best = result
+            exhausted = self._guided.exhausted or (rounds is not None and rounds.exhausted)
+            if best.other or exhausted or not decisions.advance():
+                break
+        assert best is not None
+        return best
 
-    def run(self) -> Replay:
-        conductor.reset()
-        scheduler.reset()
-        self._decisions.begin()
-        network = self._built()
-        root = task_for(network.process, self, None)
-        scheduler.observe = self._observe
-        scheduler.enqueue(root)
-        done = 0
-        deadlock, divergence, judgement = None, None, ""
-        try:
-            self._settle()
-            for step in self._trace.steps:
-                self._perform(step)
-                done += 1
-            self.cycle = len(conductor.passed)
-            for step in self._trace.cycle:
-                self._perform(step)
-                done += 1
-            if self._trace.cycle and not self._trace.exact:
-                self._go_round_again(network.process)
-            judgement = self._judged()
-            deadlock = self._conclude(root)
-        except _DivergenceError as problem:
-            divergence = str(problem)
-        finally:
-            scheduler.observe = None
-            end_all(root)
-        return Replay(done, divergence, tuple(self._communications), deadlock, False, judgement)
-
-    def _built(self) -> RunningNetwork:
-        try:
-            network: RunningNetwork = self._package.module("network").build(defaultdict(lambda: None))
-        except Exception as problem:
-            raise BodyError(account_of(problem)) from problem
-        return network
-
-    def _observe(self, channel: str, value: Any, writer: object, reader: object) -> None:
-        self._communications.append((channel, value))
-
-    def _settle(self) -> None:
-        """Everybody goes on to a gate, or to where only others can help."""
-        while scheduler.run_ready():
-            pass
-        if self._failed is not None and (isinstance(self._failed, Fault) or not isinstance(self._failed, ProcessError)):
-            error, self._failed = self._failed, None
-            raise _DivergenceError(f"it ends with {type(error).__name__}: {error}")
-
-    def _perform(self, step: TraceStep) -> None:
-        if step.kind in _SILENT:
-            return
-        if step.kind == "internal":
-            self._choose_silently(step)
-            return
-        if step.kind == "ready":
-            self._choose_ready(step)
-            return
-        if step.kind in {"sample", "miss", "external"} and step.channel in self._ports:
-            self._supply(step)
-        conductor.done.clear()
-        expected = []
-        for option, candidate in self._taking_part(step):
-            if isinstance(candidate, Interruption):
-                candidate.fire()
-            else:
-                conductor.release(candidate, option)
-            expected.append((option.action, option.channel, candidate.task))
-            self._settle()
-        for action, channel, task in expected:
-            if action == "ready":
-                self._read_after_guard(channel, task)
-        for action, channel, _ in expected:
-            if (action, channel) not in conductor.done and not step.channel.endswith(WRITTEN):
-                raise _DivergenceError(f"`{step}` does not come about")
-
-    def _choose_ready(self, step: TraceStep) -> None:
-        """A process takes a guard that leaves the reading to it, or abandons a body because a guard is ready; one that is alone in its alternative is no choice."""
-        path = step.parties[0][1]
-        for option, candidate in self._offers(("ready", "read", "write"), step.channel):
-            if not belongs(candidate.path, path):
-                continue
-            if isinstance(candidate, Interruption):
-                is_seen = option.action != "ready" or step.channel not in self._ports
-                (candidate.abandon if is_seen else candidate.fire)()
-            elif option.action == "ready":
-                conductor.release(candidate, option)
-            else:
-                continue
-            self._settle()
-            return
-
-    def _offers(self, actions: tuple[str, ...], channel: str | None) -> list[tuple[Option, Gate | Interruption]]:
-        """What processes at gates could do."""
-        candidates: list[Gate | Interruption] = [*conductor.halted.values(), *conductor.interruptions]
-        return [
-            (option, candidate)
-            for candidate in candidates
-            for option in candidate.options
-            if option.action in actions and channel in (None, option.channel)
-        ]
-
-    def _choose_silently(self, step: TraceStep, *, necessary: bool = False) -> bool:
-        """A process takes a guard that is always ready, if it is at one; whether it did. ``necessary``: otherwise the step cannot come."""
-        for gate in list(conductor.halted.values()):
-            silent = [option for option in gate.options if option.action == "skip"]
-            if silent and any(belongs(gate.path, path) for _, path in step.parties):
-                others = len(silent) < len(gate.options) and not necessary
-                chosen = self._decisions.choose(len(silent) + others)
-                if chosen < len(silent):
-                    conductor.release(gate, silent[chosen])
-                    self._settle()
-                    return True
-        return False
-
-    def _read_after_guard(self, channel: str, task: Task) -> None:
-        """A process that was told that it can read does so first: ``task``, or a branch of it."""
-        own = conductor.halted.get(task)
-        for gate in [own] if own is not None else list(conductor.halted.values()):
-            for option in gate.options:
-                if (option.action, option.channel) == ("read", channel):
-                    conductor.release(gate, option)
-                    self._settle()
-                    return
-        if ("read", channel) not in conductor.done:
-            raise _DivergenceError(f"nobody reads `{channel}`")
-
-    def _supply(self, step: TraceStep) -> None:
-        port = self._ports[step.channel]
-        if port.direction == "out":
-            return
-        if step.kind == "miss":
-            conductor.supplied[step.channel] = Timeout(f"a sample of {step.channel} was overwritten")
-            return
-        candidates = self._values.candidates(port.type, step.value)
-        if not candidates:
-            raise _DivergenceError(f"no value `{step.value}` can be offered at `{step.channel}`")
-        conductor.supplied[step.channel] = candidates[self._decisions.choose(len(candidates))]
-
-    def _taking_part(self, step: TraceStep) -> Iterator[tuple[Option, Gate | Interruption]]:
-        """The gates to be passed for a step, writers first, alternatives last."""
-        if step.kind == "time":
-            time_out = step.channel.rpartition(": ")[2].startswith("after")
-            offers = self._offers(("after",) if time_out else ("wait",), None)
-            lasting = [entry for entry in offers if entry[0].duration == _duration(step)]
-            offers = lasting or offers
-        else:
-            offers = self._offers(("write", "read", "ready"), step.channel.removesuffix(WRITTEN))
-        found = list(self._chosen(step, offers))
-        if not found:
-            if self._choose_silently(step, necessary=True):
-                return self._taking_part(step)
-            raise _DivergenceError(f"nobody is ready for `{step}`{self._instead(step)}")
-        return iter(sorted(found, key=lambda entry: _order(*entry)))
-
-    def _chosen(
-        self, step: TraceStep, offers: list[tuple[Option, Gate | Interruption]]
-    ) -> Iterator[tuple[Option, Gate | Interruption]]:
-        """For each process of the step what it goes on with; among several that would fit, a decision."""
-        taken: set[int] = set()
-        for name, path in step.parties:
-            if is_medium(name, step):
-                continue
-            free = [entry for entry in offers if id(entry[1].task) not in taken]
-            ranks = [fit(candidate, name, path) for _, candidate in free]
-            best = min(ranks, default=UNFIT)
-            fitting = [entry for entry, rank in zip(free, ranks, strict=True) if rank == best < UNFIT]
-            if fitting:
-                option, candidate = fitting[self._decisions.choose(len(fitting))]
-                taken.add(id(candidate.task))
-                yield option, candidate
-
-    def _instead(self, step: TraceStep) -> str:
-        told = [
-            f"`{gate.path}` waits {' or '.join(f'to {o.action} {o.channel}'.rstrip() for o in gate.options)}"
-            for gate in conductor.halted.values()
-            if any(belongs(gate.path, path) for _, path in step.parties)
-        ]
-        return f": {'; '.join(told[:3])}" if told else ""
-
-    def _go_round_again(self, process: object) -> None:
-        """What leaves everything as it was can be done for ever; the first time round may still have brought it there."""
-        before = memory(process)
-        for step in self._trace.cycle:
-            self._perform(step)
-        after = memory(process)
-        changed = [name for name, value in before.items() if after.get(name) != value]
-        if changed:
-            named = ", ".join(f"`{name}`" for name in changed[:3])
-            raise _DivergenceError(f"each time round, {named} changes, so that this may come to an end")
-
-    @property
-    def ends(self) -> bool:
-        """Whether the judge was told that all has ended."""
-        return self._judge is not None and self._rest is None
-
-    def led(self, run: GuidedRun, result: Replay) -> Replay:
-        """The result of this attempt, after the program was led through what it has found."""
-        divergence, judgement = run.divergence, result.judgement
-        if run.succeeded and self._judge is not None:
-            found = self._judge(run.communications, self._rest)
-            divergence, judgement = (_ALLOWED, "") if found is None else (None, found)
-        return Replay(
-            result.steps,
-            divergence,
-            run.communications,
-            run.deadlock,
-            not run.succeeded,
-            judgement,
-            run.happened,
-            run.standing,
-        )
-
-    def _judged(self) -> str:
-        """What the judge finds wrong with what was done."""
-        if self._judge is None:
-            return ""
-        if not self._ended:
-            self._rest = resting([*conductor.halted.values(), *conductor.interruptions], self._ports)
-        judgement = self._judge(self._communications, self._rest)
-        if judgement is None:
-            raise _DivergenceError(_ALLOWED)
-        return judgement
-
-    def _end_silently(self) -> None:
-        """Nobody stays where a guard is always ready: transition systems leave out steps that make no difference."""
-        gates = [gate for gate in conductor.halted.values() if any(option.action == "skip" for option in gate.options)]
-        for gate in gates:
-            silent = [option for option in gate.options if option.action == "skip"]
-            if self._trace.failure == "deadlock" or len(silent) == len(gate.options):
-                chosen = silent[self._decisions.choose(len(silent))]
-                conductor.release(gate, chosen)
-                self._settle()
-
-    def _is_stuck(self, gate: Gate) -> bool:
-        """Whether the trace says of a process that it never goes on; its parallel branches are told apart by where they wait."""
-        waits = {option.channel for option in gate.options if option.channel}
-        return any(belongs(gate.path, path) and waits & channels for path, channels in self._trace.stuck)
-
-    def _require_stuck(self, stuck: list[Gate]) -> None:
-        """Nobody among ``stuck`` can go on by himself, with the environment, or with those who go on."""
-        moving = [gate for gate in conductor.halted.values() if gate not in stuck]
-        offered = {(option.action, option.channel) for gate in moving for option in gate.options}
-        for gate in stuck:
-            for option in gate.options:
-                can_come = option.action in {"wait", "after", "skip"} or option.channel in self._ports
-                opposite = "read" if option.action == "write" else "write"
-                if can_come or (opposite, option.channel) in offered:
-                    raise _DivergenceError(f"`{gate.path}` can still go on{_with(option)}")
-
-    def _conclude(self, root: Task) -> DeadlockReport | None:
-        """What was refuted is the case now."""
-        if self._trace.failure not in STANDSTILLS:
-            return None
-        if self._ended:
-            raise _DivergenceError("it ends instead of coming to a halt")
-        self._end_silently()
-        before = len(self._communications)
-        stuck = [
-            gate for gate in conductor.halted.values() if self._trace.failure == "deadlock" or self._is_stuck(gate)
-        ]
-        self._require_stuck(stuck)
-        conductor.go_free()
-        for gate in stuck:
-            conductor.release(gate, None)
-        self._settle()
-        if len(self._communications) > before:
-            channel, _ = self._communications[before]
-            raise _DivergenceError(f"it goes on with `{channel}`")
-        return report_deadlock(root, scheduler.now)
-
-
-def _duration(step: TraceStep) -> int | None:
-    """How long a step of time lasts, where the text says so in a number."""
-    try:
-        return parse_duration(step.channel.rpartition(": ")[2].removeprefix("after").removeprefix("wait").strip())
-    except SettingError:
-        return None
-
-
-def _with(option: Option) -> str:
-    return f" with `{option.channel}`" if option.channel else ""
-
-
-def _order(option: Option, candidate: Gate | Interruption) -> tuple[bool, bool]:
-    return isinstance(candidate, Interruption) or len(candidate.options) > 1, option.action == "write"
+    def _made(self, decisions: Decisions, rounds: Rounds | None) -> Replay:
+        attempt = Attempt(self._network, self._package, self._trace, self._judge, decisions, rounds)
+        result = attempt.run()
+        if not result.succeeded:
+            return result
+        further = self._trace.rounds or bool(result.added)
+        run = self._guided.follow(conductor.passed, self._trace, attempt.cycle, ends=attempt.ends, further=further)
+        return attempt.led(run, result)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Protocol
 
+from cspdiag.settings import SettingError, parse_duration
 from cspdiag.simulate.replay_trace import TraceStep
 
 UNFIT = 3
@@ -38,3 +39,11 @@ def fit(candidate: Named, name: str, path: str) -> int:
 def belongs(process: str, path: str) -> bool:
     """Whether a process is the one of a path, or inside it, or runs it."""
     return process == path or process.startswith(f"{path}.") or path.startswith(f"{process}.")
+
+
+def duration_of(step: TraceStep) -> int | None:
+    """How long a step of time lasts, where the text says so in a number."""
+    try:
+        return parse_duration(step.channel.rpartition(": ")[2].removeprefix("after").removeprefix("wait").strip())
+    except SettingError:
+        return None

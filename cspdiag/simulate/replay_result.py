@@ -9,6 +9,7 @@ from typing import Any, TypeAlias
 from cspdiag.runtime.deadlock import DeadlockReport
 from cspdiag.simulate.guided_script import Happened, Standing
 from cspdiag.simulate.replay_rest import Resting
+from cspdiag.simulate.replay_rounds import Added
 
 Judge: TypeAlias = Callable[[Sequence[tuple[str, Any]], Resting | None], str | None]
 """Says what is wrong with a run, from its communications and how the processes stand then; None if nothing is."""
@@ -29,6 +30,8 @@ class Replay:
     """Whether priorities or times keep the program from following."""
     judgement: str = ""
     """What the judge has found wrong."""
+    added: tuple[Added, ...] = ()
+    """Rounds of loops that the trace does not have."""
     other: tuple[Happened, ...] = ()
     """What the program did instead, where it has come to a standstill in another way."""
     standing: tuple[Standing, ...] = ()

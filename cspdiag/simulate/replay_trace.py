@@ -8,10 +8,15 @@ from dataclasses import dataclass
 from typing import Any
 
 FORMAT = "cspdiag trace 1"
+_ROUNDS = "rounds"
 
 
 class TraceError(ValueError):
     """The file is no trace to replay; the message is one line."""
+
+
+class DivergenceError(Exception):
+    """The program does not follow the trace; the message says where."""
 
 
 @dataclass(frozen=True)
@@ -44,6 +49,8 @@ class Trace:
     exact: bool
     hidden: frozenset[str] = frozenset()
     """Channels of the environment that a specification does not see."""
+    rounds: bool = False
+    """Whether it has rounds of loops whose end the proof left open."""
 
 
 def trace_text(
@@ -84,14 +91,22 @@ def read_trace(text: str) -> Trace:
             settings={_text(name): _text(value) for name, value in whole["settings"].items()},
             assertion=_text(whole["assertion"]),
             failure=_text(whole["failure"]),
-            steps=tuple(_step(step, whole["process"]) for step in whole["steps"]),
+            steps=tuple(step for entry in whole["steps"] for step in _steps(entry, whole["process"])),
             cycle=tuple(_step(step, whole["process"]) for step in whole["cycle"]),
             exact=not whole["left_open"],
+            rounds=any(entry["kind"] == _ROUNDS for entry in whole["steps"]),
             hidden=frozenset(f"{whole['process']}.{_text(port)}" for port in whole.get("hidden", ())),
             stuck=tuple((_text(entry["path"]), frozenset(map(_text, entry["channels"]))) for entry in whole["waiting"]),
         )
     except (KeyError, TypeError, AttributeError) as problem:
         raise TraceError(f"a trace that is not whole ({type(problem).__name__}: {problem})") from None
+
+
+def _steps(entry: Mapping[str, Any], process: str) -> list[TraceStep]:
+    """A step, or those of all rounds of a loop."""
+    if entry["kind"] != _ROUNDS:
+        return [_step(entry, process)]
+    return [_step(step, process) for step in entry["steps"]] * int(entry["times"])
 
 
 def _step(entry: Mapping[str, Any], process: str) -> TraceStep:

@@ -118,6 +118,7 @@ class Verifier:
         found = answer.counterexample
         if found is None:
             return answer
+        from cspdiag.analyses.counterexamples.rounds import with_rounds
         from cspdiag.codegen import target_errors
         from cspdiag.simulate.execute import BodyError
         from cspdiag.simulate.guided_told import retold
@@ -143,6 +144,7 @@ class Verifier:
         if result.divergence is not None:
             return not_replayed(answer, result.divergence)
         found = with_values(found, result.communications, network)
+        found = with_rounds(found, ((added.before, added.told) for added in result.added))
         found = replace(found, reason=result.judgement or found.reason)
         deadlock = Deadlock(self._asked, answer.question, found, self._settings or {})
         return replace(answer, replayed=True, counterexample=found, suggestions=helpful(deadlock, self._read))

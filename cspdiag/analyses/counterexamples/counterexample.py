@@ -28,12 +28,13 @@ class Party:
 
 @dataclass(frozen=True)
 class Step:
-    """Something that happens; ``channel`` is the hierarchical name as in traces."""
+    """Something that happens; ``channel`` is the hierarchical name as in traces. ``added``: the proof left it open, and the program did it."""
 
     kind: EventKind | Literal["internal"]
     channel: str
     value: str | None
     parties: tuple[Party, ...]
+    added: bool = False
 
     @property
     def shown(self) -> bool:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from cspdiag.analyses.counterexamples.counterexample import Counterexample, Party, Step
+from cspdiag.analyses.counterexamples.rounds import Repeated, repeated
 from cspdiag.diagnostics.render_json import place
 
 
@@ -13,7 +14,7 @@ def encoded(found: Counterexample) -> dict[str, Any]:
     return {
         "failure": found.failure,
         "reason": found.reason,
-        "steps": [_step(step) for step in found.steps],
+        "steps": [entry for part in repeated(found.steps) for entry in _steps(part)],
         "cycle": [_step(step) for step in found.cycle],
         "waiting": [
             {
@@ -29,6 +30,14 @@ def encoded(found: Counterexample) -> dict[str, Any]:
         ],
         "ring": list(found.ring),
     }
+
+
+def _steps(part: Repeated) -> list[dict[str, Any]]:
+    """The steps, or an entry for all rounds of a loop."""
+    steps = [_step(step) for step in part.steps]
+    if not part.steps[0].added:
+        return steps
+    return [{"kind": "rounds", "channel": "", "value": None, "parties": [], "times": part.times, "steps": steps}]
 
 
 def _step(step: Step) -> dict[str, Any]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from cspdiag.analyses.counterexamples.counterexample import Counterexample, Party, Step
+from cspdiag.analyses.counterexamples.rounds import Repeated, repeated
 
 _KINDS = {"sample": "sample", "miss": "missed", "exception": "raise", "failure": "raise"}
 
@@ -21,7 +22,7 @@ def table(found: Counterexample, width: int = 120) -> str:
     if not names:
         return ""
     files = {party.span.file for step in (*steps, *cycle) for party in step.parties if party.span is not None}
-    rows = [_row(number, step, names, found.process, len(files) > 1) for number, step in enumerate((*steps, *cycle), 1)]
+    rows = list(_rows((*steps, *cycle), names, found.process, told_files=len(files) > 1))
     lines = _aligned([["", "", *names], *rows])
     legend = [f"lines of {file}" for file in files] if len(files) == 1 else []
     if max(map(len, lines)) > width:
@@ -30,6 +31,25 @@ def table(found: Counterexample, width: int = 120) -> str:
     if cycle:
         lines.insert(len(lines) - len(cycle), "then again and again:")
     return "".join(f"{line}\n" for line in (*lines, *_wrapped(legend, width)))
+
+
+def _rows(steps: Sequence[Step], names: Sequence[str], process: str, *, told_files: bool) -> Iterator[list[str]]:
+    """A row for each step, or for all rounds of a loop; steps are counted one by one."""
+    number = 1
+    for part in repeated(steps):
+        last = number + part.times * len(part.steps) - 1
+        if part.times > 1:
+            at = {party.name: _place(party, told_files) for step in reversed(part.steps) for party in step.parties}
+            cells = (f"*{at[name]}" if name in at else "" for name in names)
+            yield [f"{number}-{last}", f"{part.times} more rounds{_given(part, process)}", *cells]
+        else:
+            yield _row(number, part.steps[0], names, process, told_files)
+        number = last + 1
+
+
+def _given(part: Repeated, process: str) -> str:
+    """What the environment gives in each round."""
+    return "".join(f", {step.channel.removeprefix(f'{process}.')} {step.value}" for step in part.steps if step.value)
 
 
 def _row(number: int, step: Step, names: Sequence[str], process: str, told_files: bool) -> list[str]:
@@ -48,10 +68,13 @@ def event_text(step: Step, process: str) -> str:
 
 
 def _cell(step: Step, party: Party, told_file: bool) -> str:
-    line = "" if party.span is None else str(party.span.line)
-    if party.span is not None and told_file:
-        line = f" {party.span.file.rpartition('/')[2]}:{line}"
-    return f"{_direction(step, party)}{line}"
+    return f"{_direction(step, party)}{_place(party, told_file)}"
+
+
+def _place(party: Party, told_file: bool) -> str:
+    if party.span is None:
+        return ""
+    return f" {party.span.file.rpartition('/')[2]}:{party.span.line}" if told_file else str(party.span.line)
 
 
 def _direction(step: Step, party: Party) -> str:
