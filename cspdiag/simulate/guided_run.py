@@ -202,9 +202,8 @@ class Run:
         number = self._script.next()
         if number is None or not self._world.can_offer(self._script.entries[number]):
             return
-        ready = scheduler.queue or any(self._ready.values())
-        waits = ready or (self._goal.further and self._world.time_can_pass)
-        if not waits or not self._decisions.choose(2):
+        later = scheduler.queue or any(self._ready.values()) or self._world.time_can_pass
+        if not later or not self._decisions.choose(2):
             self._world.offer(self._script.entries[number])
 
     def _pass_time(self) -> None:
