@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from cspdiag.analyses.timing.demands import Behaviour, Demands
-from cspdiag.analyses.timing.flow import Offer, Place
+from cspdiag.analyses.timing.flow import Offer, Place, Thread
 from cspdiag.analyses.timing.jobs import Path
 from cspdiag.analyses.timing.result import Refusal
 from cspdiag.diagnostics import Span
@@ -40,15 +40,26 @@ class Partners:
     def together(self, path: Path) -> Together:
         """The loop's own path with all that it waits for."""
         found = Together(path.work, path.step, self.owner.level, {self.owner.number})
-        for (channel, writes), count in path.meets.items():
+        # Who asks a server meets it at the question; at the answer it is on its way.
+        for (channel, writes), count in sorted(path.meets.items(), key=lambda met: self._is_answer(*met[0])):
             self._add(found, channel, not writes, count)
         return found
+
+    def _is_answer(self, channel: str, writes: bool) -> bool:
+        """Whether the loop waits there for who it has asked before."""
+        return any(
+            (offer.channel, offer.writes) == (channel, not writes)
+            and self._who_has_asked(one, wait, offer) is self.owner
+            for one in self.demands.taking_part(channel, writes=not writes)
+            for wait in one.waits
+            for offer in one.thread.places[wait].offers
+        )
 
     def _add(self, found: Together, channel: str, writes: bool, count: int) -> None:
         others = self.demands.taking_part(channel, writes=writes)
         partners = [one for one in others if one.number not in found.members]
         if not others:
-            self._refuse(channel, "nothing that has a bound takes part in it")
+            self._refuse(channel, writes, "nobody is bound to write it before the next sample")
         for partner in partners:
             if self._is_bounded(partner, channel, writes):
                 found.members.add(partner.number)
@@ -58,22 +69,25 @@ class Partners:
     def _is_bounded(self, partner: Behaviour, channel: str, writes: bool) -> bool:
         """Whether the partner comes to the channel as soon as it has done its work, wherever it waits."""
         for wait, place in partner.idle_waits():
-            if any(
-                offer.kind == "partner" and (offer.channel, offer.writes) == (channel, writes) for offer in place.offers
-            ):
+            if _offers(place, channel, writes):
                 continue
             if self.period in _periods(place) or (wait not in partner.loop_of and not _leads_on(partner, wait)):
                 continue
-            self._refuse(channel, f"`{_short(partner.thread.path)}` may wait for {_awaited(place)} meanwhile")
+            reason = f"`{_short(partner.thread.path)}` may wait for {_awaited(place)} meanwhile"
+            self._refuse(channel, writes, reason)
             return False
         return True
 
-    def _refuse(self, channel: str, reason: str) -> None:
+    def _refuse(self, channel: str, writes: bool, reason: str) -> None:
+        """``writes`` tells the side of the partner."""
         name = channel.rpartition(".")[2]
-        self.refusals.append(Refusal(
-            self.owner.thread.path, f"it waits at `{name}` without bound: {reason}", self.span,
-            f"make `{name}` an `overwrite 1` channel, or let the partner offer it in an alternative wherever it waits",
-        ))  # fmt: skip
+        advice = f"let the partner offer `{name}` in an alternative wherever it waits"
+        if writes:
+            advice = f"read `{name}` in an alternative beside the sample, which keeps the last value in a variable, or {advice}"
+        else:
+            advice = f"make `{name}` an `overwrite 1` channel, or {advice}"
+        reason = f"it waits at `{name}` without bound: {reason}"
+        self.refusals.append(Refusal(self.owner.thread.path, reason, self.span, advice))
 
     def _count(self, found: Together, partner: Behaviour, channel: str, writes: bool, count: int) -> None:
         """The partner's work for ``count`` communications, and for what it is doing when the first is wanted."""
@@ -92,7 +106,8 @@ class Partners:
             found.replaced.add((partner.number, self.period, self.owner.number))
         for wait in partner.waits:
             for offer in partner.thread.places[wait].offers:
-                self._follow(found, partner, wait, offer, channel, count)
+                if not _offers(partner.thread.places[wait], channel, writes):
+                    self._follow(found, partner, wait, offer, count)
 
     def _count_sampled(self, found: Together, partner: Behaviour, channel: str, writes: bool, count: int) -> None:
         in_step = [
@@ -113,10 +128,61 @@ class Partners:
                 if other != channel:
                     self._add(found, other, not side, times * count)
 
-    def _follow(self, found: Together, partner: Behaviour, wait: int, offer: Offer, channel: str, count: int) -> None:
+    def _follow(self, found: Together, partner: Behaviour, wait: int, offer: Offer, count: int) -> None:
         """What the partner itself waits for at another channel, before it comes back to this one."""
-        if offer.kind == "partner" and offer.channel != channel and not partner.thread.places[wait].is_idle:
+        if offer.kind != "partner" or partner.thread.places[wait].is_idle:
+            return
+        asking = self._who_has_asked(partner, wait, offer)
+        if asking is None:
             self._add(found, offer.channel, not offer.writes, count)
+        else:
+            # What it computes counts beside the loop; it has to be served for the partner to go on.
+            found.level = max(found.level, asking.level)
+
+    def _who_has_asked(self, server: Behaviour, wait: int, answer: Offer) -> Behaviour | None:
+        """The one thread that has made the server come to this wait, and now waits for its answer with nothing in between; None if that is not so for certain."""
+        clients = self.demands.taking_part(answer.channel, writes=not answer.writes)
+        if len(clients) != 1 or clients[0].number == server.number:
+            return None
+        client = clients[0]
+        for job in server.jobs:
+            if wait in job.path.stops and (job.wait in server.waits or job.wait < 0):
+                asked = job.offer
+                if asked is None or asked.kind != "partner":
+                    return None
+                asking = self.demands.taking_part(asked.channel, writes=not asked.writes)
+                if asking != clients or not _waits_at_once(client.thread, asked, answer):
+                    return None
+        return client
+
+
+def _offers(place: Place, channel: str, writes: bool) -> bool:
+    """Whether one who waits there would take part in a communication on that side of a channel."""
+    return any(offer.kind == "partner" and (offer.channel, offer.writes) == (channel, writes) for offer in place.offers)
+
+
+def _waits_at_once(client: Thread, asked: Offer, answer: Offer) -> bool:
+    """Whether a thread that has communicated on one channel waits next for another one."""
+    places = client.places
+    pending = [
+        offer.target
+        for place in places
+        for offer in place.offers
+        if offer.kind == "partner" and (offer.channel, offer.writes) == (asked.channel, not asked.writes)
+    ]
+    seen: set[int] = set()
+    while pending:
+        number = pending.pop()
+        if number in seen:
+            continue
+        seen.add(number)
+        place = places[number]
+        if not place.offers and not place.successors:
+            return False
+        if place.offers and not (len(place.offers) == 1 and _offers(place, answer.channel, not answer.writes)):
+            return False
+        pending += place.successors
+    return bool(seen)
 
 
 def _periods(place: Place) -> set[int]:
