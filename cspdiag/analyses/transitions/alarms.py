@@ -10,7 +10,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Sequence
 
 from cspdiag.analyses.transitions.occurrences import Medium
-from cspdiag.analyses.transitions.template import Label, Template
+from cspdiag.analyses.transitions.template import Label, Reference, Template
 from cspdiag.analyses.transitions.thread import resolve
 from cspdiag.analyses.transitions.threads import Strand
 
@@ -46,21 +46,24 @@ class Alarms:
 
 def _unsteady(template: Template) -> set[Label]:
     """The alarms of a thread, and its offers that it may withdraw."""
-    found: set[Label] = set()
-    for edges in template.edges:
-        labels = [label for label, _ in edges]
-        found.update(label for label in labels if label[0] == "alarm" or may_be_withdrawn(label, labels))
-    return found
+    alarms = {label for edges in template.edges for label, _ in edges if label[0] == "alarm"}
+    return alarms.union(*withdrawn(template.edges))
 
 
-def may_be_withdrawn(label: Label, beside: Sequence[Label]) -> bool:
-    """Whether a state in which a thread makes an offer, among the labels ``beside`` it, can be left without its communication."""
-    if label[0] not in _OFFERS:
-        return False
-    if label[0] == "withdrawn":
-        return True
-    own = (_side(label), label[1])
-    return any(other[0] not in _OFFERS or (_side(other), other[1]) != own for other in beside)
+def withdrawn(edges: Sequence[Sequence[tuple[Label, int]]]) -> list[set[Label]]:
+    """For each state of a thread the labels of offers that are not made any more after something else has happened."""
+    offers = [{_offer(label): label for label, _ in found if label[0] in _OFFERS} for found in edges]
+    result: list[set[Label]] = []
+    for found, own in zip(edges, offers, strict=True):
+        left = [(_offer(label), offers[target]) for label, target in found]
+        lost = {offer for offer in own if any(other != offer and offer not in after for other, after in left)}
+        result.append({label for label, _ in found if label[0] == "withdrawn" or _offer(label) in lost})
+    return result
+
+
+def _offer(label: Label) -> tuple[str, Reference] | None:
+    """What an offer is, whatever its value: the side, and the medium."""
+    return (_side(label), label[1]) if label[0] in _OFFERS else None
 
 
 def _side(label: Label) -> str:

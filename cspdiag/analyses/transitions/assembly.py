@@ -9,7 +9,7 @@ from math import prod
 from typing import Any, TypeAlias
 
 from cspdiag.analyses.transitions import media
-from cspdiag.analyses.transitions.alarms import Alarms, may_be_withdrawn
+from cspdiag.analyses.transitions.alarms import Alarms, withdrawn
 from cspdiag.analyses.transitions.explore import TransitionError
 from cspdiag.analyses.transitions.facts import FAULT, TIMEOUT
 from cspdiag.analyses.transitions.occurrences import Medium
@@ -125,14 +125,14 @@ class Assembly:
 
     def _with_echoes(self, edges: list[tuple[Edge, ...]], strand: Strand, shape: Shape) -> list[tuple[Edge, ...]]:
         echoes = self._echoes[strand.number]
+        labelled = [[(shape.labels[number], target) for number, target in compiled] for compiled in shape.edges]
         found: list[tuple[Edge, ...]] = []
-        for state, (own, compiled) in enumerate(zip(edges, shape.edges, strict=True)):
-            labels = [shape.labels[number] for number, _ in compiled]
+        for state, (own, present, unsteady) in enumerate(zip(edges, labelled, withdrawn(labelled), strict=True)):
             shown = [
                 (event, state)
-                for label in labels
+                for label, _ in present
                 for event in echoes.get(label, ())
-                if event not in self._of_the_unsteady or may_be_withdrawn(label, labels)
+                if event not in self._of_the_unsteady or label in unsteady
             ]
             found.append((*own, *dict.fromkeys(shown)))
         return found

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import heapq
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import product
+from typing import Any
 
 from cspdiag.analyses.transitions.system import INTERNAL, Event, System
 from cspdiag.model.types import Type
 from cspdiag.network.dump_expression import value_text
 from cspdiag.network.ir import Network
 from cspdiag.settings import parse_duration
-from cspdiag.simulate.result import Run
 
 Communication = tuple[str, str]
 """The channel and the value that passed, as text."""
@@ -61,12 +61,11 @@ def is_stuck(system: System, state: State) -> bool:
     return waiting and not has_ended(system, state)
 
 
-def observed(run: Run) -> tuple[list[Communication], set[str]]:
-    """The communications of a run, but for those of sampled outputs, and the names of these.
+def observed(network: Network, communications: Iterable[tuple[str, Any]]) -> tuple[list[Communication], set[str]]:
+    """The communications of a run, channels with values, but for those of sampled outputs, and the names of these.
 
     A sampled output communicates at the next tick; in the system it is an event where it is written.
     """
-    network = run.network
     types = _types(network)
     latched = {
         f"{network.top}.{port.name}"
@@ -74,9 +73,7 @@ def observed(run: Run) -> tuple[list[Communication], set[str]]:
         if port.direction == "out" and port.period is not None and not port.immediate
     }
     return [
-        (channel, value_text(value, types[channel]))  # type: ignore[arg-type]
-        for _, channel, value, _, _ in run.communications
-        if channel not in latched
+        (channel, value_text(value, types[channel])) for channel, value in communications if channel not in latched
     ], latched
 
 

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, given, note, settings
 
 from cspdiag import pipeline
 from cspdiag.analyses.transitions import transition_system
+from cspdiag.analyses.transitions.system import System
 from cspdiag.diagnostics import SourceFile
 from cspdiag.network.ir import Network
 from cspdiag.simulate.execute import simulate
@@ -37,11 +40,19 @@ def run_of(network: Network) -> Run:
 
 def assert_allowed(network: Network, run: Run, limit: int = 60_000) -> bool:
     """Whether the run was followed; it may take too many states to do so."""
-    communications, unseen = observed(run)
-    wanted = {"terminated": has_ended, "deadlock": is_stuck}.get(run.outcome.ended)
+    communications = [(entry.channel, entry.value) for entry in run.communications]
+    return is_followed(transition_system(network), network, communications, run.outcome.ended, limit)
+
+
+def is_followed(
+    system: System, network: Network, made: Iterable[tuple[str, Any]], ended: str, limit: int = 60_000
+) -> bool:
+    """Whether a run that made some communications and ``ended`` was followed; it may take too many states to do so. Raises Lost where it is not allowed."""
+    communications, unseen = observed(network, made)
+    wanted = {"terminated": has_ended, "deadlock": is_stuck}.get(ended)
     if wanted is None or len(communications) > LONGEST:
-        return follow(transition_system(network), communications[:LONGEST], unseen, limit=limit) is not None
-    return follow(transition_system(network), communications, unseen, wanted, limit) is not None
+        return follow(system, communications[:LONGEST], unseen, limit=limit) is not None
+    return follow(system, communications, unseen, wanted, limit) is not None
 
 
 @pytest.mark.parametrize("name", MODELS)
@@ -72,7 +83,8 @@ def test_random_program(text: str) -> None:
 @pytest.mark.parametrize("name", ["commstime", "dining", "ring"])
 def test_run_with_a_communication_left_out_is_not_allowed(name: str) -> None:
     network = network_named(name)
-    communications, unseen = observed(run_of(network))
+    run = run_of(network)
+    communications, unseen = observed(network, ((entry.channel, entry.value) for entry in run.communications))
     system = transition_system(network)
     assert len(communications) > 10
     lost = 0
