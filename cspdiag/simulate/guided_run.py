@@ -120,7 +120,7 @@ class Run:
             scheduler.current = nobody
             end_all(self._root)
         done = len(self._script.entries) - self._script.left
-        cut = self._decisions.made if self._cut is None else self._cut
+        cut = self._cut if self._strict and self._cut is not None else self._decisions.made
         return GuidedRun(
             done, self._actions, divergence, tuple(self._communications), deadlock, cut, happened, standing
         )
