@@ -22,11 +22,10 @@ def refused_too_much(offers: Collection[Label], acceptances: Collection[Collecti
     offered = f"only {_list(offers)}" if offers else "nothing"
     if not acceptances:
         return f"it waits and offers {offered}, where the specification never waits"
-    met = {*offers, *((port, None) for port, _ in offers)}
-    any_value = {port for port, value in offers if value is None}
-    refused = {
-        label for accepted in acceptances for label in accepted if label not in met and label[0] not in any_value
-    }
+    missing = {label for accepted in acceptances for label in accepted}
+    missing -= {*offers, *((port, None) for port, _ in offers)}
+    open_ports = {port for port, value in offers if value is None}
+    refused = {label for label in missing if label[0] not in open_ports} or missing
     wanted = ", or else ".join(map(_list, acceptances))
     return f"it refuses {_list(refused)} and offers {offered}, where the specification demands {wanted}"
 

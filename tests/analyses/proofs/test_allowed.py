@@ -6,6 +6,7 @@ import pytest
 
 from cspdiag.analyses.proofs.allowed import Rest, violation
 from cspdiag.analyses.proofs.labels import Label, Labels
+from cspdiag.analyses.proofs.refinement_words import refused_too_much
 from cspdiag.analyses.proofs.verdict import LimitError, Limits
 from cspdiag.analyses.transitions.system import Component, Event, System
 from tests.analyses.proofs.known import compose, cycle
@@ -80,3 +81,8 @@ def test_who_offers_any_value_offers_each() -> None:
 def test_the_limits_hold() -> None:
     with pytest.raises(LimitError):
         violation(ONE_PLACE, Labels(ONE_PLACE), [], BUSY, Limits(seconds=-1.0), failures=False)
+
+
+def test_a_value_that_nobody_knows_may_be_the_wrong_one() -> None:
+    told = refused_too_much({("level", None)}, [{("level", "on")}])
+    assert told == "it refuses `level.on` and offers only `level`, where the specification demands `level.on`"
