@@ -50,7 +50,11 @@ def test_the_stolen_button_is_refuted_and_the_broadcast_one_proved() -> None:
     assert (stolen.outcome, stolen.replayed) == ("refuted", True)
     assert stolen.counterexample is not None
     communications = [step.channel for step in stolen.counterexample.steps if step.shown]
-    assert communications[:2] == ["StolenButton.joystick_buttons", "StolenButton.panel.stop"]
+    assert communications.index("StolenButton.joystick_buttons") < communications.index("StolenButton.panel.stop")
+    assert communications[-2] == "StolenButton.stopped"
     assert communications[-1] in {"StolenButton.joystick_horizontal", "StolenButton.joystick_vertical"}
+    added = [step.channel for step in stolen.counterexample.steps if step.added]
+    for joint, rounds in (("horizontal", 185), ("vertical", 458)):
+        assert added.count(f"StolenButton.feedback_{joint}") == 2 * rounds, "the joint aligns at both ends"
     (shared,) = answers("jiwy/stolen_button.csp", ("-> any ->", "-> broadcast ->"))
     assert shared.outcome == "proved"
