@@ -53,13 +53,13 @@ def deadlock_free(system: System, limits: Limits) -> Verdict:
 
 def knot_free(system: System, limits: Limits) -> Verdict:
     """Whether no state is reachable in which some processes wait for each other for ever, whatever the others do."""
-    return _search(system, limits, Knots, "a knot")
+    return _search(system, limits, lambda packing: Knots(packing, limits), "a knot")
 
 
-def _search(system: System, limits: Limits, condition: type[Deadlocks | Knots], name: str) -> Verdict:
+def _search(system: System, limits: Limits, condition: Callable[[Packing], Deadlocks | Knots], name: str) -> Verdict:
     packing = Packing(system)
-    looked_for = condition(packing)
     try:
+        looked_for = condition(packing)
         search = explore(packing, limits, looked_for)
         if search.found is None:
             return Proved("breadth-first", f"none of the {search.states} reachable states is {name}", search.states)
@@ -109,6 +109,7 @@ def _take_steps(packing: Packing, table: StateTable, here: Words, limits: Limits
     after: list[Words] = []
     pending = 0
     for step in packing.steps:
+        limits.check()
         enabled = step.enabled(here)
         at = np.flatnonzero(enabled)
         if len(at):

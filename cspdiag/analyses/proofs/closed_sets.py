@@ -6,22 +6,27 @@ one party which refuses it can do to come to offer it (Valmari, "The state explo
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from itertools import product
 from typing import TypeAlias
 
 from cspdiag.analyses.proofs.graph_components import strong_components
 from cspdiag.analyses.proofs.local_dependence import LocalDependence, Targets
-from cspdiag.analyses.proofs.verdict import Move
+from cspdiag.analyses.proofs.verdict import Limits, Move
 from cspdiag.analyses.transitions.system import INTERNAL, Edge, System
 
 State: TypeAlias = tuple[int, ...]
 
 
 class ClosedSets:
-    """The stubborn sets of a system's states. Internal steps have the numbers after those of the events, one a component."""
+    """The stubborn sets of a system's states. Internal steps have the numbers after those of the events, one a component.
 
-    def __init__(self, system: System) -> None:
+    All of it may raise LimitError.
+    """
+
+    def __init__(self, system: System, limits: Limits | None = None) -> None:
+        within = limits or Limits(math.inf)
         count = len(system.events)
         self._internal = count
         self._parties = [event.parties for event in system.events]
@@ -37,7 +42,7 @@ class ClosedSets:
             for at, states in enumerate(self._targets)
         ]
         """The events of which a component is the first party, and their other parties, by state."""
-        self._local = [LocalDependence(states) for states in self._targets]
+        self._local = [LocalDependence(states, within) for states in self._targets]
 
     def possible(self, state: State) -> Iterator[int]:
         """Every event that is possible in a state."""

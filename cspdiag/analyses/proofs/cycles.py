@@ -63,7 +63,7 @@ def endless_run(system: System, events: Collection[int], limits: Limits) -> Endl
 
 def _short_look(system: System, part: System, limits: Limits) -> Endless | None:
     """The shorter of what two walks find: along stubborn sets, and always on with those that moved last."""
-    sets = ClosedSets(system)
+    sets = ClosedSets(system, limits)
     allowed = {event for component in part.components for edges in component.edges for event, _ in edges}
 
     def stubborn(state: State, moves: Sequence[Move]) -> list[Way]:
@@ -127,7 +127,7 @@ def _among_all_states(system: System, part: System, limits: Limits) -> Endless |
     packing = Packing(system)
     search = explore(packing, limits, _nothing)
     sources, targets = _edges(search, Packing(part), limits)
-    left = _without_ends(search.states, sources, targets)
+    left = _without_ends(search.states, sources, targets, limits)
     if not len(left):
         return Finite("breadth-first", search.states)
     return _shortest_cycle(search, part, left, limits)
@@ -144,6 +144,7 @@ def _edges(search: Exploration, packing: Packing, limits: Limits) -> tuple[Edges
     for first in range(0, search.states, CHUNK):
         here = search.table.states(first, min(first + CHUNK, search.states))
         for step in packing.steps:
+            limits.check()
             at = np.flatnonzero(step.enabled(here))
             if len(at):
                 sources.append(at + first)
@@ -153,14 +154,15 @@ def _edges(search: Exploration, packing: Packing, limits: Limits) -> tuple[Edges
     return np.concatenate(sources), np.concatenate(targets)
 
 
-def _without_ends(states: int, sources: Edges, targets: Edges) -> Edges:
-    """The states from which the edges can be followed for ever."""
+def _without_ends(states: int, sources: Edges, targets: Edges, limits: Limits) -> Edges:
+    """The states from which the edges can be followed for ever. Raises LimitError."""
     order = np.argsort(targets, kind="stable")
     before = sources[order]
     first = np.searchsorted(targets[order], np.arange(states + 1))
     leaving = np.bincount(sources, minlength=states)
     ends = np.flatnonzero(leaving == 0)
     while len(ends):
+        limits.check()
         leaving[ends] = -1
         counts = first[ends + 1] - first[ends]
         starts = np.repeat(first[ends] - np.concatenate(([0], np.cumsum(counts)[:-1])), counts)
@@ -173,7 +175,7 @@ def _without_ends(states: int, sources: Edges, targets: Edges) -> Edges:
 def _shortest_cycle(search: Exploration, part: System, left: Edges, limits: Limits) -> Endless:
     """The cycle that a walk through the states left comes to, and a shortest trace to it."""
     endless = set(left.tolist())
-    sets = ClosedSets(part)
+    sets = ClosedSets(part, limits)
 
     def onward(number: int) -> list[tuple[Move, int]]:
         state = search.state(number)
@@ -192,6 +194,7 @@ def _shortest_cycle(search: Exploration, part: System, left: Edges, limits: Limi
     pending = [start]
     for member in pending:
         for move, after in onward(member):
+            limits.check()
             if after not in came:
                 came[after] = (member, move)
                 pending.append(after)

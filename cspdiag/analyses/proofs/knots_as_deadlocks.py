@@ -8,11 +8,15 @@ a knot.
 
 from __future__ import annotations
 
+from cspdiag.analyses.proofs.verdict import Limits
 from cspdiag.analyses.transitions.system import INTERNAL, Component, Edge, Event, System
 
+_BYTES_PER_EDGE = 72
+"""A tuple of two numbers, in a tuple."""
 
-def knots_as_deadlocks(system: System) -> System:
-    """The system with for each event one more for each of its parties, which happens after the stop, when that party asks for it."""
+
+def knots_as_deadlocks(system: System, limits: Limits) -> System:
+    """The system with for each event one more for each of its parties, which happens after the stop, when that party asks for it. Raises LimitError."""
     events = list(system.events)
     asked: list[dict[int, int]] = []
     for event in system.events:
@@ -25,10 +29,12 @@ def knots_as_deadlocks(system: System) -> System:
     for number, event in enumerate(system.events):
         for party in event.parties:
             alphabets[party].add(number)
-    components = (
-        _stopping(component, at, sorted(alphabets[at]), asked, system.events)
-        for at, component in enumerate(system.components)
-    )
+    components = []
+    edges = 0
+    for at, component in enumerate(system.components):
+        limits.check(edges * _BYTES_PER_EDGE)
+        components.append(_stopping(component, at, sorted(alphabets[at]), asked, system.events))
+        edges += sum(map(len, components[-1].edges))
     return System(tuple(components), tuple(events))
 
 

@@ -9,15 +9,19 @@ from collections.abc import Sequence
 from functools import cache
 from typing import TypeAlias
 
+from cspdiag.analyses.proofs.verdict import Limits
+
 Targets: TypeAlias = dict[int, tuple[int, ...]]
 """For each event that a state offers, the states after it."""
 
 
 class LocalDependence:
-    """Dependence of events within one component, worked out where it is asked for."""
+    """Dependence of events within one component, worked out where it is asked for. All of it may raise LimitError."""
 
-    def __init__(self, states: Sequence[Targets]) -> None:
+    def __init__(self, states: Sequence[Targets], limits: Limits) -> None:
         self._states = states
+        self._limits = limits
+        limits.check()
         self._offering: dict[int, list[int]] = {}
         for state, targets in enumerate(states):
             for event in targets:
@@ -60,6 +64,7 @@ class LocalDependence:
 
     def _always_commute(self, one: int, other: int) -> bool:
         """Whether in every state that offers both each leaves the other possible, and their order makes no difference."""
+        self._limits.check()
         for state in self._offering[one]:
             targets = self._states[state]
             if other not in targets:

@@ -22,7 +22,11 @@ def deadlock_free(system: System, limits: Limits) -> Verdict:
 
 def knot_free(system: System, limits: Limits) -> Verdict:
     """Whether no state is reachable in which some processes wait for each other for ever, whatever the others do."""
-    return _decide(system, knots_as_deadlocks(system), limits, _some_knot, "none of them can be stuck")
+    try:
+        reduced = knots_as_deadlocks(system, limits)
+    except LimitError as stop:
+        return Unknown("minimization", str(stop))
+    return _decide(system, reduced, limits, _some_knot, "none of them can be stuck")
 
 
 def _some_knot(system: System, limits: Limits) -> Verdict:

@@ -8,6 +8,7 @@ import numpy as np
 
 from cspdiag.analyses.proofs.packing import Field, Flags, Indices, Packing, Words
 from cspdiag.analyses.proofs.stuck_sets import Offers
+from cspdiag.analyses.proofs.verdict import Limits
 from cspdiag.analyses.transitions.system import INTERNAL
 
 
@@ -41,17 +42,23 @@ class Deadlocks:
 
 
 class Knots:
-    """States in which some processes wait for each other for ever (see ``stuck_sets``)."""
+    """States in which some processes wait for each other for ever (see ``stuck_sets``). All of it may raise LimitError."""
 
-    def __init__(self, packing: Packing) -> None:
+    def __init__(self, packing: Packing, limits: Limits) -> None:
         system = packing.system
+        self._limits = limits
         self._offers = Offers(system)
         self._fields = packing.fields
         alone = {at for at, event in enumerate(system.events) if len(event.parties) < 2} | {INTERNAL}
         self._may_be_stuck = []
         self._wants = []
         self._shared: list[list[tuple[Flags, list[tuple[int, Flags]], bool]]] = []
+        refusals = [
+            [(party, ~self._offering(number, party)) for party in event.parties] if len(event.parties) > 1 else []
+            for number, event in enumerate(system.events)
+        ]
         for at, (field, component) in enumerate(zip(packing.fields, system.components, strict=True)):
+            limits.check()
             events = self._offers.events[at]
             self._may_be_stuck.append(_table(field, [alone.isdisjoint(offered) for offered in events]))
             wants = [
@@ -61,7 +68,7 @@ class Knots:
             self._wants.append(_table(field, wants))
             self._shared.append(
                 [
-                    (self._offering(event, at), self._refusals(event, at), system.events[event].kind == "failure")
+                    (self._offering(event, at), refusals[event], system.events[event].kind == "failure")
                     for event in sorted(set().union(*events) - alone)
                 ]
             )
@@ -90,10 +97,6 @@ class Knots:
     def _offering(self, event: int, at: int) -> Flags:
         return _table(self._fields[at], [event in offered for offered in self._offers.events[at]])
 
-    def _refusals(self, event: int, at: int) -> list[tuple[int, Flags]]:
-        parties = self._offers.system.events[event].parties
-        return [(party, ~self._offering(event, party)) for party in parties if party != at]
-
     def _holds(self, states: list[Indices], stuck: list[Flags]) -> Flags:
         """Whether a process that wants to go on is still thought to be stuck."""
         holds = np.zeros(len(stuck[0]), np.bool_)
@@ -108,9 +111,12 @@ class Knots:
             if not stuck[at].any():
                 continue
             before = np.count_nonzero(stuck[at])
+            self._limits.check()
             for offering, refusals, fails in events:
                 blocked = ~offering.take(states[at])
                 for party, refuses in refusals:
+                    if party == at:
+                        continue
                     refused = refuses.take(states[party])
                     blocked |= refused if fails else stuck[party] & refused
                 stuck[at] &= blocked

@@ -7,6 +7,7 @@ differ only in the names of their events have the same **shape**, and pairs of t
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass
 from functools import cached_property
@@ -14,6 +15,7 @@ from itertools import combinations
 from typing import Any, NamedTuple, TypeAlias, TypeVar
 
 from cspdiag.analyses.proofs.merging import representatives
+from cspdiag.analyses.proofs.verdict import Limits
 from cspdiag.analyses.transitions.system import INTERNAL, Component, Edge, System
 
 T = TypeVar("T")
@@ -117,9 +119,9 @@ class Pair:
     states of the second in which it does not happen.
     """
 
-    def __init__(self, first: Shape, second: Shape, links: tuple[Link, ...]) -> None:
+    def __init__(self, first: Shape, second: Shape, links: tuple[Link, ...], limits: Limits) -> None:
         self.complete = len(first.reachable) * len(second.reachable) <= LARGEST_PRODUCT
-        self.reached = _reached(first, second, links) if self.complete else _all(first, second)
+        self.reached = _reached(first, second, links, limits) if self.complete else _all(first, second)
         self.reached_back = _turned(self.reached)
         self.blocked = _blocked(first, second, links, self.reached)
         self.blocked_back = _turned(self.blocked)
@@ -150,7 +152,7 @@ def _all(first: Shape, second: Shape) -> dict[int, tuple[int, ...]]:
     return dict.fromkeys(first.reachable, second.reachable)
 
 
-def _reached(first: Shape, second: Shape, links: tuple[Link, ...]) -> dict[int, tuple[int, ...]]:
+def _reached(first: Shape, second: Shape, links: tuple[Link, ...], limits: Limits) -> dict[int, tuple[int, ...]]:
     shared = [(own, other) for own, other, *_ in links]
     first_alone, second_alone = (
         first.without([own for own, _ in shared]),
@@ -159,6 +161,7 @@ def _reached(first: Shape, second: Shape, links: tuple[Link, ...]) -> dict[int, 
     found = {(first.initial, second.initial)}
     waiting = [(first.initial, second.initial)]
     while waiting:
+        limits.check()
         one, two = waiting.pop()
         follow = [(after, two) for after in first_alone[one]]
         follow += [(one, after) for after in second_alone[two]]
@@ -236,11 +239,12 @@ class Neighbour(NamedTuple):
 class Structure:
     """A system by its shapes: ``shapes[i]`` and ``events[i]`` (the events of the shape) of every component, and its neighbours.
 
-    Of several events that nobody needs to tell apart only one has parties here.
+    Of several events that nobody needs to tell apart only one has parties here. ``limits`` are those for all that is found out about pairs.
     """
 
-    def __init__(self, system: System) -> None:
+    def __init__(self, system: System, limits: Limits | None = None) -> None:
         self.system = system
+        self.limits = limits or Limits(math.inf)
         self._remembered: dict[str, Any] = {}
         self.shapes: list[Shape] = []
         self.events: list[tuple[int, ...]] = []
@@ -280,7 +284,7 @@ class Structure:
 
     @cached_property
     def neighbours(self) -> list[list[Neighbour]]:
-        """For each component those that it shares an event with."""
+        """For each component those that it shares an event with. Raises LimitError."""
         links: dict[tuple[int, int], list[Link]] = {}
         for roles, event in zip(self.roles, self.system.events, strict=True):
             if len(roles) == 2:
@@ -303,7 +307,7 @@ class Structure:
             key = (id(self.shapes[one]), id(self.shapes[two]), tuple(joined))
             pair = pairs.get(key)
             if pair is None:
-                pair = pairs[key] = Pair(self.shapes[one], self.shapes[two], key[2])
+                pair = pairs[key] = Pair(self.shapes[one], self.shapes[two], key[2], self.limits)
             answer[one].append(pair.seen_from_first(two))
             answer[two].append(pair.seen_from_second(one))
         return answer

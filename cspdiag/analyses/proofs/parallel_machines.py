@@ -61,23 +61,17 @@ def without_the_restless(machine: Machine) -> Machine:
     Such a state has only an internal loop; or an internal step to such a state, and otherwise no steps but to such states and to itself. For a
     deadlock, in which all stand still, what it offers makes no difference.
     """
+    ahead = [{target for _, target in edges} - {state} for state, edges in enumerate(machine.edges)]
     before: list[list[int]] = [[] for _ in machine.edges]
-    pending = []
-    for state, edges in enumerate(machine.edges):
-        for event, target in edges:
-            if target != state:
-                before[target].append(state)
-            elif event == INTERNAL:
-                pending.append(state)
+    for state, targets in enumerate(ahead):
+        for target in targets:
+            before[target].append(state)
+    turning = [any(event == INTERNAL for event, _ in edges) for edges in machine.edges]
+    pending = [state for state, edges in enumerate(machine.edges) if (INTERNAL, state) in edges]
     restless: set[int] = set()
     while pending:
         state = pending.pop()
-        if state in restless:
-            continue
-        edges = machine.edges[state]
-        if all(target == state or target in restless for _, target in edges) and any(
-            event == INTERNAL for event, _ in edges
-        ):
+        if state not in restless and turning[state] and ahead[state] <= restless:
             restless.add(state)
             pending += before[state]
     if len(restless) < 2:

@@ -14,7 +14,7 @@ from cspdiag.analyses.proofs.candidates import MOST_STATES, refute_by_candidate
 from cspdiag.analyses.proofs.pairs import Structure
 from cspdiag.analyses.proofs.question import Question
 from cspdiag.analyses.proofs.sat_solver import MISSING
-from cspdiag.analyses.proofs.verdict import Limits, Method, Proved, Refuted, Unknown, Verdict
+from cspdiag.analyses.proofs.verdict import LimitError, Limits, Method, Proved, Refuted, Unknown, Verdict
 from cspdiag.analyses.transitions.system import System
 
 METHODS: tuple[Method, ...] = ("rules", "sat", "invariants", "stubborn", "minimization", "breadth-first")
@@ -39,14 +39,14 @@ def prove_deadlock_free(
     system: System, limits: Limits, methods: Sequence[Method] | None = None, structure: Structure | None = None
 ) -> Verdict:
     """Whether no reachable state is a deadlock, by all methods in their order or by some of them; ``structure`` saves work where it is known."""
-    return _prove(Question(system, together=True, known=structure), limits, methods)
+    return _prove(Question(system, together=True, known=structure or Structure(system, limits)), limits, methods)
 
 
 def prove_knot_free(
     system: System, limits: Limits, methods: Sequence[Method] | None = None, structure: Structure | None = None
 ) -> Verdict:
     """Whether no set of processes is ever stuck for ever, by all methods in their order or by some of them; ``structure`` as for deadlock."""
-    return _prove(Question(system, together=False, known=structure), limits, methods)
+    return _prove(Question(system, together=False, known=structure or Structure(system, limits)), limits, methods)
 
 
 def _prove(question: Question, limits: Limits, chosen: Sequence[Method] | None) -> Verdict:
@@ -58,7 +58,7 @@ def _prove(question: Question, limits: Limits, chosen: Sequence[Method] | None) 
             if not isinstance(brief, Unknown):
                 return _shortened(question, _noted(brief, unknown), limits)
         share = _share(limits, len(methods) - at)
-        verdict = _ENGINES[method](question, share)
+        verdict = _asked(method, question, share)
         if isinstance(verdict, Unknown):
             # A candidate of SAT may still be excluded by invariants: only what costs little is tried with it before.
             is_last = "invariants" not in methods[at + 1 :]
@@ -69,6 +69,14 @@ def _prove(question: Question, limits: Limits, chosen: Sequence[Method] | None) 
         if limits.remaining <= 0:
             break
     return _together(unknown)
+
+
+def _asked(method: Method, question: Question, limits: Limits) -> Verdict:
+    """What a method answers; also what all methods need to know of the system takes its time."""
+    try:
+        return _ENGINES[method](question, limits)
+    except LimitError as limit:
+        return Unknown(method, str(limit))
 
 
 def _noted(verdict: Verdict, unknown: Sequence[Unknown]) -> Verdict:

@@ -87,7 +87,10 @@ class Reduction:
             for event, known in enumerate(system.events)
             if event not in alone
         }
-        self._queue = [self._ranked(one, other) for one, other in sorted(self._neighbours())]
+        self._queue = []
+        for one, other in sorted(self._neighbours()):
+            limits.check()
+            self._queue.append(self._ranked(one, other))
         heapify(self._queue)
 
     def remaining(self) -> Iterator[Part]:
@@ -124,13 +127,12 @@ class Reduction:
             heappush(self._queue, self._ranked(neighbour, number))
 
     def _neighbours(self) -> set[tuple[int, int]]:
-        return {
-            (one, other)
-            for members in self._members.values()
-            for one in members
-            for other in members
-            if _OUTSIDE < one < other
-        }
+        found: set[tuple[int, int]] = set()
+        for members in self._members.values():
+            for one in members - {_OUTSIDE}:
+                self._limits.check()
+                found.update((one, other) for other in members if one < other)
+        return found
 
     def _ranked(self, one: int, other: int) -> tuple[tuple[float, int], int, int]:
         """How much a pair promises: few states, and many events that only they have in common."""

@@ -42,7 +42,7 @@ class Waiting:
 
 
 def waiting_states(structure: Structure, *, together: bool) -> Waiting:
-    """Strike off the states that cannot be part of a knot or, if all components wait ``together``, of a deadlock of the whole network."""
+    """Strike off the states that cannot be part of a knot or, if all components wait ``together``, of a deadlock of the whole network. Raises LimitError."""
     return Waiting(structure, together=together)
 
 
@@ -128,6 +128,7 @@ class _Striking:
 
     def follow(self) -> None:
         while self.struck:
+            self.structure.limits.check()
             component, state = self.struck.popleft()
             self._withdraw_support(component, state)
             for event, number in self.meetings_of.get(component, ()):

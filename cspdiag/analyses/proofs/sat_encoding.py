@@ -33,6 +33,7 @@ class Encoding:
         self._count = 0
         self._choose_states()
         for component, neighbours in enumerate(structure.neighbours):
+            structure.limits.check()
             for neighbour in neighbours:
                 if self.together:
                     self._wait_together(component, neighbour)

@@ -53,9 +53,9 @@ class _Graph:
 
 def deadlock_free(system: System, limits: Limits) -> Verdict:
     """Whether no state is reachable in which nothing is possible and a process has not ended."""
-    sets, offers = ClosedSets(system), Offers(system)
     graph = _Graph([system.initial], {system.initial: 0}, [None])
     try:
+        sets, offers = ClosedSets(system, limits), Offers(system)
         for number in _follow(graph, sets, limits):
             if graph.after[number]:
                 continue
@@ -76,9 +76,9 @@ def knot_free(system: System, limits: Limits) -> Verdict:
     """
     if any(event.kind == "failure" for event in system.events):
         return Unknown("stubborn", "a failure may end what is stuck, and order matters then")
-    sets, offers = ClosedSets(system), Offers(system)
     graph = _Graph([system.initial], {system.initial: 0}, [None])
     try:
+        sets, offers = ClosedSets(system, limits), Offers(system)
         while True:
             for _ in _follow(graph, sets, limits):
                 pass

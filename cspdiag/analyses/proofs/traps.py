@@ -65,7 +65,8 @@ class Traps:
         return kept
 
     def _largest(self, inside: bytearray) -> list[Place] | None:
-        """The largest trap within some places, marked with 1; None if it holds no initial place."""
+        """The largest trap within some places, marked with 1; None if it holds no initial place. Raises LimitError."""
+        self.structure.limits.check()
         leaving: dict[int, list[int]] = {}  # For each pair of event and party the places from which it leaves the set.
         missing = self.parties.copy()  # The parties of each event that have no way out of the set yet.
         gone = [place for place in range(self.total) if not inside[place]]

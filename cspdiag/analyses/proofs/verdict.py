@@ -65,7 +65,7 @@ class Limits:
 
     seconds: float = 60.0
     memory: int = 2_000_000_000
-    started: float = field(default_factory=time.monotonic)
+    started: float = field(default_factory=lambda: time.monotonic())
 
     @property
     def remaining(self) -> float:

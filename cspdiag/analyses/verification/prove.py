@@ -83,7 +83,7 @@ def _deadlock_free(question: Question, system: System, limits: Limits, method: M
     from cspdiag.analyses.proofs.portfolio import prove_deadlock_free, prove_knot_free
 
     methods = None if method is None else (method,)
-    structure = Structure(system)
+    structure = Structure(system, limits)
     deadlock = prove_deadlock_free(system, limits, methods, structure)
     if not isinstance(deadlock, Proved):
         return _verdict(question, system, deadlock, "deadlock")

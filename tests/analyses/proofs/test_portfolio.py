@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from itertools import count
+from types import SimpleNamespace
+
 import pytest
 
-from cspdiag.analyses.proofs import sat_solver
+from cspdiag.analyses.proofs import sat_solver, verdict
+from cspdiag.analyses.proofs.pairs import Structure
 from cspdiag.analyses.proofs.portfolio import METHODS, prove_deadlock_free, prove_knot_free
-from cspdiag.analyses.proofs.verdict import Limits, Method, Proved, Refuted, Unknown
+from cspdiag.analyses.proofs.verdict import LimitError, Limits, Method, Proved, Refuted, Unknown
 from cspdiag.analyses.transitions.system import System
 from tests.analyses.proofs import known, naive
 from tests.analyses.proofs.random_networks import FORMS, plain_knot, random_network, truth
@@ -95,3 +99,24 @@ def test_what_no_method_settles_in_time_is_unknown_with_the_reasons_and_the_cand
     assert isinstance(verdict, Unknown)
     assert verdict.reason.startswith("rules: `p0` chooses")
     assert isinstance(prove_knot_free(known.milner(3), Limits(seconds=0.0), ["sat", "breadth-first"]), Unknown)
+
+
+@pytest.mark.parametrize("together", [True, False], ids=["deadlock", "knot"])
+@pytest.mark.parametrize("method", METHODS)
+def test_every_method_looks_at_the_clock_again_and_again(
+    method: Method, together: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("pysat")
+    # Every look takes a second.
+    clock = SimpleNamespace(monotonic=count().__next__)
+    monkeypatch.setattr(verdict, "time", clock)
+    prove = prove_deadlock_free if together else prove_knot_free
+    answer = prove(known.table_with_butler(20, 19), Limits(seconds=30.0), [method])
+    assert isinstance(answer, Unknown)
+    assert "the time limit" in answer.reason
+
+
+def test_what_is_found_out_about_pairs_takes_its_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(verdict, "time", SimpleNamespace(monotonic=count().__next__))
+    with pytest.raises(LimitError):
+        _ = Structure(known.table_with_butler(20, 19), Limits(seconds=1000.0)).neighbours
