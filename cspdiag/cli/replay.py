@@ -22,6 +22,7 @@ _UNFIT = ("environment", "until", "record", "trace", "plot")
 def run(arguments: Namespace) -> int:
     """Say what happens, and whether that was what the trace says; exit code 0 if it was."""
     _refuse_others(arguments)
+    from cspdiag.analyses.proofs.verdict import LimitError
     from cspdiag.codegen import target_errors
     from cspdiag.simulate.execute import BodyError
     from cspdiag.simulate.replay_trace import TraceError, read_trace
@@ -36,7 +37,7 @@ def run(arguments: Namespace) -> int:
         return UNSUCCESSFUL
     try:
         result = replayed(network, trace, read_source)
-    except (BodyError, target_errors()) as problem:
+    except (BodyError, LimitError, target_errors()) as problem:
         raise NoResultError(str(problem)) from None
     if not arguments.quiet:
         sys.stderr.write("".join(f"{line}\n" for line in _told(network, trace, result)))

@@ -6,6 +6,7 @@ import sys
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Literal
 
+from cspdiag.analyses.proofs.verdict import Limits
 from cspdiag.network.ir import Network
 from cspdiag.runtime.network import Network as RunningNetwork
 from cspdiag.runtime.scheduler import scheduler
@@ -33,7 +34,8 @@ AT_LEAST = 2_000
 class Guided:
     """The program of a network, compiled without optimization, as often as it takes; ``found`` is the package with which scripts were found."""
 
-    def __init__(self, network: Network, files: Mapping[str, str], found: LoadedPackage) -> None:
+    def __init__(self, network: Network, files: Mapping[str, str], found: LoadedPackage, limits: Limits) -> None:
+        self._limits = limits
         self._network = network
         self._package = LoadedPackage(network.name, files, guided_runtime())
         types = None
@@ -99,6 +101,7 @@ class Guided:
                     break
 
     def _run(self, script: Sequence[Passed], goal: Goal, decisions: Decisions, *, strict: bool) -> GuidedRun:
+        self._limits.check()
         decisions.begin()
         scheduler.reset()
         lines = Lines()

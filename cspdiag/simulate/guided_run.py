@@ -34,6 +34,10 @@ class AstrayError(Exception):
     """The run does not come to the goal; the message says why."""
 
 
+class _Enough(BaseException):
+    """Breaks off a process that goes on for ever without ever having to wait; it can catch nothing of it."""
+
+
 @dataclass(frozen=True)
 class GuidedRun:
     """How a run went: ``done`` entries of its script, ``actions`` of processes, and why it has not reached its goal, None if it has.
@@ -135,8 +139,12 @@ class Run:
                 self._pass_time()
                 continue
             self._steps += 1
-            scheduler._run_one(party)
-            scheduler.current = nobody
+            try:
+                scheduler._run_one(party)
+            except _Enough:
+                continue
+            finally:
+                scheduler.current = nobody
             if self._error is not None:
                 raise AstrayError(f"it ends with {type(self._error).__name__}: {self._error}")
             if self._problem is not None:
@@ -206,6 +214,16 @@ class Run:
         if not later or not self._decisions.choose(2):
             self._world.offer(self._script.entries[number])
 
+    def arrives(self) -> None:
+        """See ``Guide.arrives``."""
+        head = self._script.head(self._key(scheduler.current))
+        if head is None or not self._world.can_offer(head):
+            return
+        number = self._script.next()
+        is_next = number is not None and self._script.entries[number] is head
+        if is_next or self._decisions.choose(2):
+            self._world.offer(head)
+
     def _pass_time(self) -> None:
         """Nobody is ready: time goes on to the next instant, or something comes from outside."""
         instant = self._world.next_instant() if self._world.time_can_pass else None
@@ -249,6 +267,9 @@ class Run:
         self._match(party, action, channel, index)
 
     def _note(self, action: str, channel: str, value: Any, *parties: Party | None) -> None:
+        self._steps += 1
+        if self._actions > self._limit:
+            raise _Enough
         tasks = [task_of(party) for party in parties if party is not None]
         actors = tuple(Actor("" if task.process is None else task.process.name, names_of(task)) for task in tasks)
         self._happened.append(Happened(action, channel, actors, value))

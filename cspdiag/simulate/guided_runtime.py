@@ -52,6 +52,10 @@ class Guide(Protocol):
         """The current task takes the first of the guards that are ready, in the order of the text."""
         ...
 
+    def arrives(self) -> None:
+        """The current task comes to an alternative: what it wants from outside may be there just before."""
+        ...
+
     def compute(self) -> None:
         """The current task computes: time may pass."""
         ...
@@ -77,6 +81,7 @@ class _Alternative(Alternative):
     ) -> Generator[None, None, int]:
         if scheduler.current.cancelled:
             raise Cancelled
+        guidance.guide.arrives()
         mask = self._all if enabled is None else sum(1 << index for index, holds in enumerate(enabled) if holds)
         ready = self.selector.ready & mask
         if self.after_guards:

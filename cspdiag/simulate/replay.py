@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from cspdiag.analyses.proofs.verdict import Limits
 from cspdiag.network.ir import Network
 from cspdiag.simulate.guided import Guided
 from cspdiag.simulate.package import LoadedPackage
@@ -22,14 +23,21 @@ from cspdiag.simulate.replay_trace import Trace
 MOST_ATTEMPTS = 400
 
 
-def replay(network: Network, files: Mapping[str, str], trace: Trace, judge: Judge | None = None) -> Replay:
+def replay(
+    network: Network,
+    files: Mapping[str, str],
+    trace: Trace,
+    judge: Judge | None = None,
+    limits: Limits | None = None,
+) -> Replay:
     """Step the package ``files`` of ``network``, compiled without optimization, through a trace, after which the ``judge`` has to find something wrong.
 
-    Raises BodyError for a hand-written body that cannot be made.
+    Raises BodyError for a hand-written body that cannot be made, and LimitError when the time of the ``limits`` is up.
     """
+    limits = limits or Limits()
     package = LoadedPackage(network.name, files, replaying_runtime())
-    guided = Guided(network, files, package)
-    attempts = _Attempts(network, package, trace, judge, guided)
+    guided = Guided(network, files, package, limits)
+    attempts = _Attempts(network, package, trace, judge, guided, limits)
     try:
         result = attempts.best()
         if result.succeeded or result.other or trace.exact:
@@ -49,13 +57,20 @@ class _Attempts:
     """Attempts to follow one trace."""
 
     def __init__(
-        self, network: Network, package: LoadedPackage, trace: Trace, judge: Judge | None, guided: Guided
+        self,
+        network: Network,
+        package: LoadedPackage,
+        trace: Trace,
+        judge: Judge | None,
+        guided: Guided,
+        limits: Limits,
     ) -> None:
         self._network = network
         self._package = package
         self._trace = trace
         self._judge = judge
         self._guided = guided
+        self._limits = limits
 
     def best(self, rounds: Rounds | None = None) -> Replay:
         """The attempt that succeeds, or comes furthest."""
@@ -74,6 +89,7 @@ class _Attempts:
         return best
 
     def _made(self, decisions: Decisions, rounds: Rounds | None) -> Replay:
+        self._limits.check()
         attempt = Attempt(self._network, self._package, self._trace, self._judge, decisions, rounds)
         result = attempt.run()
         if not result.succeeded:

@@ -35,11 +35,13 @@ def trace_of(answer: Answer, settings: Mapping[str, str]) -> str:
     return trace_text(counterexample, question.process, question.text, settings, left_open, question.hidden)
 
 
-def replayed(network: Network, trace: Trace, read: pipeline.Reader, judge: Judge | None = None) -> Replay:
-    """The program of a network, stepped through a trace. Raises as ``pipeline.generate`` does, and what ``judge`` raises."""
+def replayed(
+    network: Network, trace: Trace, read: pipeline.Reader, judge: Judge | None = None, limits: Limits | None = None
+) -> Replay:
+    """The program of a network, stepped through a trace. Raises as ``pipeline.generate`` does, what ``judge`` raises, and LimitError."""
     from cspdiag.simulate.replay import replay
 
-    return replay(network, pipeline.generate(network, read, level=0), trace, judge)
+    return replay(network, pipeline.generate(network, read, level=0), trace, judge, limits)
 
 
 class VerificationError(Exception):
@@ -130,12 +132,12 @@ class Verifier:
         assert network is not None, "asked for a process with errors"
         try:
             judge = self._judge(answer, network, limits)
-            result = replayed(network, read_trace(trace_of(answer, {})), self._read, judge)
+            result = replayed(network, read_trace(trace_of(answer, {})), self._read, judge, limits)
             if result.other:
                 system = self.system(answer.question.process)
                 other = retold(found, system, result.other, result.standing, network)
                 trace = read_trace(trace_of(replace(answer, counterexample=other), {}))
-                again = replayed(network, trace, self._read, judge)
+                again = replayed(network, trace, self._read, judge, limits)
                 found, result = (other, again) if again.succeeded else (found, result)
         except (BodyError, target_errors()) as problem:
             raise VerificationError(str(problem)) from problem

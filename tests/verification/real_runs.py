@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from cspdiag import pipeline
+from cspdiag.analyses.proofs.verdict import Limits
 from cspdiag.network.ir import Network
 from cspdiag.runtime.exceptions import Timeout
 from cspdiag.runtime.scheduler import Party, scheduler
@@ -41,6 +42,9 @@ class _Record:
         return guards[0][0]
 
     def preferred(self, chosen: tuple[int, str, str], ready: Sequence[tuple[int, str, str]]) -> None:
+        pass
+
+    def arrives(self) -> None:
         pass
 
     def compute(self) -> None:
@@ -95,7 +99,7 @@ def followed(network: Network, until: int, most: int) -> tuple[list[Passed], Gui
         running = package.module("network").build(environment.drivers)
         running.run(_Observed(environment, record), until=until, on_miss=chosen.on_miss)
         trace = Trace(network.top, {}, "", "refinement", tuple(record.visible), (), (), exact=True)
-        guided = Guided(network, files, package)
+        guided = Guided(network, files, package, Limits())
         try:
             return record.entries, guided.follow(record.entries, trace, 0, ends=False)
         finally:

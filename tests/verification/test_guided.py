@@ -395,3 +395,49 @@ def test_where_times_want_another_order_that_run_is_told() -> None:
     for earlier, later in ((0, 1), (2, 3), (4, 5)):
         assert told[earlier].channel != told[later].channel
     assert all(party.span is not None for step in told for party in step.parties)
+
+
+NEVER_WAITS = """process Chatters {
+  out a, b : bool
+
+  composition { mu (a ! true ; b ! true) }
+}
+
+process Alternates {
+  out a, b : bool
+
+  composition { mu (a ! true ; ORDER) }
+}
+
+assert Chatters refines Alternates
+"""
+
+
+def test_a_process_that_never_waits_is_broken_off() -> None:
+    assert refuted(NEVER_WAITS.replace("ORDER", "a ! true ; b ! true"))
+    assert answer_to(NEVER_WAITS.replace("ORDER", "b ! true")).outcome == "proved"
+
+
+AT_ONCE = """process Starts {
+  in  go   : bool
+  out told : bool
+
+  communication { var b : bool = false }
+
+  composition { told ! true ; (go ? b -> told ! false [] told ! b -> skip) ; stop }
+}
+
+process Ignores {
+  in  go   : bool
+  out told : bool
+
+  composition { told ! true ; told ! false ; stop }
+}
+
+assert Starts refines Ignores
+"""
+
+
+def test_the_environment_may_act_just_before_a_process_looks() -> None:
+    """The alternative comes at once after the first output, and can always take the second one."""
+    assert refuted(AT_ONCE)
