@@ -9,3 +9,13 @@ def duration(nanoseconds: int) -> str:
         if nanoseconds % size == 0:
             return f"{nanoseconds // size} {unit}"
     return f"{nanoseconds} ns"
+
+
+def rounded(nanoseconds: float) -> str:
+    """A duration with four digits: ``1.25 ms``."""
+    for unit, size in (("s", 1e9), ("ms", 1e6), ("us", 1e3), ("ns", 1.0)):
+        written = f"{nanoseconds / size:.4g}"
+        # What rounding makes a whole unit is written in it.
+        if abs(float(written)) >= 1:
+            return f"{written} {unit}"
+    return f"{nanoseconds:.4g} ns" if nanoseconds else "0"

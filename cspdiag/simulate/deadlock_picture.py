@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from cspdiag.draw.deadlock import Deadlock
 from cspdiag.draw.deadlock_marks import Waiting
-from cspdiag.simulate.summary import seconds
+from cspdiag.runtime.durations import shown
 
 if TYPE_CHECKING:
     from cspdiag.analyses.counterexamples.counterexample import Counterexample
@@ -20,7 +20,7 @@ def deadlock_of(report: DeadlockReport, network: Network) -> Deadlock:
     users = {net.path: (*net.writers, *net.readers) for net in network.nets}
     besides = tuple(_waiting(process, users) for process in report.waiting if process not in report.cycle)
     cycle = tuple(_waiting(process, users) for process in report.cycle)
-    return Deadlock(f"deadlock at {seconds(report.time)}", network.top, cycle, besides)
+    return Deadlock(f"deadlock at {shown(report.time)}", network.top, cycle, besides)
 
 
 def _waiting(process: WaitingProcess, users: Mapping[str, Iterable[tuple[str, str]]]) -> Waiting:

@@ -5,19 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+from cspdiag.runtime.durations import shown
 from cspdiag.simulate.modes import mode_groups
 
 if TYPE_CHECKING:
     from cspdiag.runtime import Outcome
     from cspdiag.simulate.result import Run
-
-
-def seconds(nanoseconds: int) -> str:
-    """A time for people: ``20 s``, ``3.05 s``, ``1.5 ms``."""
-    for unit, size in (("s", 1_000_000_000), ("ms", 1_000_000), ("us", 1_000)):
-        if nanoseconds >= size:
-            return f"{nanoseconds / size:.6g} {unit}"
-    return f"{nanoseconds} ns" if nanoseconds else "0 s"
 
 
 def summary(run: Run) -> str:
@@ -34,7 +27,7 @@ def _lines(run: Run) -> Iterator[str]:
     missed = {port: count for port, count in outcome.missed.items() if count}
     yield "  missed samples: " + (", ".join(f"{port} {count}" for port, count in missed.items()) or "none")
     for period, jitter in outcome.jitter.items():
-        yield f"  jitter of the {seconds(period)} period: {jitter}"
+        yield f"  jitter of the {shown(period)} period: {jitter}"
     from cspdiag.runtime.exceptions import described
 
     for error in outcome.release_errors:
@@ -43,8 +36,8 @@ def _lines(run: Run) -> Iterator[str]:
 
 def _effort(outcome: Outcome) -> str:
     if outcome.real_time:
-        return f"ran {seconds(outcome.time)} against the clock, {outcome.wall_time:.3g} s with start and end"
-    simulated = f"simulated {seconds(outcome.time)} in {outcome.wall_time:.3g} s"
+        return f"ran {shown(outcome.time)} against the clock, {outcome.wall_time:.3g} s with start and end"
+    simulated = f"simulated {shown(outcome.time)} in {outcome.wall_time:.3g} s"
     if outcome.time == 0 or outcome.wall_time == 0:
         return simulated
     return f"{simulated}, {_three_digits(outcome.time / 1e9 / outcome.wall_time)} times real time"
@@ -57,7 +50,7 @@ def _three_digits(factor: float) -> str:
 
 def _ending(run: Run) -> str:
     outcome = run.outcome
-    at = f"at {seconds(outcome.time)}"
+    at = f"at {shown(outcome.time)}"
     match outcome.ended:
         case "terminated":
             return f"ended by itself {at}"
@@ -83,9 +76,9 @@ def _process_lines(run: Run) -> Iterator[str]:
     for group in mode_groups(run.network):
         run_ = [(name, ends[path]) for path, name in group.modes.items() if path in ends]
         if 0 < len(run_) <= _SHOWN:
-            shown = (f"{name} running" if end is None else f"{name} until {seconds(end)}" for name, end in run_)
-            yield f"  {group.name}: {', '.join(shown)}"
+            words = (f"{name} running" if end is None else f"{name} until {shown(end)}" for name, end in run_)
+            yield f"  {group.name}: {', '.join(words)}"
         elif run_:
             ended = [end for _, end in run_ if end is not None]
-            last = f", the last at {seconds(max(ended))}" if ended else ""
+            last = f", the last at {shown(max(ended))}" if ended else ""
             yield f"  {group.name}: {len(ended)} of {len(run_)} processes ended{last}"

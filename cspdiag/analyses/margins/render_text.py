@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from cspdiag.analyses.margins.loops import AnalysedLoop, LoopReport
 from cspdiag.diagnostics import Span
+from cspdiag.model.durations import rounded
 
 
 def table(report: LoopReport, periods: Mapping[str, tuple[int | None, str]] | None = None) -> str:
@@ -39,9 +40,9 @@ def _row(loop: AnalysedLoop) -> tuple[str, ...]:
     gain = "any" if math.isinf(found.gain) else f"{found.gain:.3g}"
     decibels = "" if math.isinf(found.gain) or found.gain <= 0 else f"{20 * math.log10(found.gain):.1f} dB"
     return (
-        loop.opened.cut.name, seconds(loop.opened.period), "stable" if found.is_stable else "UNSTABLE",
+        loop.opened.cut.name, rounded(loop.opened.period * 1e9), "stable" if found.is_stable else "UNSTABLE",
         gain, decibels, "any" if math.isinf(found.phase) else f"{found.phase:.1f} deg",
-        "none" if not found.is_stable else "any" if math.isinf(found.delay) else seconds(found.delay),
+        "none" if not found.is_stable else "any" if math.isinf(found.delay) else rounded(found.delay * 1e9),
         f"{found.modulus:.2f}", "none" if found.crossover is None else f"{found.crossover:.4g} rad/s",
     )  # fmt: skip
 
@@ -50,7 +51,7 @@ def _period(periods: Mapping[str, tuple[int | None, str]], name: str) -> str:
     if name not in periods:
         return ""
     period, constant = periods[name]
-    return f"none ({constant})" if period is None else f"{seconds(period * 1e-9)} ({constant})"
+    return f"none ({constant})" if period is None else f"{rounded(period)} ({constant})"
 
 
 def _explained(report: LoopReport) -> Iterator[str]:
@@ -84,14 +85,6 @@ def _listed(names: Sequence[str]) -> str:
 
 def _place(span: Span) -> str:
     return f"{span.source.name}:{span.line}:{span.column}"
-
-
-def seconds(value: float) -> str:
-    """A duration with four digits: ``9.509 ms``."""
-    for unit, size in (("s", 1.0), ("ms", 1e-3), ("us", 1e-6)):
-        if abs(value) >= size * 0.9999:
-            return f"{value / size:.4g} {unit}"
-    return f"{value / 1e-9:.4g} ns"
 
 
 def _aligned(rows: Sequence[tuple[str, ...]]) -> Iterator[str]:

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from cspdiag.analyses.timing.demands import ONCE
 from cspdiag.analyses.timing.flow import Missing
 from cspdiag.analyses.timing.result import LoopTiming, TimingReport
+from cspdiag.model.durations import rounded
 
 _ROWS_SHOWN = 200
 
@@ -111,10 +112,7 @@ def time(nanoseconds: int) -> str:
     """A duration with four digits: ``1.25 ms``."""
     if nanoseconds >= ONCE:
         return "once"
-    for unit, size in (("s", 1_000_000_000), ("ms", 1_000_000), ("us", 1_000)):
-        if abs(nanoseconds) >= size:
-            return f"{nanoseconds / size:.4g} {unit}"
-    return "0" if nanoseconds == 0 else f"{nanoseconds} ns"
+    return rounded(nanoseconds)
 
 
 def _aligned(rows: Sequence[tuple[str, ...]], right: int | None = None) -> Iterator[str]:
