@@ -26,6 +26,7 @@ def bode(loops: Sequence[AnalysedLoop], kind: str) -> bytes:
     import matplotlib as mpl
     import numpy
     from matplotlib.figure import Figure
+    from matplotlib.ticker import MultipleLocator
 
     with mpl.rc_context(_STYLE):  # type: ignore[arg-type]
         figure = Figure(figsize=(7.6, 5.6), layout="constrained")
@@ -36,7 +37,7 @@ def bode(loops: Sequence[AnalysedLoop], kind: str) -> bytes:
             size = numpy.maximum(abs(response.values), 1e-12)
             degrees = numpy.degrees(numpy.unwrap(numpy.angle(response.values)))
             degrees -= 360 * round((degrees[len(degrees) // 2] + 180) / 360)
-            label = f"{names[0]}{f' (+{len(names) - 1})' if len(names) > 1 else ''}{'' if loop.margins.is_stable else ', unstable'}"
+            label = _label(names, loop)
             nyquist = response.frequencies[-1]
             shown = (response.frequencies > nyquist * 3e-4) & (response.frequencies < nyquist * 0.97)
             magnitude.plot(response.frequencies[shown], 20 * numpy.log10(size[shown]), color=colour, label=label)
@@ -49,6 +50,7 @@ def bode(loops: Sequence[AnalysedLoop], kind: str) -> bytes:
         phase.set_ylabel("phase (deg)")
         low, high = phase.get_ylim()
         phase.set_ylim(max(low, -720), high)
+        phase.yaxis.set_major_locator(MultipleLocator(90 if high - max(low, -720) > 270 else 45))
         phase.set_xlabel("frequency (rad/s), each up to half its sample frequency")
         for axes in (magnitude, phase):
             axes.grid(visible=True, which="both", color="#e4e4e4", linewidth=0.5)
@@ -67,6 +69,17 @@ def _distinct(loops: Sequence[AnalysedLoop]) -> list[tuple[list[str], AnalysedLo
     return list(found.values())
 
 
+def _label(names: Sequence[str], loop: AnalysedLoop) -> str:
+    """The loop, how many more are equal, and its margins."""
+    equal = f" and {len(names) - 1} equal" if len(names) > 1 else ""
+    found = loop.margins
+    if not found.is_stable:
+        return f"{names[0]}{equal}: unstable"
+    gain = "any gain" if math.isinf(found.gain) else f"{20 * math.log10(found.gain):.1f} dB"
+    phase = "any phase" if math.isinf(found.phase) else f"{found.phase:.0f}°"
+    return f"{names[0]}{equal}: {gain}, {phase}"
+
+
 def _mark(magnitude: Any, phase: Any, loop: AnalysedLoop, frequencies: Any, degrees: Any, colour: str) -> None:
     """The phase margin as a line down to -180 degrees at its crossover, the gain margin as one up to 0 dB."""
     import numpy
@@ -77,24 +90,8 @@ def _mark(magnitude: Any, phase: Any, loop: AnalysedLoop, frequencies: Any, degr
         phase.plot(
             [found.crossover] * 2, [at - found.phase, at], color=colour, linewidth=2.4, alpha=0.6, solid_capstyle="butt"
         )
-        phase.annotate(
-            f"{found.phase:.0f}°",
-            (found.crossover, at),
-            textcoords="offset points",
-            xytext=(5, 2),
-            color=colour,
-            fontsize=8,
-        )
     if found.phase_crossover is not None and math.isfinite(found.gain) and found.gain > 0:
         level = -20 * math.log10(found.gain)
         magnitude.plot(
             [found.phase_crossover] * 2, [level, 0], color=colour, linewidth=2.4, alpha=0.6, solid_capstyle="butt"
-        )
-        magnitude.annotate(
-            f"{-level:.1f} dB",
-            (found.phase_crossover, level),
-            textcoords="offset points",
-            xytext=(5, 0),
-            color=colour,
-            fontsize=8,
         )
