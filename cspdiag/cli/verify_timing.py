@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shlex
 import sys
 import time
 from argparse import Namespace
@@ -112,16 +113,17 @@ def measured_times(path: str) -> list[Measured]:
     """
     from cspdiag.analyses.timing.measured import Measured
 
+    how = f"write it with cspdiag run --real-time --target c --trace {shlex.quote(path)}, or with -O0"
     try:
         with open(path, encoding="utf-8") as file:
             content = json.load(file)
+    except UnicodeDecodeError:
+        raise UsageError(f"{path}: is no text, and so no JSON: {how}") from None
     except ValueError as problem:
-        raise UsageError(f"{path}: is no JSON ({problem})") from None
+        raise UsageError(f"{path}: is no JSON ({problem}): {how}") from None
     times = content.get("executionTimes") if isinstance(content, dict) else None
     if not isinstance(times, dict) or not times:
-        raise UsageError(
-            f"{path}: has no execution times: write it with cspdiag run --real-time --target c --trace {path}, or with -O0"
-        )
+        raise UsageError(f"{path}: has no execution times: {how}")
     found: list[Measured] = []
     for name, entry in times.items():
         seconds, what = (entry.get("longest"), entry.get("what")) if isinstance(entry, dict) else (entry, "law")

@@ -91,7 +91,8 @@ def test_measured_times_are_taken_from_a_trace(cspdiag: Command, silent: Path, t
 @pytest.mark.parametrize(
     ("content", "reason"),
     [
-        ("{", "is no JSON"),
+        ("{", "is no JSON (Expecting property name"),
+        ("\x00\udcff", "is no text, and so no JSON: write it with cspdiag run --real-time --target c --trace"),
         ("[]", "has no execution times"),
         ('{"traceEvents": []}', "has no execution times: write it with cspdiag run --real-time --target c"),
         ('{"executionTimes": {"Main.a": "fast"}}', "the execution time of Main.a is no number of seconds"),
@@ -106,11 +107,50 @@ def test_a_trace_without_times_is_refused(
     cspdiag: Command, silent: Path, tmp_path: Path, content: str, reason: str
 ) -> None:
     trace = tmp_path / "trace.json"
-    trace.write_text(content)
+    trace.write_text(content, errors="surrogateescape")
     result = cspdiag("verify", "--timing", "--wcet-from", trace, silent)
-    assert result.code == 2
+    assert (result.code, result.out, result.err.count("\n")) == (2, "", 1)
     assert reason in result.err
     assert "Traceback" not in result.err
+
+
+def test_files_may_have_spaces_in_their_names(cspdiag: Command, silent: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "my measured times"
+    folder.mkdir()
+    program, trace, picture = folder / "a loop.csp", folder / "a trace.json", folder / "a chart.svg"
+    program.write_text(silent.read_text())
+    trace.write_text(json.dumps({"executionTimes": {"Main.a": 12.5e-6}}))
+    assert cspdiag("verify", "--timing", "--wcet-from", trace, "--gantt", picture, program).code == 0
+    assert picture.exists()
+    trace.write_text("{}")
+    result = cspdiag("verify", "--wcet-from", trace, program)
+    assert result.err.endswith(f"--trace '{trace}', or with -O0\n")
+
+
+def test_a_trace_that_is_not_there_is_said_in_a_line(cspdiag: Command, silent: Path) -> None:
+    result = cspdiag("verify", "--timing", "--wcet-from", "nowhere.json", silent)
+    assert result == (2, "", "cspdiag: nowhere.json: no such file or directory\n")
+
+
+def test_a_program_without_samples_is_asked_for_a_period(cspdiag: Command, tmp_path: Path) -> None:
+    path = tmp_path / "events.csp"
+    path.write_text(
+        "process Main { in e : int out y : double communication { var k : int = 0 } composition { mu (e ? k ; y ! 1.0) } }"
+    )
+    result = cspdiag("verify", "--timing", path)
+    assert result.code == 0
+    assert result.out.splitlines() == [
+        "SCHEDULABLE: Main: no loop follows a sample period",
+        "  = help: give the inputs that `Main` samples a period, `in x : double @ 1 ms`",
+    ]
+
+
+def test_more_work_than_time_has_no_bound(cspdiag: Command, late: Path) -> None:
+    late.write_text(late.read_text().replace("600 us", "1600 us"))
+    result = cspdiag("verify", "--timing", late)
+    assert result.code == 1
+    assert "no bound" in result.out
+    assert "more work than time: no order of priorities helps" in result.out
 
 
 def test_the_schedule_is_drawn(cspdiag: Command, late: Path, tmp_path: Path) -> None:

@@ -20,6 +20,8 @@ def table(report: TimingReport) -> str:
 def _lines(report: TimingReport) -> Iterator[str]:
     verdict = {True: "SCHEDULABLE", False: "NOT SCHEDULABLE", None: "REFUSED"}[report.is_schedulable]
     yield f"{verdict}: {report.process}: {report.reason}"
+    if report.is_schedulable and not report.loops:
+        yield f"  = help: give the inputs that `{report.process}` samples a period, `in x : double @ 1 ms`"
     if report.missing:
         yield ""
         yield from _missing(report.missing)
