@@ -11,9 +11,9 @@ from cspdiag.runtime.composition import Branches
 from cspdiag.runtime.interrupt import _Body
 from cspdiag.runtime.scheduler import Task
 from cspdiag.simulate.guided_script import Actor, Standing
-from cspdiag.simulate.replay_gates import names_of
 from cspdiag.simulate.replay_names import belongs
 from cspdiag.simulate.replay_trace import Trace
+from cspdiag.simulate.task_names import TaskNames, path_of
 
 STANDSTILLS = frozenset({"deadlock", "knot"})
 
@@ -53,7 +53,7 @@ class Goal:
 
     def missed(self, root: Task) -> str | None:
         """Why nobody is stuck for ever although nobody is ready; None if somebody is, or all are."""
-        waiting = [(_path(task), frozenset(_offers(task))) for task in _leaves(root)]
+        waiting = [(path_of(task), frozenset(_offers(task))) for task in _leaves(root)]
         stuck = [entry for entry in waiting if self.trace.failure == "deadlock" or self._is_stuck(*entry)]
         if not stuck:
             return "nobody is stuck"
@@ -68,7 +68,7 @@ class Goal:
 
     def is_as_told(self, root: Task) -> bool:
         """Whether those wait who wait in the counterexample, and for the same."""
-        waiting = [(_path(task), {channel for _, channel in _offers(task) if channel}) for task in _leaves(root)]
+        waiting = [(path_of(task), {channel for _, channel in _offers(task) if channel}) for task in _leaves(root)]
         told = [(of, {channel.partition(" (")[0] for channel in channels}) for of, channels in self.trace.stuck]
         everybody = self.trace.failure != "deadlock" or all(
             any(belongs(path, of) and (waits & channels or not waits) for of, channels in told)
@@ -80,22 +80,18 @@ class Goal:
             if any(_PART not in channel for channel in channels)
         )
 
-    def standing(self, root: Task) -> Iterator[Standing]:
+    def standing(self, root: Task, names: TaskNames) -> Iterator[Standing]:
         """Who waits for ever."""
         for task in _leaves(root):
             offers = list(_offers(task))
-            if self.trace.failure == "deadlock" or self._is_stuck(_path(task), offers):
+            if self.trace.failure == "deadlock" or self._is_stuck(path_of(task), offers):
                 yield Standing(
-                    Actor(_path(task), names_of(task)), frozenset(channel for _, channel in offers if channel)
+                    Actor(path_of(task), names.told(task)), frozenset(channel for _, channel in offers if channel)
                 )
 
     def _is_stuck(self, path: str, offers: Iterable[Offer]) -> bool:
         channels = {channel for _, channel in offers if channel}
         return any(belongs(path, of) and channels & waits for of, waits in self.trace.stuck)
-
-
-def _path(task: Task) -> str:
-    return "" if task.process is None else task.process.name
 
 
 def _leaves(root: Task) -> Iterator[Task]:

@@ -20,10 +20,10 @@ from cspdiag.runtime.network import Network as RunningNetwork
 from cspdiag.runtime.scheduler import Party, Priority, Task, nobody, scheduler
 from cspdiag.simulate.guided_goal import Goal
 from cspdiag.simulate.guided_runtime import guidance
-from cspdiag.simulate.guided_script import Actor, Happened, Key, Passed, Script, Standing, key_of
+from cspdiag.simulate.guided_script import Actor, Happened, Passed, Script, Standing
 from cspdiag.simulate.guided_world import World
 from cspdiag.simulate.replay_decisions import Decisions
-from cspdiag.simulate.replay_gates import names_of
+from cspdiag.simulate.task_names import Key, TaskNames, path_of
 
 MOST_CHOICES = 6
 """So many of the processes that are ready are tried as the next."""
@@ -86,6 +86,7 @@ class Run:
         self._outputs = goal.outside - world.inputs
         self._expected = goal.expected() if goal.trace.failure == "refinement" else None
         self._seen = 0
+        self._names = TaskNames()
         self._keys: dict[Task, Key] = {}
         self._ready: dict[Priority, list[tuple[int, int, Party]]] = {(): []}
         self._serial = 0
@@ -115,7 +116,7 @@ class Run:
             self._go()
             if self._goal.is_standstill and (self._script.left or not self._goal.is_as_told(self._root)):
                 divergence, happened = self._lost or self._not_come(), tuple(self._happened)
-                standing = tuple(self._goal.standing(self._root))
+                standing = tuple(self._goal.standing(self._root, self._names))
             deadlock = report_deadlock(self._root, scheduler.now) if self._goal.is_standstill else None
         except AstrayError as problem:
             divergence = self._lost or str(problem)
@@ -202,7 +203,7 @@ class Run:
         task = task_of(party)
         found = self._keys.get(task)
         if found is None:
-            found = self._keys[task] = key_of(task)
+            found = self._keys[task] = self._names.key(task)
         return found
 
     def _offer(self) -> None:
@@ -271,7 +272,7 @@ class Run:
         if self._actions > self._limit:
             raise _Enough
         tasks = [task_of(party) for party in parties if party is not None]
-        actors = tuple(Actor("" if task.process is None else task.process.name, names_of(task)) for task in tasks)
+        actors = tuple(Actor(path_of(task), self._names.told(task)) for task in tasks)
         self._happened.append(Happened(action, channel, actors, value))
 
     def _match(self, party: Party, action: str, channel: str, index: int = 0) -> bool:

@@ -5,27 +5,12 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Container, Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any, TypeAlias
+from typing import Any
 
-from cspdiag.runtime.composition import Branches
-from cspdiag.runtime.scheduler import Task
-
-Key: TypeAlias = tuple[int, ...]
-"""Names a task: the numbers of the parallel branches that lead to it from the outermost process."""
+from cspdiag.simulate.task_names import Key
 
 LATER = 1 << 60
 """The rank of a task of which nothing is wanted any more."""
-
-
-def key_of(task: Task) -> Key:
-    """The name of a task that is the same in every run; tasks of one name follow each other."""
-    numbers: list[int] = []
-    join = task.join
-    while isinstance(join, Branches):
-        numbers.append(join.tasks.index(task))
-        task = join._parent
-        join = task.join
-    return tuple(reversed(numbers))
 
 
 @dataclass

@@ -9,7 +9,8 @@ from cspdiag.runtime.external import Port
 from cspdiag.runtime.inputs import SampledInput
 from cspdiag.runtime.scheduler import scheduler
 from cspdiag.simulate.guided_runtime import _EventInput
-from cspdiag.simulate.guided_script import Key, Passed, Script
+from cspdiag.simulate.guided_script import Passed, Script
+from cspdiag.simulate.task_names import Key
 
 
 class _Line:

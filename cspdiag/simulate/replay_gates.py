@@ -10,12 +10,12 @@ from collections.abc import Callable, Generator
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
-from cspdiag.runtime.composition import Branches
 from cspdiag.runtime.exceptions import Cancelled
 from cspdiag.runtime.process import Process
 from cspdiag.runtime.scheduler import Party, Task, Waits, scheduler
 from cspdiag.runtime.selector import Selector
-from cspdiag.simulate.guided_script import Passed, key_of
+from cspdiag.simulate.guided_script import Passed
+from cspdiag.simulate.task_names import TaskNames, path_of
 
 __package__ = Process.__module__.rpartition(".")[0]
 """That of the runtime: places of processes are looked for outside of it."""
@@ -53,12 +53,12 @@ class Gate:
     @property
     def path(self) -> str:
         """The process that halts here."""
-        return "" if self.task.process is None else self.task.process.name
+        return path_of(self.task)
 
     @property
     def names(self) -> tuple[str, ...]:
         """What a trace may call it: its process, or so many a branch of that."""
-        return names_of(self.task)
+        return conductor.names.told(self.task)
 
     def withdraw(self, party: Party) -> bool:
         """See ``Waiting.withdraw``."""
@@ -68,17 +68,6 @@ class Gate:
     def waits_for(self, party: Party) -> Waits:
         """See ``Waiting.waits_for``."""
         return tuple((f"to {option.action} {option.channel}".rstrip(), None) for option in self.options)
-
-
-def names_of(task: Task) -> tuple[str, ...]:
-    """The path of the process that a task executes, and its number among the parallel branches of that."""
-    path = "" if task.process is None else task.process.name
-    join = task.join
-    while isinstance(join, Branches) and len(join.tasks) == 1:
-        join = join._parent.join
-    if not isinstance(join, Branches):
-        return (path,)
-    return path, *(f"{path}.{number}" for number, branch in enumerate(join.tasks, start=1) if branch is task)
 
 
 @dataclass
@@ -93,12 +82,12 @@ class Interruption:
     @property
     def names(self) -> tuple[str, ...]:
         """What a trace may call it: its process, or so many a branch of that."""
-        return names_of(self.task)
+        return conductor.names.told(self.task)
 
     @property
     def path(self) -> str:
         """The process whose interrupt it is."""
-        return "" if self.task.process is None else self.task.process.name
+        return path_of(self.task)
 
 
 @dataclass
@@ -113,6 +102,7 @@ class Conductor:
     """Communications since it was emptied: direction and channel."""
     passed: list[Passed] = field(default_factory=list)
     """All that processes have gone on with."""
+    names: TaskNames = field(default_factory=TaskNames)
     free: bool = False
     ready_bits: list[tuple[Selector, int]] = field(default_factory=list)
     _last: dict[tuple[Task, str], Passed] = field(default_factory=dict)
@@ -145,9 +135,10 @@ class Conductor:
         """A task goes on with an option; one that leaves the reading to what follows is told with that."""
         if option.action == "ready":
             return
-        path = "" if task.process is None else task.process.name
         duration = option.duration
-        entry = Passed(key_of(task), path, option.action, option.channel, option.index, duration, together)
+        entry = Passed(
+            self.names.key(task), path_of(task), option.action, option.channel, option.index, duration, together
+        )
         self.passed.append(entry)
         self._last[task, option.channel] = entry
 

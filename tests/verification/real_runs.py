@@ -13,9 +13,10 @@ from cspdiag.runtime.scheduler import Party, scheduler
 from cspdiag.simulate.guided import Guided
 from cspdiag.simulate.guided_run import GuidedRun, task_of
 from cspdiag.simulate.guided_runtime import guidance, guided_runtime
-from cspdiag.simulate.guided_script import Passed, key_of
+from cspdiag.simulate.guided_script import Passed
 from cspdiag.simulate.package import LoadedPackage
 from cspdiag.simulate.replay_trace import Trace, TraceStep
+from cspdiag.simulate.task_names import TaskNames, path_of
 from cspdiag.sources import read_source
 
 
@@ -28,6 +29,7 @@ class _Record:
         self._ports = {f"{network.top}.{port.name}": port.direction for port in network.external_ports}
         self._broadcasts: set[str] = set()
         self._most = most
+        self._names = TaskNames()
 
     def did(self, party: Party, action: str, channel: str = "", index: int = 0) -> None:
         if action == "write":
@@ -66,8 +68,7 @@ class _Record:
     def _note(self, party: Party, action: str, channel: str, index: int = 0, value: Any = None) -> None:
         if len(self.entries) < self._most:
             task = task_of(party)
-            path = "" if task.process is None else task.process.name
-            self.entries.append(Passed(key_of(task), path, action, channel, index, value=value))
+            self.entries.append(Passed(self._names.key(task), path_of(task), action, channel, index, value=value))
 
 
 class _Observed:

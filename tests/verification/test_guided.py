@@ -400,13 +400,17 @@ def test_where_times_want_another_order_that_run_is_told() -> None:
 NEVER_WAITS = """process Chatters {
   out a, b : bool
 
-  composition { mu (a ! true ; b ! true) }
+  communication { var n : int = 0 }
+
+  composition { mu (a ! true ; (if n == 100 then wait 1 ms else b ! true)) }
 }
 
 process Alternates {
   out a, b : bool
 
-  composition { mu (a ! true ; ORDER) }
+  communication { var n : int = 0 }
+
+  composition { mu (a ! true ; (if n == 100 then wait 1 ms else ORDER)) }
 }
 
 assert Chatters refines Alternates
@@ -414,7 +418,7 @@ assert Chatters refines Alternates
 
 
 def test_a_process_that_never_waits_is_broken_off() -> None:
-    assert refuted(NEVER_WAITS.replace("ORDER", "a ! true ; b ! true"))
+    assert refuted(NEVER_WAITS.replace("ORDER", "(a ! true ; b ! true)"))
     assert answer_to(NEVER_WAITS.replace("ORDER", "b ! true")).outcome == "proved"
 
 
