@@ -5,7 +5,7 @@ Who gets on and what alternatives choose follows the trace. Priorities and times
 
 from __future__ import annotations
 
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
@@ -273,7 +273,7 @@ class Attempt:
         """The result of this attempt, after the program was led through what it has found."""
         divergence, judgement = run.divergence, result.judgement
         if run.succeeded and self._judge is not None:
-            found = self._judge(run.communications, self._rest)
+            found = self._judge(run.communications, self._rest_of(run))
             divergence, judgement = (_ALLOWED, "") if found is None else (None, found)
         return replace(
             result,
@@ -285,6 +285,11 @@ class Attempt:
             other=run.happened,
             standing=run.standing,
         )
+
+    def _rest_of(self, run: GuidedRun) -> Resting | None:
+        """How the processes stand after the run: as here, unless they have gone round more often there."""
+        here, there = (Counter(channel for channel, _ in made) for made in (self._communications, run.communications))
+        return self._rest if here == there else Resting((), goes_on=True)
 
     def _judged(self) -> str:
         """What the judge finds wrong with what was done."""

@@ -57,7 +57,7 @@ assert Has refines Demands
     ("run", "says"),
     [
         ([("pressed", 7), ("lamp", True), ("pressed", -1), ("pressed", 1)], None),
-        ([("pressed", 7), ("pressed", 1)], "it does `pressed...1`, where the specification allows only `lamp.true`"),
+        ([("pressed", 7), ("pressed", 1)], "it does `pressed ..1`, where the specification allows only `lamp.true`"),
         ([("pressed", 1), ("lamp", True)], "it does `lamp.true`, where the specification allows only"),
     ],
 )

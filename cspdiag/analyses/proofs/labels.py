@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TypeAlias
 
-from cspdiag.analyses.transitions.system import Event, System
+from cspdiag.analyses.transitions.system import Event, System, with_value
 
 Label: TypeAlias = tuple[str, str | None]
 """The name of the port within the outermost process, and the value; None is any value."""
@@ -61,4 +61,4 @@ def words(label: Label) -> str:
     """The label for people."""
     if label == END:
         return "the end"
-    return f"`{label[0]}`" if label[1] is None else f"`{label[0]}.{label[1]}`"
+    return f"`{with_value(*label)}`"

@@ -53,7 +53,14 @@ class Event:
     visible: bool = False
 
     def __str__(self) -> str:
-        return self.channel if self.value is None else f"{self.channel}.{self.value}"
+        return with_value(self.channel, self.value)
+
+
+def with_value(channel: str, value: str | None) -> str:
+    """The name of an event on a channel, with its value if that is told apart: ``key.2``, and ``key 3..`` for a range."""
+    if value is None:
+        return channel
+    return f"{channel} {value}" if ".." in value else f"{channel}.{value}"
 
 
 @dataclass(frozen=True, slots=True)

@@ -74,7 +74,7 @@ def test_input_is_told_apart_as_far_as_conditions_do() -> None:
       composition { (mu a ? x until x == 2) ; if x > 5 then b ! true }
     }"""
     system = system_of(text)
-    assert [str(event) for event in system.events] == ["Main.a...1", "Main.a.2", "Main.a.3..5", "Main.a.6.."]
+    assert [str(event) for event in system.events] == ["Main.a ..1", "Main.a.2", "Main.a 3..5", "Main.a 6.."]
     assert not system.abstractions
     assert listing(system, "Main").count("state") == 2
 
@@ -101,8 +101,8 @@ def test_input_that_is_handed_on_is_told_apart_by_who_compares_it() -> None:
     }"""
     system = system_of(text)
     assert [str(event) for event in system.events if event.visible] == [
-        "Main.a...5999999 ns",
-        "Main.a.6 ms..",
+        "Main.a ..5999999 ns",
+        "Main.a 6 ms..",
         "Main.b.true",
     ]
     assert not system.abstractions
