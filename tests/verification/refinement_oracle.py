@@ -1,0 +1,104 @@
+"""Whether one small process refines another, by following both through all that they can do."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+from tests.verification.small_processes import FIRST, OUTPUTS, Label, State, Statement, steps
+
+MOST_UNSEEN = 300
+"""States to which steps lead that nobody sees."""
+Truth: TypeAlias = Literal["refines", "violates", "not known"]
+
+
+@dataclass(frozen=True)
+class Sight:
+    """How closely it is looked.
+
+    Inputs have ``numbers``. ``exactly``: numbers that are written have to be the same; else any will do. ``failures``: what is refused counts too.
+    """
+
+    numbers: tuple[int, ...]
+    exactly: bool
+    failures: bool
+
+    def seen(self, label: Label) -> Label | tuple[str, None]:
+        """What is seen of a communication."""
+        return label if self.exactly or OUTPUTS.get(label[0]) != "int" else (label[0], None)
+
+
+def refines(body: Statement, specification: Statement, sight: Sight, most: int) -> Truth:
+    """Whether every sequence of communications of ``body``, with its end, is one of the specification; with failures, whether it refuses nothing that may not be refused.
+
+    Not known where more than ``most`` pairs of states would have to be looked at.
+    """
+    try:
+        return _followed(body, specification, sight, most)
+    except _TooManyError:
+        return "not known"
+
+
+class _TooManyError(Exception):
+    """One of the processes can do too much without being seen."""
+
+
+def _followed(body: Statement, specification: Statement, sight: Sight, most: int) -> Truth:
+    start: State = ((body,), FIRST)
+    pending = [(start, _closed([((specification,), FIRST)], sight))]
+    seen = set(pending)
+    for state, allowed in pending:
+        if not state[0] and all(after[0] for after in allowed):
+            return "violates"
+        if sight.failures and not _may_rest(state, allowed, sight):
+            return "violates"
+        for label, after in steps(state, sight.numbers):
+            reached = allowed if label is None else _closed(_after(allowed, label, sight), sight)
+            if not reached:
+                return "violates"
+            if (after, reached) not in seen:
+                seen.add((after, reached))
+                pending.append((after, reached))
+        if len(pending) > most:
+            return "not known"
+    return "refines"
+
+
+def _may_rest(state: State, allowed: Iterable[State], sight: Sight) -> bool:
+    """Whether a process that is in this state goes on by itself, or offers all that one state of the specification that rests does."""
+    offers = _offers(state, sight)
+    return offers is None or any(
+        demanded is not None and demanded <= offers for demanded in (_offers(other, sight) for other in allowed)
+    )
+
+
+def _offers(state: State, sight: Sight) -> set[object] | None:
+    """What a process offers in a state; None where it goes on by itself."""
+    if not state[0]:
+        return {"end"}
+    labels = [label for label, _ in steps(state, sight.numbers)]
+    return None if None in labels else {sight.seen(label) for label in labels if label is not None}
+
+
+def _after(states: Iterable[State], wanted: Label, sight: Sight) -> list[State]:
+    return [
+        after
+        for state in states
+        for label, after in steps(state, sight.numbers)
+        if label is not None and sight.seen(label) == sight.seen(wanted)
+    ]
+
+
+def _closed(states: Iterable[State], sight: Sight) -> frozenset[State]:
+    """The states and all to which steps lead that nobody sees."""
+    seen = set(states)
+    pending = list(seen)
+    while pending:
+        for label, after in steps(pending.pop(), sight.numbers):
+            if label is None and after not in seen:
+                if len(seen) > MOST_UNSEEN:
+                    raise _TooManyError
+                seen.add(after)
+                pending.append(after)
+    return frozenset(seen)

@@ -1,0 +1,74 @@
+"""Random refinements: what is proved and what is refuted agrees with an oracle that follows both processes through everything.
+
+``python -m tests.verification.test_random_refinements N`` looks at so many.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections import Counter
+from random import Random
+
+import pytest
+
+from cspdiag import pipeline
+from cspdiag.analyses.proofs.verdict import Limits
+from cspdiag.diagnostics import SourceFile
+from cspdiag.simulate.verify import Verifier
+from tests.verification.refinement_oracle import Sight, refines
+from tests.verification.small_processes import Drawing, Statement, process
+
+MOST = 4_000
+
+
+def drawn(seed: int) -> tuple[Statement, Statement, tuple[int, ...]]:
+    """A process, a specification that is often much like it, and numbers for its inputs: those of both texts, and their neighbours."""
+    random = Random(seed)
+    numbers = tuple(random.sample((-1, 0, 1, 2, 3, 7, 100), 3))
+    drawing = Drawing(random, numbers)
+    body = drawing.body()
+    specification = body if random.random() < 0.9 else drawing.body()
+    for _ in range(random.randint(0, 2)):
+        if random.random() < 0.7:
+            specification = drawing.changed(specification)
+        else:
+            body = drawing.changed(body)
+    offered = sorted({near for number in (0, *numbers) for near in (number - 1, number, number + 1)})
+    return body, specification, tuple(offered)
+
+
+def asked(seed: int) -> str:
+    """How the answer compares with the truth; ``refused`` where the program has errors."""
+    body, specification, numbers = drawn(seed)
+    failures = seed % 2 == 1
+    claim = "P refines Q in failures" if failures else "P refines Q"
+    text = f"{process('P', body)}\n{process('Q', specification)}\nassert {claim}\n"
+    source = SourceFile(name="random.csp", text=text)
+
+    def read(path: str) -> SourceFile:
+        raise FileNotFoundError(path)
+
+    question = pipeline.ask(source, read)
+    if question.checked.report.has_errors:
+        return "refused"
+    answer = Verifier(question, read).answer(question.questions[0], Limits(20.0))
+    if answer.outcome == "proved":
+        truth = refines(body, specification, Sight(numbers, exactly=False, failures=failures), MOST)
+        assert truth != "violates", f"{seed}: proved\n{text}"
+        return f"proved, {truth}"
+    truth = refines(body, specification, Sight(numbers, exactly=True, failures=failures), MOST)
+    if answer.outcome == "refuted":
+        assert truth != "refines", f"{seed}: refuted\n{text}"
+    return f"{answer.outcome}, {truth}"
+
+
+@pytest.mark.parametrize("first", range(0, 120, 30))
+def test_answers_are_true(first: int) -> None:
+    found = Counter(asked(seed) for seed in range(first, first + 30))
+    assert found["proved, refines"] >= 2, found
+    assert found["refuted, violates"] >= 2, found
+
+
+if __name__ == "__main__":
+    told = Counter(asked(seed) for seed in range(int(sys.argv[1]) if len(sys.argv) > 1 else 1000))
+    sys.stdout.write("".join(f"{kind}: {number}\n" for kind, number in told.most_common()))
