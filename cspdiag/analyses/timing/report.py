@@ -180,7 +180,7 @@ class _Analysis:
         outputs = ports.names(written)
         return LoopTiming(
             loop.name.partition(".")[2] or loop.name, loop.owner.thread.path, loop.span, loop.period, loop.together.level,
-            loop.together.work, loop.together.step, response.blocking, response.worst, response.start,
+            loop.together.work, task.step, response.blocking, response.worst, response.start,
             outputs, ports.interval(written, loop.period, response.worst),
             tuple(self.behaviours[k].thread.path.partition(".")[2] for k in sorted(loop.together.members - {loop.owner.number})),
             leaves | places, task,

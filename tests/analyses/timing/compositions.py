@@ -118,10 +118,22 @@ class Composed:
             self.runs.append(f"(mu ({tells} ; d{listening} ! m{tells}))")
         self.runs.append(f"(mu (d{listening} ? n{listening} ; {listening}))")
 
+    def _composition(self, runs: list[str]) -> str:
+        """Some of them together within the others, or all side by side."""
+        operator = self.source.choice([" || ", " ||> "])
+        if len(runs) < 3 or self.source.random() < 0.6:
+            return operator.join(runs)
+        cut = self.source.randint(1, len(runs) - 1)
+        return operator.join(
+            part if len(own) == 1 else f"({part})"
+            for own in (runs[:cut], runs[cut:])
+            for part in [self._composition(own)]
+        )
+
     def text(self) -> str:
         """The program, its loops in a random order, with or without priorities."""
         self.source.shuffle(self.runs)
-        composition = self.source.choice([" || ", " ||> "]).join(self.runs)
+        composition = self._composition(self.runs)
         ports = "".join(f"  in {name} : double @ {period} ms\n" for name, period in self.inputs)
         ports += "".join(f"  in {name} : double\n" for name in self.events)
         ports += "".join(f"  out {name} : double @ {period} ms\n" for name, period in self.outputs)
