@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cached_property
 
 from cspdiag.analyses.transitions.facts import FAULT
 from cspdiag.analyses.transitions.law_steps import LawSteps
@@ -50,12 +51,28 @@ POINTS = frozenset(
 class Follower(LawSteps):
     """Takes the silent steps of one thread."""
 
+    @cached_property
+    def _settled(self) -> dict[Configuration, Configuration]:
+        """Where the thread is after the choices that it came to: to one with many guards it comes back from each of them."""
+        return {}
+
     def settled(self, start: Configuration) -> Configuration:
         """Where the thread is once it can do nothing more on its own. A circle of silent steps ends in a frame ``diverges``."""
+        choices: list[Configuration] = []
+        end = self._end_of(start, choices)
+        self._settled.update(dict.fromkeys(choices, end))
+        return end
+
+    def _end_of(self, start: Configuration, choices: list[Configuration]) -> Configuration:
         configuration = start
         seen: dict[Configuration, None] = {}
         steps = 0
         while True:
+            if _is_choice(configuration):
+                known = self._settled.get(configuration)
+                if known is not None:
+                    return known
+                choices.append(configuration)
             following = self._step(configuration)
             if following is None:
                 stack = configuration.stack
@@ -312,6 +329,11 @@ class Follower(LawSteps):
 
     def _pop(self, c: Configuration, frame: tuple[object, ...], rest: Stack) -> Configuration | None:
         return c._replace(stack=rest)
+
+
+def _is_choice(configuration: Configuration) -> bool:
+    stack = configuration.stack
+    return stack is not None and stack[0][0] == "run" and isinstance(stack[0][1].action, Choice)
 
 
 _STEPS: dict[type, Callable[[Follower, Configuration, Node, Context, Stack], Configuration | None]] = {

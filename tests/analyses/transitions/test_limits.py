@@ -6,6 +6,8 @@ import pytest
 
 from cspdiag.analyses.transitions import assembly, explore
 from cspdiag.analyses.transitions.explore import TransitionError
+from cspdiag.analyses.transitions.follow import Follower
+from cspdiag.analyses.transitions.thread import Configuration
 from tests.analyses.transitions.building import system_of
 
 ANY = (
@@ -43,3 +45,30 @@ def test_values_are_given_up_before_a_process_is_refused(monkeypatch: pytest.Mon
     system = system_of(COUNTS)
     assert len(system.components[0].edges) <= 31
     assert any("`n`" in abstraction.what for abstraction in system.abstractions)
+
+
+def _silent_steps(guests: int, monkeypatch: pytest.MonkeyPatch) -> int:
+    """How many silent steps are taken to make the system of a porter who counts."""
+    taken = 0
+    step = Follower._step
+
+    def counted(follower: Follower, configuration: Configuration) -> Configuration | None:
+        nonlocal taken
+        taken += 1
+        return step(follower, configuration)
+
+    with monkeypatch.context() as patched:
+        patched.setattr(Follower, "_step", counted)
+        system = system_of(
+            f"process Main {{ in come[{guests}], go[{guests}] : bool communication {{ var here : int = 0 var x : bool }}"
+            f" composition {{ mu ( (alt i < {guests} : when here < {guests} & come[i] ? x -> here := here + 1)"
+            f" [] (alt i < {guests} : when here > 0 & go[i] ? x -> here := here - 1) ) }} }}"
+        )
+    assert len(system.components[0].edges) > guests
+    return taken
+
+
+def test_a_choice_of_many_guards_is_prepared_once_however_many_lead_to_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    few, many = (_silent_steps(guests, monkeypatch) for guests in (8, 16))
+    # As many guards again, and as many states again; from each state as many steps back to the choice again: 4 times, not 8.
+    assert 3 * few < many < 5 * few
