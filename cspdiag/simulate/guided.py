@@ -27,6 +27,8 @@ MOST_RUNS = 600
 """All together."""
 MOST_OF_ONE_KIND = 80
 """So many runs follow one script strictly, and so many with others that go on besides."""
+MOST_ROUNDS = 24
+"""So often is gone round in what can be done for ever, until times repeat themselves."""
 AT_LEAST = 2_000
 """So many actions a run may have, whatever others have used up."""
 
@@ -66,15 +68,17 @@ class Guided:
     def follow(
         self, entries: Sequence[Passed], trace: Trace, cycle: int, *, ends: bool, further: bool = False
     ) -> GuidedRun:
-        """A run that comes to where the entries lead, to the end of all if it ``ends``, or the one that comes furthest; from ``cycle`` on they are repeated once.
+        """A run that comes to where the entries lead, to the end of all if it ``ends``, or the one that comes furthest; from ``cycle`` on they are repeated
+        until the times repeat themselves.
 
         ``further``: processes have gone round more often than the trace says. Others may do so meanwhile, also where a specification sees it, and what is offered once is offered late.
         """
         if further:
             entries = (*put_off(entries[:cycle], self._events), *entries[cycle:])
-        script = (*entries, *(entries[cycle:] if trace.cycle else ()))
+        period = len(entries) - cycle if trace.cycle else 0
+        script = (*entries, *(tuple(entries[cycle:]) * MOST_ROUNDS if period else ()))
         visible = self._outside - trace.hidden
-        goal = Goal(trace, self._outside, visible, cycle if trace.cycle else len(script), ends, further)
+        goal = Goal(trace, self._outside, visible, cycle if trace.cycle else len(script), period, ends, further)
         best: GuidedRun | None = None
         for run in self._runs(script, goal):
             if run.succeeded:

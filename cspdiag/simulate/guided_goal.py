@@ -30,7 +30,7 @@ _OPPOSITE = {"to read": "to write", "to write": "to read"}
 class Goal:
     """What a run is to come to; ``outside`` are the channels of the environment, ``visible`` those that a specification sees.
 
-    ``cycle``: from this entry of the script on everything can be repeated. ``ends``: all is to end without anything more that can be seen. ``further``: a specification may see
+    ``cycle``: from this entry of the script on everything is repeated, after ``period`` entries. ``ends``: all is to end without anything more that can be seen. ``further``: a specification may see
     more than the trace has; whether it allows that is asked afterwards.
     """
 
@@ -38,6 +38,7 @@ class Goal:
     outside: frozenset[str]
     visible: frozenset[str]
     cycle: int
+    period: int
     ends: bool
     further: bool = False
 

@@ -98,6 +98,8 @@ class Run:
         self._lost: str | None = None
         self._cut: int | None = None
         self._cycle_began: int | None = None
+        self._rounds = 0
+        self._situations: set[tuple[int, ...]] = set()
         self._error: BaseException | None = None
 
     def branch_ended(self, branch: Task, error: BaseException | None) -> None:
@@ -152,8 +154,27 @@ class Run:
                 raise AstrayError(self._problem)
             if self._actions > self._limit:
                 raise AstrayError(self._not_come("in so many steps"))
-        if self._goal.trace.failure == "livelock" and self._cycle_began not in (None, scheduler.now):
+            if self._repeats():
+                return
+        if self._goal.period:
+            raise AstrayError("times change each time round, so that this may come to an end")
+
+    def _repeats(self) -> bool:
+        """Whether all rounds to come will be as those that were: delays and samples are as they were before."""
+        number = self._script.next()
+        done = len(self._script.entries) if number is None else number
+        goal = self._goal
+        if not goal.period or done < goal.cycle + self._rounds * goal.period:
+            return False
+        while done >= goal.cycle + self._rounds * goal.period:
+            self._rounds += 1
+        if goal.trace.failure == "livelock" and self._cycle_began not in (None, scheduler.now):
             raise AstrayError("time passes before everything is repeated")
+        situation = self._world.situation
+        if situation in self._situations:
+            return True
+        self._situations.add(situation)
+        return False
 
     @property
     def _actions(self) -> int:

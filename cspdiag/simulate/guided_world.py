@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from math import lcm
 from typing import Any, Literal
 
 from cspdiag.runtime.external import Port
@@ -79,6 +80,14 @@ class World:
         instants = [(scheduler.now // port.period + 1) * port.period for port in self._sampled if _listens(port)]
         timer = scheduler.timers.next_instant()
         return min([*instants, *([] if timer is None else [timer])], default=None)
+
+    @property
+    def situation(self) -> tuple[int, ...]:
+        """How long delays have still to last, and how long ago all samples came at once: what times there are to come depends on that."""
+        periods = lcm(*(port.period for port in self._sampled if _listens(port)))
+        return scheduler.now % periods, *sorted(
+            instant - scheduler.now for instant, timers in scheduler.timers._at.items() for _ in timers
+        )
 
     def meet(self, instant: int) -> None:
         """Time goes on to an instant: samples come, in the order of the ports, and delays end."""

@@ -445,3 +445,38 @@ assert Starts refines Ignores
 def test_the_environment_may_act_just_before_a_process_looks() -> None:
     """The alternative comes at once after the first output, and can always take the second one."""
     assert refuted(AT_ONCE)
+
+
+DRIFTS = """process Feeds {
+  out food : int
+
+  composition { mu (food ! 1 ; wait EVERY) }
+}
+
+process Eats {
+  in food : int
+
+  communication { var v : int = 0  var starved : bool = false }
+
+  composition { wait 1 ms ; mu ((food ? v -> wait 10 ms []> skip -> starved := true)) until starved }
+}
+
+process Both {
+  communication {
+    feeds : Feeds
+    eats  : Eats
+
+    feeds.food -> buffer 1 -> eats.food
+  }
+
+  composition { feeds || eats }
+}
+
+assert Both terminates
+"""
+
+
+def test_what_goes_on_for_ever_does_so_in_its_times() -> None:
+    """Where one loop is slower than the other, the two do not go round in step for ever, though ten times."""
+    assert refuted(DRIFTS.replace("EVERY", "10 ms"))
+    assert not refuted(DRIFTS.replace("EVERY", "10100 us"))
