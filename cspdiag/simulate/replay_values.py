@@ -2,30 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from itertools import islice, product
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import islice, pairwise, product
 from types import ModuleType
 from typing import Any
 
+from cspdiag.analyses.transitions.cuts import COMPARISONS, Arguments
 from cspdiag.analyses.transitions.ranges import limits_of
 from cspdiag.diagnostics import Span
 from cspdiag.diagnostics.record import field_names, is_record
 from cspdiag.model.types import ArrayType, BoolType, EnumType, IntType, RealType, StructType, TimeType, Type
 from cspdiag.network.dump_expression import value_text
-from cspdiag.network.expressions import LiteralValue
+from cspdiag.network.expressions import BinaryOperation, LiteralValue
 from cspdiag.network.ir import Network, ProcessClass
+from cspdiag.network.walk import parts
 from cspdiag.settings import parse_duration
 
-_REALS = (0.0, 1.0, -1.0, 1000.0, -1000.0, 0.001)
+_REALS = (0.0, 1.0, -1.0)
+_OTHER_REALS = (1000.0, -1000.0, 0.001)
 _MOST = 64
 
 
 class Values:
-    """Values of the types of a program, as its package has them; ``numbers`` are those that its text compares with."""
+    """Values of the types of a program, as its package has them; ``numbers`` are those on which it may depend what happens."""
 
-    def __init__(self, types: ModuleType | None, numbers: Iterable[int]) -> None:
+    def __init__(self, types: ModuleType | None, numbers: Iterable[int | float]) -> None:
         self._types = types
-        self._integers = tuple(dict.fromkeys((0, 1, *numbers)))
+        given = tuple(numbers)
+        self._integers = tuple(dict.fromkeys((0, 1, *(number for number in given if isinstance(number, int)))))
+        reals = (number for number in given if isinstance(number, float))
+        self._reals = tuple(dict.fromkeys((*_REALS, *reals, *_OTHER_REALS)))
 
     def candidates(self, type_: Type, told: str | None) -> Sequence[Any]:
         """What may be offered at a port, the simplest first: the value that the trace tells, or a choice of all that there are."""
@@ -57,7 +63,7 @@ class Values:
             case TimeType():
                 return (0, 1_000_000)
             case RealType():
-                return _REALS
+                return self._reals
             case EnumType(name=name):
                 return list(getattr(self._types, name))
             case StructType(name=name, fields=fields):
@@ -102,8 +108,8 @@ def _number(type_: Type, told: str) -> int:
     return int(told)
 
 
-def numbers_of(network: Network) -> Iterable[int]:
-    """Whole numbers that a program mentions, and their neighbours: conditions turn on them."""
+def numbers_of(network: Network) -> Iterator[int | float]:
+    """Whole numbers that a program mentions, and their neighbours; thresholds of floating-point numbers, and numbers between them: conditions turn on them."""
     found: dict[int, None] = {}
     for constant in network.constants:
         _collect(constant.value, found)
@@ -113,7 +119,22 @@ def numbers_of(network: Network) -> Iterable[int]:
     for entry in network.classes:
         if isinstance(entry, ProcessClass):
             _literals(entry.body, found)
-    return [near for number in found for near in (number, number + 1, number - 1)]
+    yield from (near for number in found for near in (number, number + 1, number - 1))
+    thresholds = sorted(set(_thresholds(network)))
+    if thresholds:
+        yield from (thresholds[0] - 1, thresholds[-1] + 1)
+    yield from ((low + high) / 2 for low, high in pairwise(thresholds))
+    yield from thresholds
+
+
+def _thresholds(network: Network) -> Iterator[float]:
+    """The floating-point numbers with which processes and control laws compare."""
+    arguments = Arguments(network)
+    for entry in network.classes:
+        for part in parts(entry):
+            if isinstance(part, BinaryOperation) and part.operator in COMPARISONS:
+                for side in (part.left, part.right):
+                    yield from (value for value in arguments.values(side, entry.name) if isinstance(value, float))
 
 
 def _collect(value: object, found: dict[int, None]) -> None:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from cspdiag.simulate import replay_rounds
 from tests.cli.conftest import Command, cspdiag  # noqa: F401 - a fixture
 from tests.verifying import answers_to
 
@@ -60,12 +61,18 @@ assert Oven deadlock free
 """
 
 
+@pytest.fixture(autouse=True)
+def few_steps(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(replay_rounds, "MOST_STEPS", 500)
+    monkeypatch.setattr(replay_rounds, "MOST_IN_ALL", 4_000)
+
+
 def oven(condition: str = "heat < 0.5", samples: int = 25) -> str:
     return OVEN.replace("CONDITION", condition).replace("SAMPLES", str(samples))
 
 
 @pytest.mark.parametrize(
-    ("condition", "value"), [("heat < 0.5", "0.0"), ("heat > 0.5", "1.0"), ("heat < -2", "-1000.0")]
+    ("condition", "value"), [("heat < 0.5", "0.0"), ("heat > 0.5", "1.0"), ("heat > 36.5 and heat < 37.5", "37.0")]
 )
 def test_process_goes_round_until_its_law_has_come_to_its_end(condition: str, value: str) -> None:
     (answer,) = answers_to({"case.csp": oven(condition)})

@@ -15,13 +15,14 @@ from cspdiag.analyses.transitions.values import UNKNOWN, EvaluationFault, Known,
 from cspdiag.network.actions import AssignValue, InputEvent, OutputEvent, ReadValue, WriteValue
 from cspdiag.network.expression_walk import walk
 from cspdiag.network.expressions import BinaryOperation, ConditionalValue, Expression, ParameterValue, VariableValue
-from cspdiag.network.ir import ProcessClass
+from cspdiag.network.ir import Network, ProcessClass
 from cspdiag.network.walk import parts
 
 Boundaries: TypeAlias = Mapping[Item, frozenset[int]]
 """By item, the numbers that do not belong together with the number before them."""
 
-_SWAPPED = {"<": ">", "<=": ">=", ">": "<", ">=": "<=", "==": "==", "!=": "!="}
+COMPARISONS = {"<": ">", "<=": ">=", ">": "<", ">=": "<=", "==": "==", "!=": "!="}
+"""The operators, and those that say the same of the operands in the other order."""
 
 
 def boundaries(program: Program, told_apart: Mapping[str, Collection[int]]) -> Boundaries:
@@ -33,7 +34,7 @@ def boundaries(program: Program, told_apart: Mapping[str, Collection[int]]) -> B
     origins: defaultdict[Item, set[Item]] = defaultdict(set)
     for port, more in told_apart.items():
         found["port", program.top.name, port.split("[", 1)[0]].update(more)
-    arguments = _Arguments(program)
+    arguments = Arguments(program.network)
     for one in program.classes.values():
         if isinstance(one.definition, ProcessClass):
             for item, cut in _compared(one, arguments):
@@ -50,11 +51,10 @@ def boundaries(program: Program, told_apart: Mapping[str, Collection[int]]) -> B
     return {item: frozenset(cut) for item, cut in found.items()}
 
 
-class _Arguments:
+class Arguments:
     """The values that the parameters of each class have in some instance."""
 
-    def __init__(self, program: Program) -> None:
-        network = program.network
+    def __init__(self, network: Network) -> None:
         self._of: defaultdict[str, list[dict[str, Known]]] = defaultdict(list)
         self._of[network.top].append(dict(network.arguments))
         for instance in network.instances:
@@ -62,10 +62,13 @@ class _Arguments:
 
     def constants(self, expression: Expression, class_name: str) -> set[int]:
         """The whole numbers that an expression of parameters may stand for."""
+        return {value for value in self.values(expression, class_name) if type(value) is int}
+
+    def values(self, expression: Expression, class_name: str) -> set[Known]:
+        """The values that an expression of parameters may stand for; UNKNOWN where it depends on anything else."""
         names = sorted({part.name for part in walk(expression) if isinstance(part, ParameterValue)})
         cases = {tuple(given.get(name, UNKNOWN) for name in names) for given in self._of[class_name]}
-        found = (_constant(expression, dict(zip(names, case, strict=True))) for case in cases)
-        return {value for value in found if type(value) is int}
+        return {_constant(expression, dict(zip(names, case, strict=True))) for case in cases}
 
 
 def _constant(expression: Expression, arguments: Mapping[str, Known]) -> Known:
@@ -75,21 +78,21 @@ def _constant(expression: Expression, arguments: Mapping[str, Known]) -> Known:
         return UNKNOWN
 
 
-def _compared(one: Class, arguments: _Arguments) -> Iterator[tuple[Item, set[int]]]:
+def _compared(one: Class, arguments: Arguments) -> Iterator[tuple[Item, set[int]]]:
     """The variables that are compared with constants, and where the comparisons cut them."""
     assert isinstance(one.definition, ProcessClass)
     for part in parts(one.definition.body):
-        if isinstance(part, BinaryOperation) and part.operator in _SWAPPED:
+        if isinstance(part, BinaryOperation) and part.operator in COMPARISONS:
             for side, operator, other in (
                 (part.left, part.operator, part.right),
-                (part.right, _SWAPPED[part.operator], part.left),
+                (part.right, COMPARISONS[part.operator], part.left),
             ):
                 for variable, constant in _differences(side, arguments.constants(other, one.name), one, arguments):
                     yield ("channel", one.name, variable.channel), _cut(operator, constant)
 
 
 def _differences(
-    side: Expression, constants: Iterable[int], one: Class, arguments: _Arguments
+    side: Expression, constants: Iterable[int], one: Class, arguments: Arguments
 ) -> Iterator[tuple[VariableValue, int]]:
     """A variable, from which a constant may be added or taken away, and with what it is compared itself."""
     match side:
