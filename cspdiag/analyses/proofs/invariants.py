@@ -23,7 +23,7 @@ from cspdiag.analyses.proofs.sat_solver import Clause
 from cspdiag.analyses.proofs.verdict import LimitError, Limits, Unknown, Verdict
 
 LARGEST_PROBLEM = 50_000
-"""Systems with more edges than this are left to other methods."""
+"""For systems with more edges than this no solver is asked for further weights."""
 
 DENOMINATORS = (1, 2, 6, 12, 60, 2520)
 """Weights are rounded to fractions with denominators up to each of these in turn."""
@@ -34,15 +34,18 @@ def by_invariants(question: Question, limits: Limits, examine: Examination | Non
 
     ``examine`` may find a refutation from a candidate before all are excluded. Invariants that were found for another question about the system are used.
     """
-    problem = problem_of(question.structure)
-    if problem.size > LARGEST_PROBLEM:
-        return Unknown("invariants", f"the marking equation has {problem.size} edges, more than {LARGEST_PROBLEM}")
     structure = question.structure
+    problem = problem_of(structure)
     known: list[Weights] = structure.remembered("invariants", list)
     try:
         balanced = structure.remembered("balanced", lambda: invariants_with_equality(structure, limits))
     except LimitError as limit:
         return Unknown("invariants", str(limit))
+
+    def begin(encoding: Encoding) -> list[Clause]:
+        clauses = [clause for weights in balanced for clause in sum_clauses(encoding, weights, equal=True)]
+        return clauses + [clause for weights in known for clause in sum_clauses(encoding, weights)]
+
     with WeightsProcess(problem, limits) as process:
 
         def exclude(question: Question, encoding: Encoding, candidate: Sequence[int]) -> list[Clause]:
@@ -52,13 +55,9 @@ def by_invariants(question: Question, limits: Limits, examine: Examination | Non
             known.append(weights)
             return sum_clauses(encoding, weights) or [excluding(encoding, weights, candidate)]
 
-        def begin(encoding: Encoding) -> list[Clause]:
-            clauses = [clause for weights in balanced for clause in sum_clauses(encoding, weights, equal=True)]
-            return clauses + [clause for weights in known for clause in sum_clauses(encoding, weights)]
-
-        return refine(
-            question, limits, [exclude_by_trap, exclude], "invariants", begin, examine, len(balanced) + len(known)
-        )
+        refinements = [exclude_by_trap, exclude] if problem.size <= LARGEST_PROBLEM else [exclude_by_trap]
+        invariants = len(balanced) + len(known)
+        return refine(question, limits, refinements, "invariants", begin, examine, invariants)
 
 
 def _exact(problem: Problem, found: Sequence[float] | None, candidate: Sequence[int]) -> Weights | None:

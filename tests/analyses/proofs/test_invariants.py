@@ -7,6 +7,7 @@ import time
 
 import pytest
 
+from cspdiag.analyses.proofs import invariants
 from cspdiag.analyses.proofs.invariants import by_invariants
 from cspdiag.analyses.proofs.invariants_basis import invariants_with_equality
 from cspdiag.analyses.proofs.invariants_problem import problem_of
@@ -46,6 +47,17 @@ def test_a_large_table_needs_no_more_than_the_invariants_that_hold_with_equality
         question = Question(system, together)
         assert isinstance(by_sat(question, Limits()), Unknown), "pairs and traps do not count"
         assert isinstance(by_invariants(question, Limits()), Proved)
+
+
+def test_invariants_with_equality_serve_where_the_system_is_too_large_for_the_solver(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(invariants, "LARGEST_PROBLEM", 10)
+    monkeypatch.setattr(WeightsProcess, "weights", lambda *_: pytest.fail("the solver for weights was asked"))
+    assert isinstance(by_invariants(Question(table_with_butler(8, 7), together=True), Limits()), Proved)
+    verdict = by_invariants(Question(table_with_butler(8, 8), together=True), Limits())
+    assert isinstance(verdict, Unknown)
+    assert verdict.candidate is not None
 
 
 def test_invariants_with_equality_hold_in_every_reachable_state() -> None:
