@@ -10,7 +10,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Sequence
 
 from cspdiag.analyses.transitions.occurrences import Medium
-from cspdiag.analyses.transitions.template import Label, Reference, Template
+from cspdiag.analyses.transitions.template import Label, Reference, Template, is_late
 from cspdiag.analyses.transitions.thread import resolve
 from cspdiag.analyses.transitions.threads import Strand
 
@@ -18,36 +18,41 @@ _OFFERS = frozenset({"read", "write", "guarded", "withdrawn"})
 
 
 class Alarms:
-    """Which threads can see a guard ready in vain: those with an ``alarm`` on a medium where an offer of the other side may be withdrawn."""
+    """What threads can see of each other's guards: which of the ``alarm`` labels ring, and which late reads some alternative may choose."""
 
     def __init__(self, threads: Iterable[Strand]) -> None:
-        watchers: list[tuple[Strand, Label]] = []
+        watching: list[tuple[Strand, Label]] = []
         rung: defaultdict[Medium, set[str]] = defaultdict(set)
-        unsteady: dict[int, set[Label]] = {}
+        choosing: set[Medium] = set()
+        labels_of: dict[int, tuple[set[Label], set[Label]]] = {}
         for strand in threads:
             template = strand.template
-            if id(template) not in unsteady:
-                unsteady[id(template)] = _unsteady(template)
-            for label in unsteady[id(template)]:
-                if label[0] == "alarm":
-                    watchers.append((strand, label))
+            if id(template) not in labels_of:
+                labels_of[id(template)] = _special(template), set().union(*withdrawn(template.edges))
+            special, unsteady = labels_of[id(template)]
+            for label in unsteady:
+                rung[resolve(strand.occurrence, label[1])].add(_side(label))
+            for label in special:
+                if label[0] == "guarded":
+                    choosing.add(resolve(strand.occurrence, label[1]))
                 else:
-                    rung[resolve(strand.occurrence, label[1])].add(_side(label))
+                    watching.append((strand, label))
         self._silent: defaultdict[Strand, set[Label]] = defaultdict(set)
-        for strand, label in watchers:
+        for strand, label in watching:
             medium = resolve(strand.occurrence, label[1])
-            if not medium.is_contended and label[2] not in rung[medium]:
+            rings = medium in choosing if is_late(label) else medium.is_contended or label[2] in rung[medium]
+            if not rings:
                 self._silent[strand].add(label)
 
     def silent(self, strand: Strand) -> frozenset[Label]:
-        """The alarms of a thread that nobody ever rings."""
+        """The alarms of a thread that nobody ever rings, and its late reads that no alternative chooses."""
         return frozenset(self._silent.get(strand, ()))
 
 
-def _unsteady(template: Template) -> set[Label]:
-    """The alarms of a thread, and its offers that it may withdraw."""
-    alarms = {label for edges in template.edges for label, _ in edges if label[0] == "alarm"}
-    return alarms.union(*withdrawn(template.edges))
+def _special(template: Template) -> set[Label]:
+    """The alarms of a thread, its late reads, and the guards by which it writes."""
+    labels = {label for edges in template.edges for label, _ in edges}
+    return {label for label in labels if label[0] in ("alarm", "guarded") or is_late(label)}
 
 
 def withdrawn(edges: Sequence[Sequence[tuple[Label, int]]]) -> list[set[Label]]:

@@ -26,7 +26,7 @@ from cspdiag.analyses.transitions.system import (
     EventKind,
     System,
 )
-from cspdiag.analyses.transitions.template import INTERNAL_LABEL, Label, Template
+from cspdiag.analyses.transitions.template import INTERNAL_LABEL, Label, Template, is_late
 from cspdiag.analyses.transitions.thread import resolve
 from cspdiag.analyses.transitions.threads import ParallelKey, Strand, Strands, parallel_key
 from cspdiag.analyses.transitions.values import UNKNOWN, Known
@@ -235,7 +235,7 @@ class Assembly:
             self._limit(medium, len(writing.get(value, ())) * len(reading.get(value, ())))
             met: set[Use] = set()
             for (writer, written), (reader, read) in product(writing.get(value, ()), reading.get(value, ())):
-                if writer is reader:
+                if writer is reader or (is_late(read) and written[0] == "write"):
                     continue
                 met |= {(writer, written), (reader, read)}
                 parties = (writer.number, reader.number)
@@ -243,7 +243,7 @@ class Assembly:
                 self._for(writer, written, event)
                 self._for(reader, read, event)
             for use in (*writing.get(value, ()), *reading.get(value, ())):
-                if use not in met:
+                if use not in met and not is_late(use[1]):
                     self._alone(medium, use, value)
 
     def _limit(self, medium: Medium, meetings: int) -> None:
@@ -298,7 +298,8 @@ class Assembly:
         writes, delivered, withdrawn = self._broadcast_writes(medium, uses, latches, absent)
         taken: list[dict[Known, list[int]]] = []
         for number, ends in zip(latches, readers.values(), strict=True):
-            taken.append(self._with(medium, ends, number, ("read",), "communication"))
+            waiting = [use for use in ends if not is_late(use[1])]
+            taken.append(self._with(medium, waiting, number, ("read",), "communication"))
         self._guarded_broadcasts(medium, uses, list(readers.values()), absent)
         for number, takes, ends in zip(latches, taken, readers.values(), strict=True):
             name = f"{medium.name} to {ends[0][0].name}"

@@ -21,7 +21,9 @@ from cspdiag.model.types import ArrayType, RealType, StructType, Type
 from cspdiag.network.actions import (
     AfterEvent,
     Branch,
+    InputEvent,
     OutputEvent,
+    ReadyEvent,
     Target,
 )
 from cspdiag.network.expressions import Expression, LiteralValue, PresentTime
@@ -59,12 +61,21 @@ class Computing:
                 return configuration._replace(stack=(handler, stack), fetched=None, loaded=())
             if frame[0] == "leave":
                 configuration = self.thread.closed(configuration, frame[1])
+            elif frame[0] == "interrupt" and self.may_be_chosen(configuration, frame):
+                return configuration._replace(stack=(("closing", frame, exception), stack), fetched=None, loaded=())
         end: Frame = ("raised", exception)
-        if configuration.doomed:
-            end = ("ended",)
-        elif exception == FAULT and not (self.thread.role.outermost or self.thread.role.caught):
-            end = ("faulted",)
+        if exception == FAULT and not (self.thread.role.outermost or self.thread.role.caught):
+            end = ("ended",) if configuration.doomed else ("faulted",)
         return configuration._replace(stack=(end, None), doomed=False, fetched=None, loaded=())
+
+    def may_be_chosen(self, configuration: Configuration, interrupt: Frame) -> bool:
+        """Whether an alternative of somebody else may choose the guard of an interrupt although the body is about to end by itself."""
+        _, node, context, _ = interrupt
+        event = node.action.branch.event
+        if configuration.doomed or not isinstance(event, InputEvent | OutputEvent | ReadyEvent):
+            return False
+        reference = context.reference(event.sink if isinstance(event, OutputEvent) else event.source)
+        return self.thread.medium(reference).kind in ("sync", "any", "broadcast")
 
     def passing(self, c: Configuration, following: Stack, node: Node) -> Configuration:
         """Goes on with ``following``; inside an interrupt, whose guard is looked at here as where the process waits."""

@@ -327,6 +327,9 @@ class Follower(LawSteps):
         assert isinstance(frame[1], Context)
         return self.thread.closed(c, frame[1])._replace(stack=rest)
 
+    def _body_ends(self, c: Configuration, frame: tuple[object, ...], rest: Stack) -> Configuration | None:
+        return c._replace(stack=(("closing", frame, None), rest) if self.may_be_chosen(c, frame) else rest)
+
     def _pop(self, c: Configuration, frame: tuple[object, ...], rest: Stack) -> Configuration | None:
         return c._replace(stack=rest)
 
@@ -361,7 +364,7 @@ _FRAMES: dict[str, Callable[[Follower, Configuration, tuple[object, ...], Stack]
     "again": Follower._again,
     "assign": Follower._assigning,
     "catch": Follower._pop,
-    "interrupt": Follower._pop,
+    "interrupt": Follower._body_ends,
     "interruptible": Follower._interruptible,
     "interrupting": Follower._interrupting,
     "leave": Follower._leave,

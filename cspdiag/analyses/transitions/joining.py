@@ -50,7 +50,8 @@ def join_edges(
     """What the parent waits for. The last part of the frame is where it is.
 
     ``wait``: for the end of all branches, or an exception of one; ``cancelling``, with the exception: the branches are told; ``failing``: it waits for
-    their end, and raises it; ``abandon`` and ``abandoned``: the same after an interrupt or its own cancellation.
+    their end, and raises it; ``abandon`` and ``abandoned``: the same after an interrupt or its own cancellation. Of several exceptions the first counts, also
+    that of a branch that is cancelled and raises it before its next communication.
     """
     _, node, context, stage, *exception = frame
     parallel = (context.path, node)
@@ -58,23 +59,29 @@ def join_edges(
     def at(stage: str, *more: str) -> Configuration:
         return c._replace(stack=(("join", node, context, stage, *more), rest))
 
+    caught = follower.faults_are_caught(c)
+    thrown = [
+        (("thrown", parallel, branch, name), name)
+        for branch, child in enumerate(node.children)
+        for name in escaping(thread, child, context, caught=caught)
+    ]
     done = c._replace(stack=rest)
     match stage:
         case "wait":
-            found: list[tuple[Label, Configuration]] = [(("join", parallel), done)]
-            caught = follower.faults_are_caught(c)
-            for branch, child in enumerate(node.children):
-                for name in escaping(thread, child, context, caught=caught):
-                    found.append((("thrown", parallel, branch, name), at("cancelling", name)))
-            return found
+            return [(("join", parallel), done), *((label, at("cancelling", name)) for label, name in thrown)]
         case "cancelling":
             return [(("cancel", parallel), at("failing", *exception))]
         case "failing":
-            return [(("join", parallel), follower.thrown(done, exception[0]))]
+            several = len({label[2] for label, _ in thrown}) > 1
+            ignored = [(label, c) for label, _ in thrown if several]
+            return [(("join", parallel), follower.thrown(done, exception[0])), *ignored]
         case "abandon":
-            return [(("cancel", parallel), at("abandoned"))]
+            return [
+                (("cancel", parallel), at("abandoned")),
+                *((label, at("cancelling", name)) for label, name in thrown),
+            ]
         case _:
-            return [(("join", parallel), done)]
+            return [(("join", parallel), done), *((label, at("failing", name)) for label, name in thrown)]
 
 
 class LawParallels:

@@ -8,7 +8,7 @@ from cspdiag.analyses.transitions.facts import FAULT, TIMEOUT
 from cspdiag.analyses.transitions.follow import POINTS, Follower
 from cspdiag.analyses.transitions.joining import LawParallels, fork_edges, join_edges
 from cspdiag.analyses.transitions.program import Node
-from cspdiag.analyses.transitions.template import INTERNAL_LABEL, Label, Reference
+from cspdiag.analyses.transitions.template import INTERNAL_LABEL, LATE, Label, Reference
 from cspdiag.analyses.transitions.thread import Configuration, Context, Frame, Stack, Thread, reading_end
 from cspdiag.analyses.transitions.values import UNKNOWN, Known
 from cspdiag.network.actions import (
@@ -73,6 +73,8 @@ class Offers(Communications):
                 _, node, context, value = frame
                 branch = node.action.branch
                 return self.guarded(c._replace(stack=rest), context, branch, node.children[1], value)
+            case "closing":
+                return self._closing(c, frame, rest)
             case "pass":
                 return [(INTERNAL_LABEL, c._replace(stack=rest))]
             case "either":
@@ -192,6 +194,28 @@ class Offers(Communications):
                         target = target._replace(stack=(abandon, target.stack))
                     found.append((label, target))
         return found
+
+    def _closing(self, c: Configuration, frame: Frame, rest: Stack) -> list[Move]:
+        """The body of an interrupt is about to end or to raise an exception, which nobody knows yet: an alternative may choose the guard before."""
+        _, (_, node, context, value), exception = frame
+        ended = self._closed(c)
+        if c.doomed:
+            return [(INTERNAL_LABEL, ended)]
+        taken = self.guarded(c._replace(stack=rest), context, node.action.branch, node.children[1], value)
+        return [
+            (INTERNAL_LABEL, ended),
+            *(
+                ((*label, LATE) if label[0] == "read" else label, target if exception is None else ended)
+                for label, target in taken
+            ),
+        ]
+
+    def _closed(self, c: Configuration) -> Configuration:
+        """The body of an interrupt has ended or raised an exception."""
+        assert c.stack is not None
+        (_, _, exception), rest = c.stack
+        after = c._replace(stack=rest)
+        return after if exception is None else self.follower.thrown(after, exception)
 
     def _lost_races(self, outside: Configuration, context: Context, node: Node, value: Known) -> list[Move]:
         """The body was abandoned because the guard was ready, and then it is not any more: nothing is left but to wait for the guard."""
@@ -316,6 +340,8 @@ class Offers(Communications):
             return []
         if frame[0] in ("ended", "raised"):
             return [(label, c._replace(stack=(("ended",), None)))]
+        if frame[0] == "closing":
+            return [(label, self._closed(c._replace(doomed=True)))]
         if frame[0] == "join" and frame[3] == "wait":
             assert c.stack is not None
             abandon = ("join", frame[1], frame[2], "abandon")

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
-from cspdiag.analyses.transitions.template import Label, ParallelId, Spot, Template
+from cspdiag.analyses.transitions.template import INTERNAL_LABEL, Label, ParallelId, Spot, Template
 
 
 class Shape:
@@ -16,7 +16,7 @@ class Shape:
     def __init__(self, template: Template, *, started: bool, never: frozenset[Label] = frozenset()) -> None:
         edges = template.edges
         if never:
-            edges = [[edge for edge in found if edge[0] not in never] for found in edges]
+            edges = _without(edges, never)
         initial = 0
         if started and edges[0] and edges[0][0][0] == ("start",):
             initial = edges[0][0][1]
@@ -38,6 +38,25 @@ class Shape:
         self.label_numbers = labels
         self.terminal = frozenset(numbers[state] for state in template.terminal if state in numbers)
         self.spots: list[Spot] = [template.spots[state] for state in order]
+
+
+def _without(edges: Sequence[Sequence[tuple[Label, int]]], never: frozenset[Label]) -> list[list[tuple[Label, int]]]:
+    """The edges that are left, past states that had been there for what never happens and lead on by themselves now."""
+    left = [[edge for edge in found if edge[0] not in never] for found in edges]
+    past = {
+        state: after[0][1]
+        for state, (before, after) in enumerate(zip(edges, left, strict=True))
+        if len(after) == 1 < len(before) and after[0][0] == INTERNAL_LABEL
+    }
+    return [[(label, _past(past, target)) for label, target in found] for found in left]
+
+
+def _past(past: Mapping[int, int], state: int) -> int:
+    seen = {state}
+    while state in past and past[state] not in seen:
+        state = past[state]
+        seen.add(state)
+    return state
 
 
 def _reached(edges: Sequence[Sequence[tuple[Label, int]]], start: int) -> list[int]:

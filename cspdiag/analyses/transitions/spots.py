@@ -65,6 +65,8 @@ def _spot(thread: Thread, frame: Frame) -> Spot:
             return Spot(words, reference, frame[1].action.branch.span)
         case "pass":
             return Spot("goes on", None, frame[1].span)
+        case "closing":
+            return Spot("goes on", None, frame[1][1].span)
         case "split":
             return Spot("computes", None, frame[1][0][3].span) if frame[1][0][0] == "put" else Spot("computes")
         case "load":

@@ -31,6 +31,7 @@ Label: TypeAlias = tuple[Any, ...]
 
 - ``("internal",)``
 - ``("read", reference, value, reading end)``, ``("write", reference, value)``, ``("guarded", reference, value)``: on a channel; the last by an output guard
+  A fifth part ``LATE`` of a read: with alternatives only, by the guard of an interrupt whose body has come to its end
 - ``("delivered", reference)``, ``("withdrawn", reference)``: the writer of a broadcast goes on, or was cancelled
 - ``("input", reference, value)``, ``("sample", reference, value)``, ``("miss", reference)``, ``("ready", reference)``, ``("output", reference, value)``: with the outside
 - ``("time", words)``
@@ -43,6 +44,13 @@ A value is UNKNOWN where it is not followed.
 """
 
 INTERNAL_LABEL: Label = ("internal",)
+
+LATE = "late"
+
+
+def is_late(label: Label) -> bool:
+    """Whether a label is a read in which only an alternative of somebody else takes part."""
+    return len(label) == 5 and label[4] == LATE
 
 
 @dataclass(frozen=True, slots=True)
