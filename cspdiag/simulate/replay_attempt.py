@@ -278,7 +278,7 @@ class Attempt:
         return replace(
             result,
             divergence=divergence,
-            communications=run.communications,
+            communications=result.communications if self._trace.cycle else run.communications,
             deadlock=run.deadlock,
             excluded=not run.succeeded,
             judgement=judgement,
