@@ -17,7 +17,7 @@ _TOLD = frozenset({"communication", "external", "sample"})
 
 
 def with_values(found: Counterexample, communications: Sequence[tuple[str, Any]], network: Network) -> Counterexample:
-    """The counterexample with the values of ``communications``, in their order, where it has none itself.
+    """The counterexample with the values of ``communications``, in their order, where it has none itself or a range.
 
     Left open stay channels on which the run communicated more or less often than the counterexample says, as on those with several readers of each value.
     """
@@ -39,4 +39,4 @@ def _told(step: Step, values: Mapping[str, Iterator[str]]) -> Step:
     if step.kind not in _TOLD or step.channel not in values:
         return step
     text = next(values[step.channel])
-    return step if step.value is not None or len(text) > LONGEST else replace(step, value=text)
+    return step if len(text) > LONGEST else replace(step, value=text)

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from contextlib import nullcontext
 from dataclasses import replace
+from itertools import islice
 from typing import TYPE_CHECKING
 
 from cspdiag import pipeline
@@ -17,7 +18,8 @@ from cspdiag.analyses.verification.prove import Enforced, answered, not_replayed
 from cspdiag.analyses.verification.question import Question
 
 if TYPE_CHECKING:
-    from cspdiag.analyses.transitions.system import System
+    from cspdiag.analyses.counterexamples.counterexample import Counterexample
+    from cspdiag.analyses.transitions.system import Event, System
     from cspdiag.network.ir import Network
     from cspdiag.simulate.replay_result import Judge, Replay
     from cspdiag.simulate.replay_trace import Trace
@@ -89,7 +91,10 @@ class Verifier:
             answer = self._asked_spin(question, limits)
         else:
             answer = prove(question, self.system, limits, self._method, self._enforced)
-        return self._confirmed(answer, limits)
+        confirmed = self._confirmed(answer, limits)
+        if answer.counterexample is not None and confirmed.outcome == "unknown":
+            return self._otherwise(answer.counterexample, question, limits) or confirmed
+        return confirmed
 
     def system(self, process: str, told_apart: Mapping[str, Collection[int]] | None = None) -> System:
         """The transition system of a process of the program; of the inputs ``told_apart`` the values matter whatever depends on them."""
@@ -103,6 +108,29 @@ class Verifier:
             except TransitionError as problem:
                 raise VerificationError(str(problem)) from problem
         return self._systems[key]
+
+    def _otherwise(self, found: Counterexample, question: Question, limits: Limits) -> Answer | None:
+        """The answer with another counterexample, which the program follows, where it does not follow the one that was found."""
+        from cspdiag.analyses.transitions.restricted import without
+        from cspdiag.simulate.other_counterexamples import MOST, narrower
+
+        for is_left_out in islice(narrower(found), MOST):
+
+            def narrowed(
+                process: str,
+                told_apart: Mapping[str, Collection[int]] | None = None,
+                is_left_out: Callable[[Event], bool] = is_left_out,
+            ) -> System:
+                whole = self.system(process, told_apart)
+                return without(whole, is_left_out) if process == question.process else whole
+
+            if limits.remaining <= 0:
+                break
+            rest = Limits(limits.remaining, limits.memory)
+            answer = self._confirmed(prove(question, narrowed, rest, self._method, self._enforced), rest)
+            if answer.outcome == "refuted":
+                return answer
+        return None
 
     def _asked_spin(self, question: Question, limits: Limits) -> Answer:
         from cspdiag.simulate import spin

@@ -1,0 +1,125 @@
+"""Counterexamples that the program does not follow are no reason to give up: another one may be true."""
+
+from __future__ import annotations
+
+from tests.verifying import answers_to
+
+GEARBOX = """
+exception Stuck
+
+/// Opens and closes a clutch, which takes as long as its position says.
+process Clutch {
+  in  wish     : bool
+  out done     : bool
+  in  position : double @ 5 ms
+
+  communication {
+    var opened : bool   = false
+    var now    : double = 0
+  }
+
+  composition {
+    mu (
+      wish ? opened ;
+      (mu position ? now until now > 0.9) interrupt after 800 ms -> raise Stuck ;
+      done ! opened
+    )
+  }
+}
+
+process Shifter {
+  in  lever  : int
+  in  moved  : bool
+  out clutch : bool
+  out torque : bool
+
+  communication {
+    var gear  : int  = 0
+    var moves : bool = false
+  }
+
+  composition {
+    mu (lever ? gear ; torque ! false ; clutch ! true ; moved ? moves ; torque ! true)
+  }
+}
+
+process Gearbox {
+  in  lever    : int
+  in  position : double @ 5 ms
+  out torque   : bool
+
+  communication {
+    clutch  : Clutch
+    shifter : Shifter
+
+    lever          -> shifter.lever
+    position       -> clutch.position
+    shifter.clutch -> clutch.wish
+    clutch.done    -> shifter.moved
+    shifter.torque -> torque
+  }
+
+  composition { mu ((clutch || shifter) catch Stuck -> skip) }
+}
+
+process OffAndOn {
+  out torque : bool
+
+  composition { mu (torque ! false ; torque ! true) }
+}
+"""
+
+
+def test_a_sample_that_is_never_missed_does_not_hide_what_a_time_out_does() -> None:
+    (answer,) = answers_to({"case.csp": f"{GEARBOX}\nassert Gearbox refines OffAndOn hide lever, position\n"})
+    assert answer.outcome == "refuted"
+    assert answer.replayed
+    assert answer.counterexample is not None
+    steps = [f"{step.kind} {step.value or ''}".strip() for step in answer.counterexample.steps if step.shown]
+    assert "miss" not in steps
+    assert [step for step in steps if step.startswith(("external false", "exception"))] == [
+        "external false",
+        "exception",
+        "external false",
+    ]
+
+
+PROMPT = """
+process Client {
+  in  answer   : int
+  out question : int
+
+  communication { var told : int = 0 }
+
+  composition { mu (question ! 1 ; (answer ? told -> skip [] after 5 ms -> skip)) }
+}
+
+process Server {
+  in  question : int
+  out answer   : int
+
+  communication { var asked : int = 0 }
+
+  composition { mu (question ? asked ; answer ! asked) }
+}
+
+process Both {
+  communication {
+    client : Client
+    server : Server
+
+    client.question -> server.question
+    server.answer   -> client.answer
+  }
+
+  composition { client || server }
+}
+
+assert Both deadlock free
+"""
+
+
+def test_where_nothing_else_is_found_the_first_is_told() -> None:
+    (answer,) = answers_to({"case.csp": PROMPT})
+    assert answer.outcome == "unknown"
+    assert "before `after 5 ms`" in answer.reason
