@@ -151,7 +151,7 @@ class Computing:
         for variable in variables_in(condition):
             reference = ("channel", context.path, variable.channel)
             values = values_of_type(variable.type)
-            if values is None or reference in found or reference in self.thread.widened:
+            if values is None or reference in found or reference in self.thread.dropped:
                 continue
             if self.thread.is_shared(reference) or self.thread.slot_value(configuration, reference) is not UNKNOWN:
                 continue

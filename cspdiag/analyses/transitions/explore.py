@@ -28,9 +28,9 @@ def explore(occurrence: Occurrence, node: Node | None, role: Role) -> Template:
         try:
             return _explored(thread)
         except Restart:
-            widened, unfused = thread.widened, thread.unfused
+            widened, dropped, unfused = thread.widened, thread.dropped, thread.unfused
             thread = Thread(occurrence, node, role)
-            thread.widened, thread.unfused = widened, unfused
+            thread.widened, thread.dropped, thread.unfused = widened, dropped, unfused
 
 
 def _explored(thread: Thread) -> Template:
@@ -79,10 +79,10 @@ def _explored(thread: Thread) -> Template:
 
 
 def _tell_what_was_widened(thread: Thread) -> None:
-    for reference in sorted(thread.widened, key=str):
+    for reference in sorted(thread.widened | thread.dropped, key=str):
         medium = thread.medium(reference)
         name = medium.name.rsplit(".", 1)[-1]
-        what = f"the values of `{name}` are not followed: there are too many"
-        if medium.cells:
-            what = f"of the values of `{name}` only ranges are followed: there are too many"
+        what = f"of the values of `{name}` only ranges are followed: there are too many"
+        if reference in thread.dropped:
+            what = f"the values of `{name}` are not followed: there are too many"
         thread.abstracted(what, medium.span)

@@ -82,7 +82,7 @@ class Restart(Exception):  # noqa: N818
 class Thread:
     """A branch of a parallel, or the outermost process, while it is followed.
 
-    ``widened`` variables and ``unfused`` guards are those found out in earlier rounds.
+    ``widened`` variables, of which ranges are followed, ``dropped`` ones, of which nothing is, and ``unfused`` guards are those found out in earlier rounds.
     """
 
     def __init__(self, occurrence: Occurrence, node: Node | None, role: Role) -> None:
@@ -90,6 +90,7 @@ class Thread:
         self.role = role
         self.facts = occurrence.world.facts
         self.widened: set[Reference] = set()
+        self.dropped: set[Reference] = set()
         self.unfused: set[Node] = set()
         self.template = Template()
         self._media: dict[Reference, Medium] = {}
@@ -191,8 +192,7 @@ class Thread:
 
     def with_slot(self, configuration: Configuration, key: object, value: Known) -> Configuration:
         """The configuration with another value of a local variable. Trailing initial values are left out, so that equal ones look equal."""
-        if key in self.widened:
-            value = self.medium(key).coarsened(value)
+        value = self._followed(key, value)
         slot = self._slot(key)
         present = configuration.variables
         if slot < len(present):
@@ -211,13 +211,23 @@ class Thread:
         slot = self._slots.get(key)
         if slot is None:
             slot = self._slots[key] = len(self._initial)
-            medium = None if _is_session(key) else self.medium(key)  # type: ignore[arg-type]
-            initial = False if medium is None else medium.initial
-            self._initial.append(medium.coarsened(initial) if medium is not None and key in self.widened else initial)
+            initial = False if _is_session(key) else self.medium(key).initial  # type: ignore[arg-type]
+            self._initial.append(self._followed(key, initial))
             self._values.append(set())
             if _is_session(key):
                 self._sessions.setdefault(key[1][0], []).append(key)  # type: ignore[index]
         return slot
+
+    def _followed(self, key: object, value: Known) -> Known:
+        """A value of a variable as far as it is followed."""
+        if key in self.dropped:
+            return UNKNOWN
+        return self.medium(key).coarsened(value) if key in self.widened else value
+
+    def _widen(self, key: Reference) -> None:
+        """From the next round on a variable is followed less closely."""
+        less = self.dropped if key in self.widened or not self.medium(key).cells else self.widened
+        less.add(key)
 
     def count(self, configuration: Configuration) -> None:
         """Notes the values in a new state. Raises Restart, with the variable given up, if one has more than are told apart."""
@@ -226,11 +236,11 @@ class Thread:
             values.add(value)
             if len(values) > MOST_VALUES:
                 ((key, _),) = (entry for entry in self._slots.items() if entry[1] == slot)
-                self.widened.add(key)  # type: ignore[arg-type]
+                self._widen(key)  # type: ignore[arg-type]
                 raise Restart
 
     def give_up(self, configurations: Iterable[Configuration]) -> bool:
-        """Gives up following the variable that has most values in some configurations; whether any has several."""
+        """Follows the variable that has most values in some configurations less closely; whether any has several."""
         found: dict[int, set[Known]] = {}
         for configuration in configurations:
             for slot, value in enumerate(configuration.variables):
@@ -238,11 +248,11 @@ class Thread:
         most, best = 1, None
         for key, slot in self._slots.items():
             values = found.get(slot, set()) | {self._initial[slot]}
-            if len(values) > most and key not in self.widened and not _is_session(key):
+            if len(values) > most and key not in self.dropped and not _is_session(key):
                 most, best = len(values), key
         if best is None:
             return False
-        self.widened.add(best)  # type: ignore[arg-type]
+        self._widen(best)  # type: ignore[arg-type]
         return True
 
     def begun(self, configuration: Configuration, context: Context, end: ReadingEnd) -> bool:

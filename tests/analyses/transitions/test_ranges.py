@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from cspdiag.analyses.transitions.ranges import Cell, bounds, cell, cell_of, cells, compared, computed, pieces, told
 from cspdiag.model.types import DOUBLE, INT, IntType
-from tests.analyses.transitions.building import listing, system_of
+from tests.analyses.transitions.building import component, listing, system_of
 from tests.verifying import answers_to
 
 COMPARISONS = {
@@ -106,6 +106,21 @@ def test_input_that_is_handed_on_is_told_apart_by_who_compares_it() -> None:
         "Main.b.true",
     ]
     assert not system.abstractions
+
+
+def test_input_with_many_ranges_is_given_up_where_there_are_too_many_states() -> None:
+    """Three inputs of 17 ranges each: 4913 combinations, of which none is told apart."""
+    conditions = " ; ".join(f"(if {name} == {number} then b ! true)" for name in "xyz" for number in range(0, 16, 2))
+    text = f"""process Main {{
+      in a : int
+      out b : bool
+      communication {{ var x : int = 0  var y : int = 0  var z : int = 0 }}
+      composition {{ mu (a ? x ; a ? y ; a ? z ; {conditions}) }}
+    }}"""
+    system = system_of(text)
+    assert len(component(system, "Main").edges) < 3_000
+    told = [abstraction.what for abstraction in system.abstractions]
+    assert "the values of `x` are not followed: there are too many" in told
 
 
 POISON = """process Source(items: int = 500) {
