@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
@@ -17,12 +17,19 @@ Truth: TypeAlias = Literal["refines", "violates", "not known"]
 class Sight:
     """How closely it is looked.
 
-    Inputs have ``numbers``. ``exactly``: numbers that are written have to be the same; else any will do. ``failures``: what is refused counts too.
+    Inputs have ``numbers``. ``exactly``: numbers that are written have to be the same; else any will do. ``failures``: what is refused counts too. Communications at
+    ``hidden`` are not seen.
     """
 
     numbers: tuple[int, ...]
     exactly: bool
     failures: bool
+    hidden: str = ""
+
+    def steps(self, state: State) -> Iterator[tuple[Label | None, State]]:
+        """What can be done in a state."""
+        for label, after in steps(state, self.numbers):
+            yield None if label is not None and label[0] == self.hidden else label, after
 
     def seen(self, label: Label) -> Label | tuple[str, None]:
         """What is seen of a communication."""
@@ -53,7 +60,7 @@ def _followed(body: Statement, specification: Statement, sight: Sight, most: int
             return "violates"
         if sight.failures and not _may_rest(state, allowed, sight):
             return "violates"
-        for label, after in steps(state, sight.numbers):
+        for label, after in sight.steps(state):
             reached = allowed if label is None else _closed(_after(allowed, label, sight), sight)
             if not reached:
                 return "violates"
@@ -77,7 +84,7 @@ def _offers(state: State, sight: Sight) -> set[object] | None:
     """What a process offers in a state; None where it goes on by itself."""
     if not state[0]:
         return {"end"}
-    labels = [label for label, _ in steps(state, sight.numbers)]
+    labels = [label for label, _ in sight.steps(state)]
     return None if None in labels else {sight.seen(label) for label in labels if label is not None}
 
 
@@ -85,7 +92,7 @@ def _after(states: Iterable[State], wanted: Label, sight: Sight) -> list[State]:
     return [
         after
         for state in states
-        for label, after in steps(state, sight.numbers)
+        for label, after in sight.steps(state)
         if label is not None and sight.seen(label) == sight.seen(wanted)
     ]
 
@@ -95,7 +102,7 @@ def _closed(states: Iterable[State], sight: Sight) -> frozenset[State]:
     seen = set(states)
     pending = list(seen)
     while pending:
-        for label, after in steps(pending.pop(), sight.numbers):
+        for label, after in sight.steps(pending.pop()):
             if label is None and after not in seen:
                 if len(seen) > MOST_UNSEEN:
                     raise _TooManyError

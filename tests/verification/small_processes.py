@@ -140,10 +140,10 @@ State: TypeAlias = tuple[Todo, Environment]
 """What is still to be done, the next first, and the variables."""
 
 
-def process(name: str, body: Statement) -> str:
-    """The text of a process."""
-    ports = [*(f"in {port} : {type_}" for port, type_ in INPUTS.items())]
-    ports += [f"out {port} : {type_}" for port, type_ in OUTPUTS.items()]
+def process(name: str, body: Statement, without: str = "") -> str:
+    """The text of a process, ``without`` one of the ports."""
+    ports = [f"in {port} : {type_}" for port, type_ in INPUTS.items() if port != without]
+    ports += [f"out {port} : {type_}" for port, type_ in OUTPUTS.items() if port != without]
     return (
         f"process {name} {{\n  "
         + "\n  ".join(ports)
@@ -216,12 +216,34 @@ def _value(text: str, environment: Environment) -> Number:
             return int(text)
 
 
-class Drawing:
-    """Draws processes; every loop waits somewhere. ``numbers`` are those of tests and assignments."""
+def erased(body: Statement, port: str) -> Statement:
+    """The same, with nothing instead of the communications at a port."""
+    match body:
+        case Do():
+            return Do("skip") if body.name == port else body
+        case Sequence(steps=parts):
+            return Sequence(tuple(erased(part, port) for part in parts))
+        case If():
+            return If(body.test, erased(body.then, port), erased(body.otherwise, port))
+        case Loop():
+            return Loop(erased(body.body, port), body.until)
+        case Alternative(branches=branches):
+            return Alternative(
+                tuple(
+                    Guarded(branch.when, Do("skip") if branch.guard.name == port else branch.guard, inside)
+                    for branch in branches
+                    for inside in (erased(branch.body, port),)
+                )
+            )
 
-    def __init__(self, random: Random, numbers: tuple[int, ...]) -> None:
+
+class Drawing:
+    """Draws processes with certain ports; every loop waits somewhere. ``numbers`` are those of tests and assignments."""
+
+    def __init__(self, random: Random, numbers: tuple[int, ...], ports: tuple[str, ...] = (*INPUTS, *OUTPUTS)) -> None:
         self._random = random
         self._numbers = numbers
+        self._ports = ports
 
     def body(self) -> Statement:
         """The composition of a process."""
@@ -244,7 +266,7 @@ class Drawing:
             case Alternative(branches=branches):
                 at = self._random.randrange(len(branches))
                 used = {branch.guard.name for branch in branches}
-                free = [port for port in (*INPUTS, *OUTPUTS) if port not in used]
+                free = [port for port in self._ports if port not in used]
                 if free and self._random.random() < 0.3:
                     return Alternative((*branches, self._branch(self._random.choice(free), 1)))
                 branch = branches[at]
@@ -263,7 +285,7 @@ class Drawing:
             case "if":
                 return If(self.test(), self.statement(depth - 1), self.statement(depth - 1))
             case "alternative":
-                ports = self._random.sample((*INPUTS, *OUTPUTS), self._random.randint(2, 3))
+                ports = self._random.sample(self._ports, self._random.randint(2, 3))
                 return Alternative(tuple(self._branch(port, depth - 1) for port in ports))
             case "loop":
                 return Loop(self._waiting(self.statement(depth - 1)), self.test())
@@ -275,7 +297,7 @@ class Drawing:
         return Condition(operator, self._random.choice(self._numbers))  # type: ignore[arg-type]
 
     def _waiting(self, rest: Statement) -> Statement:
-        first = self._random.choice((Do("wait"), *(self._at(port) for port in INPUTS)))
+        first = self._random.choice((Do("wait"), *(self._at(port) for port in INPUTS if port in self._ports)))
         return Sequence((first, rest))
 
     def _branch(self, port: str, depth: int) -> Guarded:
@@ -287,7 +309,7 @@ class Drawing:
             number = self._random.choice(self._numbers)
             value = self._random.choice(("n + 1", "n + 1", "n - 1", str(number)))
             return self._random.choice((Do("assign", "n", value), Do("assign", "b", "not b"), Do("wait"), Do("skip")))
-        return self._at(self._random.choice((*INPUTS, *OUTPUTS)))
+        return self._at(self._random.choice(self._ports))
 
     def _at(self, port: str) -> Do:
         """A communication at a port."""

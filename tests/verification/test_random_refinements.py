@@ -16,33 +16,38 @@ from cspdiag.analyses.proofs.verdict import Limits
 from cspdiag.diagnostics import SourceFile
 from cspdiag.simulate.verify import Verifier
 from tests.verification.refinement_oracle import Sight, refines
-from tests.verification.small_processes import Drawing, Statement, process
+from tests.verification.small_processes import INPUTS, OUTPUTS, Drawing, Statement, erased, process
 
 MOST = 4_000
 
 
-def drawn(seed: int) -> tuple[Statement, Statement, tuple[int, ...]]:
-    """A process, a specification that is often much like it, and numbers for its inputs: those of both texts, and their neighbours."""
+def drawn(seed: int) -> tuple[Statement, Statement, tuple[int, ...], str]:
+    """A process, a specification that is often much like it, numbers for its inputs, and the port that the specification does not see, if any.
+
+    The numbers are those of both texts, and their neighbours.
+    """
     random = Random(seed)
     numbers = tuple(random.sample((-1, 0, 1, 2, 3, 7, 100), 3))
+    hidden = random.choice((*INPUTS, *OUTPUTS)) if random.random() < 0.3 else ""
     drawing = Drawing(random, numbers)
+    narrower = Drawing(random, numbers, tuple(port for port in (*INPUTS, *OUTPUTS) if port != hidden))
     body = drawing.body()
-    specification = body if random.random() < 0.9 else drawing.body()
+    specification = erased(body, hidden) if random.random() < 0.9 else narrower.body()
     for _ in range(random.randint(0, 2)):
         if random.random() < 0.7:
-            specification = drawing.changed(specification)
+            specification = narrower.changed(specification)
         else:
             body = drawing.changed(body)
     offered = sorted({near for number in (0, *numbers) for near in (number - 1, number, number + 1)})
-    return body, specification, tuple(offered)
+    return body, specification, tuple(offered), hidden
 
 
 def asked(seed: int) -> str:
     """How the answer compares with the truth; ``refused`` where the program has errors."""
-    body, specification, numbers = drawn(seed)
+    body, specification, numbers, hidden = drawn(seed)
     failures = seed % 2 == 1
-    claim = "P refines Q in failures" if failures else "P refines Q"
-    text = f"{process('P', body)}\n{process('Q', specification)}\nassert {claim}\n"
+    claim = f"P refines Q{' in failures' if failures else ''}{f' hide {hidden}' if hidden else ''}"
+    text = f"{process('P', body)}\n{process('Q', specification, hidden)}\nassert {claim}\n"
     source = SourceFile(name="random.csp", text=text)
 
     def read(path: str) -> SourceFile:
@@ -53,10 +58,11 @@ def asked(seed: int) -> str:
         return "refused"
     answer = Verifier(question, read).answer(question.questions[0], Limits(20.0))
     if answer.outcome == "proved":
-        truth = refines(body, specification, Sight(numbers, exactly=False, failures=failures), MOST)
+        sight = Sight(numbers, exactly=False, failures=failures, hidden=hidden)
+        truth = refines(body, specification, sight, MOST)
         assert truth != "violates", f"{seed}: proved\n{text}"
         return f"proved, {truth}"
-    truth = refines(body, specification, Sight(numbers, exactly=True, failures=failures), MOST)
+    truth = refines(body, specification, Sight(numbers, exactly=True, failures=failures, hidden=hidden), MOST)
     if answer.outcome == "refuted":
         assert truth != "refines", f"{seed}: refuted\n{text}"
     return f"{answer.outcome}, {truth}"
