@@ -1,4 +1,4 @@
-"""What the timing analysis finds: loops that may be late, and times that have no bound."""
+"""What the timing analysis finds: loops that are late, and those of which it is not known."""
 
 from __future__ import annotations
 
@@ -8,22 +8,22 @@ from cspdiag.diagnostics.record import record
 
 @record
 class NotSchedulable(Diagnostic):
-    """A sampled loop may not have its outputs ready before its next sample.
+    """A sampled loop does not have its outputs ready before its next sample when every law takes the longest time that it states.
 
-    In the worst case everything that can happen before it does: everything more urgent, the longest step of what is less urgent (a step runs until its process waits,
-    and nothing preempts it), and all of equal priority that came first. If the sum is longer than the period, an output is a period late, and soon
+    It waits for everything that is more urgent, for a step of what is less urgent (a step runs until its process waits,
+    and nothing preempts it), and for all of equal priority that came first. An output is then a period late, and soon
     samples are missed. Shorter execution times, longer periods, another order of priorities (`||>`) or shorter steps help; `cspdiag verify --timing`
     shows the sum for every loop, and whether another order would do.
 
     Refused::
 
-        submodel Fast wcet 300 us {
+        submodel Fast wcet 600 us {
           in  x : double
           out y : double
           y = 2 * x
         }
 
-        submodel Slow wcet 800 us {
+        submodel Slow wcet 900 us {
           in  x : double
           out y : double
           y = 3 * x
@@ -53,13 +53,13 @@ class NotSchedulable(Diagnostic):
 
     Mended::
 
-        submodel Fast wcet 300 us {
+        submodel Fast wcet 600 us {
           in  x : double
           out y : double
           y = 2 * x
         }
 
-        submodel Slow wcet 600 us {
+        submodel Slow wcet 300 us {
           in  x : double
           out y : double
           y = 3 * x
@@ -89,7 +89,7 @@ class NotSchedulable(Diagnostic):
     """
 
     code = "E1106"
-    title = "a loop that may be late"
+    title = "a loop that is late"
 
     process: str
     loops: tuple[tuple[str, str, str, Span], ...]
@@ -113,7 +113,7 @@ class NotSchedulable(Diagnostic):
 
 @record
 class NoTimingBound(Diagnostic):
-    """Whether a process is schedulable cannot be said: something has no bound.
+    """Whether a process is schedulable cannot be said: something has no bound, or a bound is longer than the period though no run is known that is late.
 
     A law says how long it computes at most in its head, `wcet 120 us`; so does a process whose code is written by hand, of what it computes from one wait to the next.
     All laws that run on the processor have to say it, since any of them may delay the others. A loop must not wait without bound between its samples either, for
@@ -169,7 +169,7 @@ class NoTimingBound(Diagnostic):
     """
 
     code = "E1107"
-    title = "a time without bound"
+    title = "not known to be in time"
 
     process: str
     reason: str

@@ -49,7 +49,9 @@ def test_jiwy_is_schedulable(cspdiag: Command) -> None:
 def test_a_late_loop_is_told_with_advice(cspdiag: Command, late: Path) -> None:
     result = cspdiag("verify", "--timing", late)
     assert result.code == 1
-    assert result.out.startswith("NOT SCHEDULABLE: Main: `a` may not be ready before the next sample\n")
+    assert result.out.startswith(
+        "NOT SCHEDULABLE: Main: `a` is late: the sample of 11 ms is ready at 12.1 ms when every law takes"
+    )
     assert "no order of priorities meets every deadline with these steps" in result.out
 
 

@@ -22,12 +22,19 @@ def diagnostic_of(report: TimingReport, span: Span) -> Diagnostic | None:
     if report.refusals:
         told = tuple((part.reason, part.span) for part in report.refusals)
         return NoTimingBound(span, report.process, report.reason, told, report.refusals[0].help)
+    advice = "shorten execution times or steps, or lengthen periods; `cspdiag verify --timing` shows what adds up"
+    if report.advice is not None:
+        advice = f"these priorities meet every deadline: `{' ||> '.join(report.advice)}`"
+    if report.is_schedulable is None:
+        bounds = tuple(
+            ("no bound" if loop.response is None else f"up to {time(loop.response)} of {time(loop.period)}", loop.span)
+            for loop in report.loops
+            if not loop.is_met
+        )
+        return NoTimingBound(span, report.process, report.reason, bounds, advice)
     late = tuple(
         (loop.name, time(loop.period), "for ever longer" if loop.response is None else time(loop.response), loop.span)
         for loop in report.loops
         if not loop.is_met
     )
-    advice = "shorten execution times or steps, or lengthen periods; `cspdiag verify --timing` shows what adds up"
-    if report.advice is not None:
-        advice = f"these priorities meet every deadline: `{' ||> '.join(report.advice)}`"
     return NotSchedulable(span, report.process, late, advice)

@@ -26,10 +26,11 @@ class UnboundedError(Exception):
 class Path:
     """The most that any way from here to the next wait takes: all work, the part before the first switch to another thread, the longest step after it, the
     number of switches, of delays and how long these are together, of communications for each channel and side (``meets`` where it waits for them, ``gives`` where it does not), the waits that it may come to, the laws that compute on the way, and
-    the outputs that are written, and the places that hand values on.
+    the outputs that are written, and the places that hand values on. ``least`` is the work that every way takes, ``is_only`` where there is but one.
     """
 
     work: int = 0
+    least: int = 0
     first: int = 0
     later: int = 0
     switches: int = 0
@@ -42,6 +43,7 @@ class Path:
     leaves: frozenset[str] = frozenset()
     outputs: frozenset[str] = frozenset()
     moves: frozenset[int] = frozenset()
+    is_only: bool = True
 
     @property
     def step(self) -> int:
@@ -167,12 +169,16 @@ class Jobs:
         number, _ = state
         place = self.thread.places[number]
         path = Path()
-        is_end = True
+        ways = 0
+        least: list[int] = []
         for following, delay, switches, offer in self._following(state, period):
-            is_end = False
+            ways += 1
             after = done.get(following)
             if after is None:
+                path.is_only = False
                 continue  # Around a loop without work.
+            path.is_only &= after.is_only and ways == 1
+            least.append(after.least)
             path.work = max(path.work, after.work)
             path.delayed = max(path.delayed, after.delayed + delay)
             path.first = max(path.first, 0 if switches else after.first)
@@ -192,11 +198,12 @@ class Jobs:
                 path.gives[net] = max(path.gives.get(net, 0), count)
             if offer is not None:
                 path.meets.setdefault((offer.channel, offer.writes), 1)
-        if is_end and place.offers:
+        if not ways and place.offers:
             path.stops = frozenset([number])
         for net in place.gives:
             path.gives[net] = path.gives.get(net, 0) + 1
         path.work += place.cost
+        path.least = min(least, default=0) + place.cost
         path.outputs |= set(place.outputs)
         if place.move is not None:
             path.moves |= {number}

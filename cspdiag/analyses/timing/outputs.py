@@ -12,7 +12,8 @@ class Outputs:
     """The outputs of a program, by the nets that lead to them."""
 
     def __init__(self, network: Network) -> None:
-        ports = {_numbered(port): port for port in network.external_ports if port.direction == "out"}
+        named = zip(port_names(network.external_ports), network.external_ports, strict=True)
+        ports = {name: port for name, port in named if port.direction == "out"}
         self._order = {net.path: k for k, net in enumerate(network.nets)}
         self._ports = {
             net.path: ports[_short(net.path)]
@@ -57,8 +58,11 @@ def _latch(port: ExternalPort) -> int | None:
     return None if port.immediate else port.period
 
 
-def _numbered(port: ExternalPort) -> str:
-    return port.name if port.index is None or port.name.endswith("]") else f"{port.name}[{port.index}]"
+def port_names(ports: Iterable[ExternalPort]) -> list[str]:
+    """Their names, those of arrays with their numbers."""
+    return [
+        port.name if port.index is None or port.name.endswith("]") else f"{port.name}[{port.index}]" for port in ports
+    ]
 
 
 def _short(path: str) -> str:

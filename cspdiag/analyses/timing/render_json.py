@@ -15,6 +15,9 @@ def as_json(report: TimingReport) -> dict[str, Any]:
         "process": report.process,
         "schedulable": report.is_schedulable,
         "reason": report.reason,
+        "late": None
+        if report.witness is None
+        else {"thread": report.witness.thread, "release": report.witness.release, "end": report.witness.end},
         "utilization": report.utilization,
         "hyperperiod": report.hyperperiod,
         "edf": report.is_edf_feasible,

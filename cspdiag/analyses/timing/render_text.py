@@ -18,7 +18,8 @@ def table(report: TimingReport) -> str:
 
 
 def _lines(report: TimingReport) -> Iterator[str]:
-    verdict = {True: "SCHEDULABLE", False: "NOT SCHEDULABLE", None: "REFUSED"}[report.is_schedulable]
+    unknown = "REFUSED" if report.missing or report.refusals else "NOT PROVED"
+    verdict = {True: "SCHEDULABLE", False: "NOT SCHEDULABLE", None: unknown}[report.is_schedulable]
     yield f"{verdict}: {report.process}: {report.reason}"
     if report.is_schedulable and not report.loops:
         yield f"  = help: give the inputs that `{report.process}` samples a period, `in x : double @ 1 ms`"
@@ -81,7 +82,7 @@ def _summary(report: TimingReport) -> Iterator[str]:
     waiting = [loop for loop in report.loops if loop.partners]
     for loop in waiting:
         yield f"`{loop.name}` waits within a sample for {', '.join(f'`{partner}`' for partner in loop.partners)}: their work is part of it"
-    if report.is_schedulable is False:
+    if not all(loop.is_met for loop in report.loops):
         yield from _advice(report)
     if report.measured:
         yield f"execution times of {len(report.measured)} laws and processes were measured: a longest one seen is no proof that none is longer"

@@ -12,7 +12,7 @@ from cspdiag.analyses.timing.chains import chains
 from cspdiag.analyses.timing.demands import ONCE, Behaviour, Demand, Demands, behaviour, merged
 from cspdiag.analyses.timing.flow import Thread
 from cspdiag.analyses.timing.jobs import Job
-from cspdiag.analyses.timing.outputs import Outputs
+from cspdiag.analyses.timing.outputs import Outputs, port_names
 from cspdiag.analyses.timing.partners import Partners, Together
 from cspdiag.analyses.timing.passing import Passing, Stage
 from cspdiag.analyses.timing.response import Response, response_time, response_times
@@ -20,6 +20,7 @@ from cspdiag.analyses.timing.result import Chain, LoopTiming, Refusal, TimingRep
 from cspdiag.analyses.timing.surroundings import Surroundings
 from cspdiag.analyses.timing.task import Task
 from cspdiag.analyses.timing.threads import Threads
+from cspdiag.analyses.timing.witness import find_witness, is_overloaded
 from cspdiag.diagnostics import Span
 from cspdiag.network.ir import Network
 
@@ -70,6 +71,7 @@ def timing_report(network: Network, measured: Mapping[str, int] | None = None) -
     analysis = _Analysis(every, behaviours, demands, loops)
     rows = analysis.rows(network, refusals)
     tasks = tuple(analysis.tasks())
+    inputs = {f"{network.top}.{name}": k for k, name in enumerate(port_names(network.external_ports))}
     found_chains, are_all_chains = ([], True) if missing or refusals else analysis.chains(network, rows)
     return TimingReport(
         network.top,
@@ -84,6 +86,8 @@ def timing_report(network: Network, measured: Mapping[str, int] | None = None) -
         analysis.advice(rows),
         used,
         are_all_chains,
+        None if all(row.is_met for row in rows) else find_witness(every, behaviours, inputs),
+        is_overloaded(every, behaviours),
     )
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from cspdiag.analyses.timing.flow import Missing
 from cspdiag.analyses.timing.task import Task
 from cspdiag.diagnostics import Span
+from cspdiag.model.durations import rounded
 
 
 @dataclass(frozen=True)
@@ -81,10 +82,21 @@ class Refusal:
 
 
 @dataclass(frozen=True)
+class Witness:
+    """A sample of a thread that is late when every law takes its longest time; instants in nanoseconds from the start of the program. ``end`` is when it is ready,
+    None where it has not even been taken when the next one comes.
+    """
+
+    thread: str
+    release: int
+    end: int | None
+
+
+@dataclass(frozen=True)
 class TimingReport:
     """The timing of a whole program. ``advice`` lists the threads from the most to the least urgent, where another order of priorities
     would meet all deadlines and the present one does not; ``is_edf_feasible`` tells whether earliest deadline first would; ``tasks`` is what was analysed;
-    ``are_all_chains`` unless there are too many to follow.
+    ``are_all_chains`` unless there are too many to follow. ``witness`` is a sample that is late, if one is known; ``is_overloaded`` tells that for certain there is more work than time.
     """
 
     process: str
@@ -99,13 +111,17 @@ class TimingReport:
     advice: tuple[str, ...] | None
     measured: tuple[str, ...] = ()
     are_all_chains: bool = True
+    witness: Witness | None = None
+    is_overloaded: bool = False
 
     @property
     def is_schedulable(self) -> bool | None:
-        """True where it is proved, False where a loop may be late, None where the analysis was refused."""
+        """True where it is proved, False where a loop is late when every law takes its longest time, None where neither is known."""
         if self.missing or self.refusals:
             return None
-        return all(loop.is_met for loop in self.loops)
+        if all(loop.is_met for loop in self.loops):
+            return True
+        return False if self.is_overloaded or self.witness is not None else None
 
     @property
     def reason(self) -> str:
@@ -117,8 +133,17 @@ class TimingReport:
         if self.refusals:
             return f"`{self.refusals[0].subject}`: {self.refusals[0].reason}"
         late = [loop.name for loop in self.loops if not loop.is_met]
+        if late and self.witness is not None:
+            name = self.witness.thread.partition(".")[2] or self.witness.thread
+            end = self.witness.end
+            what = "not taken before the next one comes" if end is None else f"ready at {rounded(end)}"
+            return f"`{name}` is late: the sample of {rounded(self.witness.release)} is {what} when every law takes its longest time"
+        if late and self.is_overloaded:
+            return f"{_listed(late)} cannot always be ready before the next sample: there is more work than time"
         if late:
-            return f"{_listed(late)} may not be ready before the next sample"
+            return (
+                f"{_listed(late)} may not be ready before the next sample, though no run is known in which it is late"
+            )
         if not self.loops:
             return "no loop follows a sample period"
         return (

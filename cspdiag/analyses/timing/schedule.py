@@ -46,10 +46,12 @@ def hyperperiod(tasks: Sequence[Task]) -> int:
     return lcm(*(task.period for task in tasks)) if tasks else 0
 
 
-def simulate(tasks: Sequence[Task], *, limit: int | None = None) -> Schedule:
-    """Run the tasks from one tick of all of them over one hyperperiod, or up to ``limit`` nanoseconds."""
+def simulate(tasks: Sequence[Task], *, limit: int | None = None, hyperperiods: int = 1, first: int = 0) -> Schedule:
+    """Run the tasks from one tick of all of them over some hyperperiods, or up to ``limit`` nanoseconds. ``first`` is the number of the first job of each: 1
+    as when a program starts, which has its first sample after a period.
+    """
     whole = hyperperiod(tasks)
-    length = whole if limit is None else min(whole, limit)
+    length = hyperperiods * whole if limit is None else min(hyperperiods * whole, limit)
     jobs_in = sum(length // task.period for task in tasks)
     if jobs_in > LARGEST_NUMBER_OF_JOBS:
         length = max(1, length * LARGEST_NUMBER_OF_JOBS // jobs_in)
@@ -57,7 +59,7 @@ def simulate(tasks: Sequence[Task], *, limit: int | None = None) -> Schedule:
         (k * task.period, number)
         for number, task in enumerate(tasks)
         if task.work
-        for k in range(-(-length // task.period))
+        for k in range(first, -(-length // task.period))
     )
     slices: list[Slice] = []
     ready: list[tuple[int, int, int, int, int]] = []
@@ -75,4 +77,4 @@ def simulate(tasks: Sequence[Task], *, limit: int | None = None) -> Schedule:
         now += run
         if run < remaining:
             heapq.heappush(ready, (priority, place, number, release, remaining - run))
-    return Schedule(whole, length, tuple(slices), length == whole)
+    return Schedule(whole, length, tuple(slices), length == hyperperiods * whole)
