@@ -281,11 +281,11 @@ class Run:
             words = f"`{head.path}` prefers `{chosen[2] or chosen[1]}` to `{_words(head)}`"
             self._lose(words + _LEFT_OUT.format("priorities"))
 
-    def did(self, party: Party, action: str, channel: str = "", index: int = 0) -> None:
+    def did(self, party: Party, action: str, channel: str = "", index: int = 0, duration: int = 0) -> None:
         """See ``Guide.did``."""
         if action == "write":
             self._broadcasts.add(channel)
-        self._note(action, channel, None, party)
+        self._note(action, channel, duration, party)
         self._match(party, action, channel, index)
 
     def _note(self, action: str, channel: str, value: Any, *parties: Party | None) -> None:

@@ -36,7 +36,7 @@ _SILENT_ENDS = Constant, Variable, Discard
 class Guide(Protocol):
     """What knows where a run is to lead."""
 
-    def did(self, party: Party, action: str, channel: str = "", index: int = 0) -> None:
+    def did(self, party: Party, action: str, channel: str = "", index: int = 0, duration: int = 0) -> None:
         """A task has communicated, or come to the end of a delay, or taken a guard that nobody else takes part in."""
         ...
 
@@ -90,12 +90,12 @@ class _Alternative(Alternative):
             ready = yield from self.wait(mask, values, delays)
             if not ready:
                 return self.chosen
-        index = self._chosen(ready)
+        index = self._chosen(ready, delays)
         if not self.communicate(index, values):
             yield
         return index
 
-    def _chosen(self, ready: int) -> int:
+    def _chosen(self, ready: int, delays: Mapping[int, int]) -> int:
         found = [described(guard, index) for index, guard in enumerate(self.guards) if ready >> index & 1]
         if self._prioritized:
             index, action, channel = found[0]
@@ -106,7 +106,8 @@ class _Alternative(Alternative):
             _, action, channel = next(entry for entry in found if entry[0] == index)
             self.after_last = -1 << (index + 1)
         if not channel:
-            guidance.guide.did(scheduler.current, action, "", index)
+            duration = delays.get(index, duration_of(self.guards[index]))
+            guidance.guide.did(scheduler.current, action, "", index, duration)
         return index
 
 
@@ -121,6 +122,11 @@ def described(guard: Guard, index: int) -> tuple[int, str, str]:
             return index, "write", end.name
         case _:
             return index, "skip", ""
+
+
+def duration_of(guard: Guard) -> int:
+    """How long a time-out lasts; 0 for other guards."""
+    return guard.duration if isinstance(guard, After) else 0
 
 
 class _Computed:
@@ -234,7 +240,7 @@ class _EventInput(EventInput[T]):
 def _wait(duration: int) -> Generator[None, None, None]:
     task = scheduler.current
     yield from wait(duration)
-    guidance.guide.did(task, "wait")
+    guidance.guide.did(task, "wait", duration=duration)
 
 
 @coroutine
@@ -252,7 +258,7 @@ def _interrupt(
 
     def handled() -> Awaitable[object]:
         if not channel:
-            guidance.guide.did(task, action)
+            guidance.guide.did(task, action, duration=duration_of(guard))
         return handler()
 
     yield from interrupt(body, guard, handled)

@@ -44,7 +44,10 @@ class Actor:
 
 @dataclass(frozen=True)
 class Happened:
-    """Something that tasks did in a run: ``communication``, or as ``Passed``; who writes is the first of the actors."""
+    """Something that tasks did in a run: ``communication``, or as ``Passed``; who writes is the first of the actors.
+
+    ``value`` is that of a communication, and the duration of a delay in nanoseconds.
+    """
 
     action: str
     channel: str

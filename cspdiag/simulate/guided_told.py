@@ -11,7 +11,7 @@ from cspdiag.analyses.transitions.system import INTERNAL, Place, System
 from cspdiag.model.types import BoolType, EnumType, IntType, RealType, TimeType, Type
 from cspdiag.network.ir import Network
 from cspdiag.simulate.guided_script import Actor, Happened, Standing
-from cspdiag.simulate.replay_names import UNFIT, WRITTEN, fit
+from cspdiag.simulate.replay_names import UNFIT, WRITTEN, duration_of, fit
 from cspdiag.simulate.replay_values import types_of, written
 
 _UNSEEN = SILENT | {"exception"}
@@ -125,7 +125,8 @@ class _Teller:
     def _possible(self, happened: Happened, value: str | None) -> Iterable[int]:
         if happened.action in {"wait", "after"}:
             events = self._system.events
-            return [n for n in self._named[""] if events[n].channel.rpartition(": ")[2].startswith(happened.action)]
+            times = [n for n in self._named[""] if events[n].channel.rpartition(": ")[2].startswith(happened.action)]
+            return [n for n in times if duration_of(events[n].channel) in (None, happened.value)]
         written = self._named.get(f"{happened.channel}{WRITTEN}", ()) if happened.action == "write" else ()
         possible = written or self._named.get(happened.channel, ())
         told = [number for number in possible if self._system.events[number].value == value]

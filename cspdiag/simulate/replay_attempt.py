@@ -217,7 +217,7 @@ class Attempt:
         if step.kind == "time":
             time_out = step.channel.rpartition(": ")[2].startswith("after")
             offers = self._offers(("after",) if time_out else ("wait",), None)
-            lasting = [entry for entry in offers if entry[0].duration == duration_of(step)]
+            lasting = [entry for entry in offers if entry[0].duration == duration_of(step.channel)]
             offers = lasting or offers
         else:
             offers = self._offers(("write", "read", "ready"), step.channel.removesuffix(WRITTEN))

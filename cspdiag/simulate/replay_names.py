@@ -41,9 +41,9 @@ def belongs(process: str, path: str) -> bool:
     return process == path or process.startswith(f"{path}.") or path.startswith(f"{process}.")
 
 
-def duration_of(step: TraceStep) -> int | None:
-    """How long a step of time lasts, where the text says so in a number."""
+def duration_of(event: str) -> int | None:
+    """How long an event of time lasts, in nanoseconds, where the text says so in a number."""
     try:
-        return parse_duration(step.channel.rpartition(": ")[2].removeprefix("after").removeprefix("wait").strip())
+        return parse_duration(event.rpartition(": ")[2].removeprefix("after").removeprefix("wait").strip())
     except SettingError:
         return None

@@ -120,7 +120,7 @@ class Rounds:
 
     def _fits(self, step: TraceStep, option: Option) -> bool:
         if step.kind == "time":
-            lasts = duration_of(step)
+            lasts = duration_of(step.channel)
             return option.action in ("wait", "after") and lasts in (None, option.duration)
         if option.action not in ("write", "read", "ready") or option.channel != step.channel.removesuffix(WRITTEN):
             return False

@@ -31,7 +31,7 @@ class _Record:
         self._most = most
         self._names = TaskNames()
 
-    def did(self, party: Party, action: str, channel: str = "", index: int = 0) -> None:
+    def did(self, party: Party, action: str, channel: str = "", index: int = 0, duration: int = 0) -> None:
         if action == "write":
             self._broadcasts.add(channel)
         self._note(party, action, channel, index, Timeout() if channel in self._ports else None)
