@@ -135,6 +135,7 @@ def test_a_program_is_verified() -> None:
     program = cspdiag.load(JIWY)
     assert [(answer.question.text, answer.outcome) for answer in program.verify()] == [
         ("Jiwy deadlock free", "proved"),
+        ("Jiwy livelock free", "proved"),
         ("Jiwy schedulable", "proved"),
     ]
     refuted, _ = cspdiag.load(JIWY.parents[1] / "dining" / "deadlock.csp").verify(set={"seats": 2})
