@@ -28,7 +28,7 @@ from cspdiag.simulate.replay_rest import Resting, resting
 from cspdiag.simulate.replay_result import Judge, Replay
 from cspdiag.simulate.replay_rounds import Rounds
 from cspdiag.simulate.replay_trace import DivergenceError, Trace, TraceStep
-from cspdiag.simulate.replay_values import Values, numbers_of
+from cspdiag.simulate.replay_values import Values, numbers_of, written
 
 _ALLOWED = "with the values that it has there, it does what the specification allows"
 _SILENT = frozenset({"variable", "start", "end", "cancel", "exception", "failure", "delivered"})
@@ -58,6 +58,8 @@ class Attempt:
         self._failed: BaseException | None = None
         self._ended = False
         self._rest: Resting | None = None
+        self._done = 0
+        self._offered: dict[int, str] = {}
         self.cycle = 0
         """How many things processes have gone on with before what can be repeated."""
 
@@ -77,21 +79,20 @@ class Attempt:
         root = task_for(network.process, self, None)
         scheduler.observe = self._observe
         scheduler.enqueue(root)
-        done = 0
         deadlock, divergence, judgement = None, None, ""
         try:
             self._settle()
             for step in self._trace.steps:
                 if self._rounds is not None:
-                    self._rounds.reach(done, step)
+                    self._rounds.reach(self._done, step)
                 self._perform(step)
-                done += 1
+                self._done += 1
             if self._rounds is not None and not self._trace.cycle:
                 self._rounds.come_to_rest()
             self.cycle = len(conductor.passed)
             for step in self._trace.cycle:
                 self._perform(step)
-                done += 1
+                self._done += 1
             if self._trace.cycle and not self._trace.exact:
                 self._go_round_again(network.process)
             judgement = self._judged()
@@ -102,7 +103,9 @@ class Attempt:
             scheduler.observe = None
             end_all(root)
         added = () if self._rounds is None else tuple(self._rounds.added)
-        return Replay(done, divergence, tuple(self._communications), deadlock, False, judgement, added)
+        return Replay(
+            self._done, divergence, tuple(self._communications), deadlock, False, judgement, added, self._offered
+        )
 
     def _built(self) -> RunningNetwork:
         try:
@@ -210,7 +213,8 @@ class Attempt:
         candidates = self._values.candidates(port.type, step.value)
         if not candidates:
             raise DivergenceError(f"no value `{step.value}` can be offered at `{step.channel}`")
-        conductor.supplied[step.channel] = candidates[self._decisions.choose(len(candidates))]
+        value = conductor.supplied[step.channel] = candidates[self._decisions.choose(len(candidates))]
+        self._offered[self._done] = written(value, port.type)
 
     def _taking_part(self, step: TraceStep) -> Iterator[tuple[Option, Gate | Interruption]]:
         """The gates to be passed for a step, writers first, alternatives last."""

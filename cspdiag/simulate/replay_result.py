@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
 from cspdiag.runtime.deadlock import DeadlockReport
@@ -32,6 +32,8 @@ class Replay:
     """What the judge has found wrong."""
     added: tuple[Added, ...] = ()
     """Rounds of loops that the trace does not have."""
+    offered: Mapping[int, str] = field(default_factory=dict)
+    """What the environment offered, by the number of the step."""
     other: tuple[Happened, ...] = ()
     """What the program did instead, where it has come to a standstill in another way."""
     standing: tuple[Standing, ...] = ()

@@ -173,7 +173,7 @@ class Verifier:
             return not_replayed(answer, str(stop))
         if result.divergence is not None:
             return not_replayed(answer, result.divergence)
-        found = with_values(found, result.communications, network)
+        found = with_values(found, result, network)
         found = with_rounds(found, ((added.before, added.told) for added in result.added))
         found = replace(found, reason=result.judgement or found.reason)
         deadlock = Deadlock(self._asked, answer.question, found, self._settings or {})

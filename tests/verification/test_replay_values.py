@@ -9,6 +9,7 @@ import pytest
 from cspdiag.model.types import INT, TimeType, Type
 from cspdiag.simulate.replay_values import Values
 from tests.cli.conftest import Command, cspdiag  # noqa: F401 - a fixture
+from tests.verifying import answers_to
 
 STRUCTS = """enum Mode { idle, run }
 
@@ -52,3 +53,28 @@ def test_values_are_told_as_the_text_writes_them(
 )
 def test_a_range_is_offered_as_one_of_its_numbers(told: str, kind: Type, offered: list[int]) -> None:
     assert Values(None, ()).candidates(kind, told) == offered
+
+
+def test_counterexample_tells_what_the_environment_offered() -> None:
+    """The proof knows a range, and the program reads the port once more while it waits: the values are those of the steps."""
+    text = """process Sensor {
+  in level : int @ 10 ms
+  in key   : int
+
+  communication {
+    var now  : int = 0
+    var code : int = 0
+  }
+
+  composition { (mu level ? now until now > 40) ; key ? code ; if code > 7 and code < 9 then stop }
+}
+
+assert Sensor deadlock free
+"""
+    (answer,) = answers_to({"case.csp": text})
+    assert (answer.outcome, answer.replayed) == ("refuted", True)
+    assert answer.counterexample is not None
+    assert [(step.channel, step.value) for step in answer.counterexample.steps] == [
+        ("Sensor.level", "41"),
+        ("Sensor.key", "8"),
+    ]
