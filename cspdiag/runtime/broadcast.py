@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from .exceptions import ChannelMisuse
 from .ports import In, Out, T
-from .scheduler import Party, scheduler
+from .scheduler import Party, Waits, scheduler
 from .selector import Selector, Watchers, attend, lower_bits, raise_bits, without
 
 if TYPE_CHECKING:
@@ -72,6 +72,10 @@ class Broadcast(In[T], Out[T]):
         for end in self._ends:
             end.recall()
         return True
+
+    def waits_for(self, party: Party) -> Waits:
+        """See ``Out.waits_for``."""
+        return (("to write", self),)
 
     def taken(self, end: BroadcastEnd[T], reader: Party) -> T:
         """The value of an end, which is not fresh any longer; the last one readies the writer."""

@@ -107,3 +107,15 @@ def test_a_broadcast_is_recognized_from_both_sides() -> None:
     outcome = Network(Top(Reader("Top.p", there.reader(), back), Reader("Top.q", back, there))).run()
     assert outcome.deadlock is not None
     assert len(outcome.deadlock.cycle) == 2
+
+
+def test_who_writes_to_a_broadcast_waits_to_write() -> None:
+    broadcast = Broadcast[int]("b")
+    broadcast.reader()
+
+    async def top() -> None:
+        await parallel(broadcast.write(1), stop())
+
+    report = run(top).deadlock
+    assert report is not None
+    assert [process.waits for process in report.waiting] == ["to write b", "for ever, at stop"]
