@@ -92,15 +92,14 @@ class NotSchedulable(Diagnostic):
     title = "a loop that is late"
 
     process: str
+    reason: str
     loops: tuple[tuple[str, str, str, Span], ...]
     """Name, period, worst response in words, and place of each loop that may be late."""
     advice: str | None = None
 
     @property
     def message(self) -> str:
-        name, period, response, _ = self.loops[0]
-        more = f", and {len(self.loops) - 1} loops more may be late" if len(self.loops) > 1 else ""
-        return f"`{self.process}` is not schedulable: `{name}` has {period} and may take {response}{more}"
+        return f"`{self.process}` is not schedulable: {self.reason}"
 
     @property
     def help(self) -> str | None:
@@ -108,7 +107,10 @@ class NotSchedulable(Diagnostic):
 
     @property
     def labels(self) -> tuple[Label, ...]:
-        return tuple(Label(place, f"`{name}` may take {response}") for name, _, response, place in self.loops[:4])
+        return tuple(
+            Label(place, f"`{name}` has {period} and may take {response}")
+            for name, period, response, place in self.loops[:4]
+        )
 
 
 @record

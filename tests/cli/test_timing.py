@@ -50,7 +50,7 @@ def test_a_late_loop_is_told_with_advice(cspdiag: Command, late: Path) -> None:
     result = cspdiag("verify", "--timing", late)
     assert result.code == 1
     assert result.out.startswith(
-        "NOT SCHEDULABLE: Main: `a` is late: the sample of 11 ms is ready at 12.1 ms when every law takes"
+        "NOT SCHEDULABLE: Main: `a` is late: when every law takes its longest time, the sample of t = 11 ms is ready at t = 12.1 ms\n"
     )
     assert "no order of priorities meets every deadline with these steps" in result.out
 
@@ -216,7 +216,10 @@ def test_assertions_are_answered(cspdiag: Command, late: Path, silent: Path) -> 
     refuted = cspdiag("verify", "--no-cache", late)
     assert refuted.code == 1
     assert "REFUTED  Main schedulable" in refuted.out + refuted.err
-    assert "error[E1106]: `Main` is not schedulable: `a` has 1 ms and may take 1.5 ms" in refuted.out + refuted.err
+    assert (
+        "error[E1106]: `Main` is not schedulable: `a` is late: when every law takes its longest time, the"
+        in refuted.out + refuted.err
+    )
     unknown = cspdiag("verify", "--no-cache", silent)
     assert unknown.code == 1
     assert "UNKNOWN  Main schedulable" in unknown.out + unknown.err

@@ -37,4 +37,4 @@ def diagnostic_of(report: TimingReport, span: Span) -> Diagnostic | None:
         for loop in report.loops
         if not loop.is_met
     )
-    return NotSchedulable(span, report.process, late, advice)
+    return NotSchedulable(span, report.process, report.reason, late, advice)

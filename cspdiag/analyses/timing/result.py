@@ -136,8 +136,9 @@ class TimingReport:
         if late and self.witness is not None:
             name = self.witness.thread.partition(".")[2] or self.witness.thread
             end = self.witness.end
-            what = "not taken before the next one comes" if end is None else f"ready at {rounded(end)}"
-            return f"`{name}` is late: the sample of {rounded(self.witness.release)} is {what} when every law takes its longest time"
+            what = "not taken before the next one comes" if end is None else f"ready at t = {rounded(end)}"
+            when = f"the sample of t = {rounded(self.witness.release)}"
+            return f"`{name}` is late: when every law takes its longest time, {when} is {what}"
         if late and self.is_overloaded:
             return f"{_listed(late)} cannot always be ready before the next sample: there is more work than time"
         if late:
