@@ -18,6 +18,8 @@ def sum_clauses(encoding: Encoding, weights: Weights, *, equal: bool = False) ->
     Every partial sum that matters has a variable (Eén and Sörensson, "Translating pseudo-Boolean constraints into SAT", 2006).
     """
     values = [_by_value(encoding.variables[component], weight) for component, weight in weights.items()]
+    if not all(values):
+        return []  # A component has no state left to be in: there is no model anyway.
     # least[k], most[k]: of the sums of the members from k on.
     least, most = [0], [0]
     for choices in reversed(values):

@@ -32,6 +32,10 @@ def test_a_butler_who_keeps_one_seat_empty_is_understood(together: bool) -> None
     assert "invariant" in verdict.reason
 
 
+def test_beside_a_loop_that_never_waits_there_is_no_deadlock() -> None:
+    assert isinstance(by_invariants(Question(known.beside_a_loop(table_with_butler(3, 3)), True), Limits()), Proved)
+
+
 def test_a_butler_who_admits_everybody_proves_nothing() -> None:
     verdict = by_invariants(Question(table_with_butler(4, 4), together=True), Limits())
     assert isinstance(verdict, Unknown)
