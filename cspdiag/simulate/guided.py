@@ -17,7 +17,7 @@ from cspdiag.simulate.guided_runtime import guided_runtime
 from cspdiag.simulate.guided_script import Passed, Script, put_off
 from cspdiag.simulate.guided_world import Lines, World
 from cspdiag.simulate.package import LoadedPackage
-from cspdiag.simulate.replay_decisions import Decisions
+from cspdiag.simulate.replay_decisions import Decisions, RandomDecisions
 from cspdiag.simulate.replay_trace import Trace
 from cspdiag.simulate.replay_values import Values, numbers_of
 
@@ -29,6 +29,8 @@ MOST_OF_ONE_KIND = 80
 """So many runs follow one script strictly, and so many with others that go on besides."""
 MOST_ROUNDS = 24
 """So often is gone round in what can be done for ever, until times repeat themselves."""
+MOST_AT_RANDOM = 40
+"""So many runs follow no script at all."""
 AT_LEAST = 2_000
 """So many actions a run may have, whatever others have used up."""
 
@@ -89,7 +91,7 @@ class Guided:
         return best
 
     def _runs(self, script: Sequence[Passed], goal: Goal) -> Iterator[GuidedRun]:
-        """As it comes at first, then strictly after the script, then with decisions of every kind until one comes to a standstill."""
+        """As it comes at first, then strictly after the script, then with decisions of every kind, and at random, until one comes to a standstill."""
         first = self._run(script, goal, Decisions(), strict=False)
         others = bool(first.happened)
         yield first
@@ -103,8 +105,16 @@ class Guided:
                 yield run
                 if self.exhausted or not decisions.advance(run.cut):
                     break
+        for number in range(MOST_AT_RANDOM if goal.trace.failure == "deadlock" else 0):
+            if others or self.exhausted:
+                return
+            run = self._run((), goal, RandomDecisions(number), strict=False, free=True)
+            others = bool(run.happened)
+            yield run
 
-    def _run(self, script: Sequence[Passed], goal: Goal, decisions: Decisions, *, strict: bool) -> GuidedRun:
+    def _run(
+        self, script: Sequence[Passed], goal: Goal, decisions: Decisions, *, strict: bool, free: bool = False
+    ) -> GuidedRun:
         self._limits.check()
         decisions.begin()
         scheduler.reset()
@@ -113,7 +123,7 @@ class Guided:
         network = self._built(lines)
         wanted = Script(script)
         world = World(network.ports, lines, wanted, self._defaults, self._on_miss)
-        run = Run(network, wanted, world, goal, decisions, strict=strict, limit=limit).run()
+        run = Run(network, wanted, world, goal, decisions, strict=strict, free=free, limit=limit).run()
         self._left -= run.actions
         self._runs_left -= 1
         return run

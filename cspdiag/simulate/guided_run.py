@@ -63,7 +63,7 @@ class GuidedRun:
 
 
 class Run:
-    """One run. ``strict``: nobody does anything that is not in the script."""
+    """One run. ``strict``: nobody does anything that is not in the script; ``free``: there is none."""
 
     def __init__(
         self,
@@ -74,6 +74,7 @@ class Run:
         decisions: Decisions,
         *,
         strict: bool,
+        free: bool,
         limit: int,
     ) -> None:
         self._script = script
@@ -81,6 +82,7 @@ class Run:
         self._goal = goal
         self._decisions = decisions
         self._strict = strict
+        self._free = free
         self._limit = limit
         self._root = task_for(network.process, self, None)
         self._outputs = goal.outside - world.inputs
@@ -116,7 +118,7 @@ class Run:
         standing: tuple[Standing, ...] = ()
         try:
             self._go()
-            if self._goal.is_standstill and (self._script.left or not self._goal.is_as_told(self._root)):
+            if self._goal.is_standstill and (self._free or self._script.left or not self._goal.is_as_told(self._root)):
                 divergence, happened = self._lost or self._not_come(), tuple(self._happened)
                 standing = tuple(self._goal.standing(self._root, self._names))
             deadlock = report_deadlock(self._root, scheduler.now) if self._goal.is_standstill else None

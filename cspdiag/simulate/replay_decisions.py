@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from random import Random
+
 
 class Decisions:
     """The decisions of one attempt after the other; an attempt asks for them in the order in which it comes to them."""
@@ -35,3 +37,16 @@ class Decisions:
             return False
         self._taken[-1] += 1
         return True
+
+
+class RandomDecisions(Decisions):
+    """Decisions at random, the same ones for the same number."""
+
+    def __init__(self, number: int) -> None:
+        super().__init__()
+        self._random = Random(number)
+
+    def choose(self, options: int) -> int:
+        """See ``Decisions.choose``."""
+        self.made += 1
+        return self._random.randrange(options)
