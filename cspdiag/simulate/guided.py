@@ -21,7 +21,7 @@ from cspdiag.simulate.replay_decisions import Decisions, RandomDecisions
 from cspdiag.simulate.replay_trace import Trace
 from cspdiag.simulate.replay_values import Values, numbers_of
 
-MOST_ACTIONS = 150_000
+MOST_ACTIONS = 100_000
 """So often may processes get on in all runs together."""
 MOST_RUNS = 600
 """All together."""
