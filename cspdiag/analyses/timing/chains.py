@@ -51,7 +51,7 @@ def chains(
                 if key not in found or found[key].reaction < chain.reaction:
                     found[key] = chain
             pending += _further(
-                passing, stages[at], _Way((*way.stages, at), (*way.passed, frozenset(here)), through, way.time), here
+                passing, _Way((*way.stages, at), (*way.passed, frozenset(here)), through, way.time), here
             )
     return list(found.values()), True
 
@@ -104,9 +104,7 @@ def _ends(
                 yield Chain(_short(source), _short(net), through, time + stage.period + delay, time + age)
 
 
-def _further(
-    passing: Passing, stage: Stage, way: _Way, here: Mapping[Spot, int]
-) -> Iterator[tuple[_Way, int, frozenset[Spot]]]:
+def _further(passing: Passing, way: _Way, here: Mapping[Spot, int]) -> Iterator[tuple[_Way, int, frozenset[Spot]]]:
     """Where a value is taken up next, at another sample."""
     at = way.stages[-1]
     known = {(one, spot) for one, spots in zip(way.stages, way.passed, strict=True) for spot in spots}
@@ -118,8 +116,7 @@ def _further(
                 entries.setdefault(hop.to, set()).add(hop.spot)
                 longest[hop.to] = max(longest.get(hop.to, 0), waited + hop.waits)
     for to in sorted(entries):
-        time = way.time + stage.period + stage.response + longest[to]
-        yield replace(way, time=time), to, frozenset(entries[to])
+        yield replace(way, time=way.time + longest[to]), to, frozenset(entries[to])
 
 
 def _name(passing: Passing, loop: str, here: Iterable[Spot]) -> str:

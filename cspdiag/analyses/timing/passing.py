@@ -32,8 +32,8 @@ class Stage:
 
 @dataclass(frozen=True, slots=True)
 class Hop:
-    """From a spot to another one: in the same sample, or by a value that lies there until the stage ``to`` takes it at a sample of its own. ``waits`` is the
-    time that a value may lie in a channel in addition.
+    """From a spot to another one: in the same sample, or to a sample of the stage ``to``. ``waits`` is the time from the sample until that one has the value, at
+    most; in the same sample only what it may lie in a channel.
     """
 
     to: int
@@ -84,7 +84,7 @@ class Passing:
                 if to == at:
                     yield self._within(at, net, spot, other)
                 elif self._run_together(stage, self._stages[to]) and self._takes(net, to, other):
-                    yield Hop(to, other, in_sample=False, waits=self._queue(net, self._stages[to], other))
+                    yield Hop(to, other, in_sample=False, waits=self._until_taken(net, stage, self._stages[to], other))
 
     def is_in_order(self, at: int, first: Spot, then: Spot) -> bool:
         """Whether of two spots of a thread the second is never passed in a sample before the first."""
@@ -101,7 +101,8 @@ class Passing:
 
     def _within(self, at: int, net: str, spot: Spot, other: Spot) -> Hop:
         if spot[0] == other[0]:
-            return Hop(at, other, self.is_in_order(at, spot, other))
+            stage, in_order = self._stages[at], self.is_in_order(at, spot, other)
+            return Hop(at, other, in_order, 0 if in_order else stage.period + stage.response)
         late = self._kind(net) == "overwrite"
         return Hop(at, other, in_sample=True, waits=self._pick_up(other[0]) if late else 0)
 
@@ -109,9 +110,16 @@ class Passing:
         """Whether a stage takes what another one has handed on. From a channel each takes what began its own work."""
         return self._kind(net) == "var" or spot not in self._stages[to].taken
 
-    def _queue(self, net: str, to: Stage, spot: Spot) -> int:
-        """How long a value may lie in a buffer of which a sample takes one."""
-        return self._capacities.get(net, 0) * to.period if self._kind(net) == "buffer" and spot not in to.taken else 0
+    def _until_taken(self, net: str, stage: Stage, to: Stage, spot: Spot) -> int:
+        """Who writes is done a response after its sample. In a rendezvous within a sample of who reads, that has the value then; otherwise it lies there until the
+        next value comes, and in a buffer of which a sample takes one until those before it have been taken.
+        """
+        kind = self._kind(net)
+        if kind == "var" or spot in to.taken:
+            return stage.period + stage.response
+        if kind == "buffer":
+            return stage.period + stage.response + self._capacities[net] * to.period
+        return stage.response
 
     def _kind(self, net: str) -> ChannelKind:
         return self._kinds.get(net, "var")

@@ -229,3 +229,38 @@ def test_an_output_of_another_rate_has_the_last_value_written(loop: int, output:
     found = seen(network, wcets(network), None, 120 * MS)
     assert found[1] == age * MS
     assert reaction * MS - output * MS < found[0] <= reaction * MS
+
+
+@pytest.mark.parametrize("order", ["first || second", "second ||> first", "first ||> second"])
+def test_what_is_handed_over_in_a_sample_is_no_older_for_it(order: str) -> None:
+    """Two loops of one period that meet in every sample."""
+    runs = {"first": "mu (first ; c ! made)", "second": "mu (x1 ? own ; c ? taken ; second)"}
+    order = " ".join(runs.get(part, part) for part in order.split())
+    text = f"""
+        submodel First  wcet 100 us {{ in p : double  out y : double  y = p }}
+        submodel Second wcet 200 us {{ in p, x : double  out y : double  y = p }}
+        process Main {{
+          in  x0, x1 : double @ 2 ms
+          out y      : double @ 2 ms
+          communication {{
+            first  : First
+            second : Second
+            channel c : double
+            var made  : double = 0
+            var taken : double = 0
+            var own   : double = 0
+            x0 -> first.p
+            first.y -> made
+            taken -> second.p
+            own -> second.x
+            second.y -> y
+          }}
+          composition {{ {order} }}
+        }}
+        """
+    network = with_bench(text, ["x0", "x1"], ["y"], "1 ms")
+    report = timing_report(network)
+    reaction, age = bounds(report)
+    found = seen(network, wcets(network), None, 40 * MS)
+    assert found[0] <= reaction <= found[0] + 1 * MS
+    assert found[1] <= age <= found[1] + 1 * MS
