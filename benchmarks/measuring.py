@@ -84,6 +84,10 @@ BENCHMARKS = (
         "prove-controller-4", "the same for a controller of 4 joints (SPIN: no answer in 200 s)", "ms", _PROVE,
         "at most 1000 ms",
     ),
+    Benchmark(
+        "prove-butler-20", "the same for 20 philosophers and a butler who counts them", "ms", _PROVE, "at most 2000 ms",
+    ),
+    Benchmark("prove-butler-60", "the same for 60 of them", "ms", _PROVE, "at most 10 000 ms"),
     Benchmark("respond-100", "response times of 100 tasks, a level of priority each", "ms", _RESPOND, "at most 50 ms"),
     Benchmark("respond-levels-100", "the same with five levels, first come, first served", "ms", _RESPOND, "at most 50 ms"),
     Benchmark(

@@ -22,6 +22,7 @@ NETWORKS = {
     "philosophers": ("number", "Table"),
     "scheduler": ("number", "Scheduler"),
     "controller": ("joints", "Controller"),
+    "butler": ("seats", "Table"),
 }
 """The constant that says how large a network is, and its outermost process."""
 
