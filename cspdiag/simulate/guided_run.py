@@ -16,6 +16,7 @@ from typing import Any
 from cspdiag.runtime.composition import end_all, task_for
 from cspdiag.runtime.deadlock import DeadlockReport, report_deadlock
 from cspdiag.runtime.durations import shown
+from cspdiag.runtime.exceptions import Fault, ProcessError
 from cspdiag.runtime.network import Network as RunningNetwork
 from cspdiag.runtime.scheduler import Party, Priority, Task, nobody, scheduler
 from cspdiag.simulate.guided_goal import Goal
@@ -150,7 +151,7 @@ class Run:
                 continue
             finally:
                 scheduler.current = nobody
-            if self._error is not None:
+            if self._failed:
                 raise AstrayError(f"it ends with {type(self._error).__name__}: {self._error}")
             if self._problem is not None:
                 raise AstrayError(self._problem)
@@ -182,8 +183,16 @@ class Run:
     def _actions(self) -> int:
         return self._steps + self._world.met
 
+    @property
+    def _failed(self) -> bool:
+        """Whether the program has ended by an exception that proofs know nothing of, or too early."""
+        known = isinstance(self._error, ProcessError) and not isinstance(self._error, Fault)
+        return self._error is not None and (not known or self._script.left > 0 or self._goal.is_standstill)
+
     def _is_to_come(self) -> bool:
-        """Whether what a specification is to see in the end has not been seen, though all processes have done their part once."""
+        """Whether what a specification is to see in the end, or the end, has not come, though all processes have done their part once."""
+        if self._goal.ends:
+            return not self._root.ended
         return self._goal.further and self._expected is not None and self._seen < len(self._expected)
 
     def _concluded(self) -> bool:

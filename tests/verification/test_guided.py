@@ -480,3 +480,34 @@ def test_what_goes_on_for_ever_does_so_in_its_times() -> None:
     """Where one loop is slower than the other, the two do not go round in step for ever, though ten times."""
     assert refuted(DRIFTS.replace("EVERY", "10 ms"))
     assert not refuted(DRIFTS.replace("EVERY", "10100 us"))
+
+
+RAISES = """exception Broken
+
+process Raises {
+  out a : bool
+  out b : bool
+
+  composition { a ! true ; raise Broken }
+}
+
+process Goes {
+  out a : bool
+  out b : bool
+
+  composition { SPECIFICATION }
+}
+
+assert Raises refines Goes
+"""
+
+
+def test_a_program_that_ends_by_an_exception_has_done_what_it_did_before() -> None:
+    assert refuted(RAISES.replace("SPECIFICATION", "b ! true"))
+    assert answer_to(RAISES.replace("SPECIFICATION", "a ! true")).outcome == "proved"
+
+
+def test_a_program_that_ends_offers_nothing_more() -> None:
+    text = RAISES.replace("refines Goes", "refines Goes in failures").replace(" ; raise Broken", "")
+    assert refuted(text.replace("SPECIFICATION", "a ! true ; b ! true"))
+    assert answer_to(text.replace("SPECIFICATION", "a ! true")).outcome == "proved"
