@@ -91,7 +91,7 @@ class Guided:
         return best
 
     def _runs(self, script: Sequence[Passed], goal: Goal) -> Iterator[GuidedRun]:
-        """As it comes at first, then strictly after the script, then with decisions of every kind, and at random, until one comes to a standstill."""
+        """As it comes at first, then strictly after the script, then with decisions of every kind until one comes to a standstill."""
         first = self._run(script, goal, Decisions(), strict=False)
         others = bool(first.happened)
         yield first
@@ -105,12 +105,14 @@ class Guided:
                 yield run
                 if self.exhausted or not decisions.advance(run.cut):
                     break
-        for number in range(MOST_AT_RANDOM if goal.trace.failure == "deadlock" else 0):
-            if others or self.exhausted:
-                return
-            run = self._run((), goal, RandomDecisions(number), strict=False, free=True)
-            others = bool(run.happened)
-            yield run
+
+    def at_random(self, trace: Trace) -> GuidedRun | None:
+        """A run to a deadlock that follows nothing; None if none was found."""
+        goal = Goal(trace, self._outside, self._outside - trace.hidden, 0, 0, ends=False)
+        runs = (
+            self._run((), goal, RandomDecisions(number), strict=False, free=True) for number in range(MOST_AT_RANDOM)
+        )
+        return next((run for run in runs if run.happened), None)
 
     def _run(
         self, script: Sequence[Passed], goal: Goal, decisions: Decisions, *, strict: bool, free: bool = False

@@ -7,6 +7,7 @@ runs, with its priorities and in exact times (``guided``).
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 from cspdiag.analyses.proofs.verdict import Limits
 from cspdiag.network.ir import Network
@@ -40,9 +41,12 @@ def replay(
     attempts = _Attempts(network, package, trace, judge, guided, limits)
     try:
         result = attempts.best()
-        if result.succeeded or result.other or trace.exact:
-            return result
-        return max(attempts.best(Rounds(network, trace)), result, key=_distance)
+        if not (result.succeeded or result.other or trace.exact):
+            result = max(attempts.best(Rounds(network, trace)), result, key=_distance)
+        if not (result.succeeded or result.other) and trace.failure == "deadlock":
+            run = guided.at_random(trace)
+            return result if run is None else replace(result, other=run.happened, standing=run.standing)
+        return result
     finally:
         guided.close()
         package.close()
