@@ -183,14 +183,7 @@ class Demands:
             if period is None:
                 continue
             if period == 0:
-                what = (
-                    "an event" if job.offer is not None and job.offer.kind == "event" else "a delay of unknown length"
-                )
-                place = one.thread.places[max(job.wait, 0)]
-                refusals.append(Refusal(
-                    path.heaviest[1] or place.path, f"it computes after {what}, and how often cannot be seen", place.span,
-                    "give the program an environment, whose `step` is the shortest time between two events",
-                ))  # fmt: skip
+                refusals.append(_unknown_rate(one, job))
                 continue
             is_sample = job.offer is not None and job.offer.kind == "sample"
             cause = (
@@ -258,6 +251,17 @@ class Demands:
     def activators(self, channel: str, *, writes: bool) -> set[int]:
         """The threads that communicate on a channel, on that side."""
         return {number for number, other, side, _, _ in self._activated if (other, side) == (channel, writes)}
+
+
+def _unknown_rate(one: Behaviour, job: Job) -> Refusal:
+    """Work of which nobody knows how often it comes."""
+    place = one.thread.places[max(job.wait, 0)]
+    what, advice = "a delay of unknown length", "let how long it waits be a constant, longer than zero"
+    if job.offer is not None and job.offer.kind == "event":
+        what = f"the event `{job.offer.channel.rpartition('.')[2]}`"
+        advice = "give the program an environment, whose `step` is the shortest time between two events"
+    reason = f"it computes after {what}, and how often cannot be seen"
+    return Refusal(job.path.heaviest[1] or place.path, reason, place.span, advice)
 
 
 def begun_by(one: Behaviour, job: Job) -> Iterator[tuple[str, bool, int]]:

@@ -81,11 +81,11 @@ class Partners:
     def _refuse(self, channel: str, writes: bool, reason: str) -> None:
         """``writes`` tells the side of the partner."""
         name = channel.rpartition(".")[2]
-        advice = f"let the partner offer `{name}` in an alternative wherever it waits"
+        offered = f"let the partner offer `{name}` in an alternative wherever it waits"
+        advice = f"make `{name}` an `overwrite 1` channel, or {offered}"
         if writes:
-            advice = f"read `{name}` in an alternative beside the sample, which keeps the last value in a variable, or {advice}"
-        else:
-            advice = f"make `{name}` an `overwrite 1` channel, or {advice}"
+            advice = f"read `{name}` in an alternative beside the sample, which keeps the last value in a variable"
+            advice += f", or {offered}" if self.demands.taking_part(channel, writes=True) else ""
         reason = f"it waits at `{name}` without bound: {reason}"
         self.refusals.append(Refusal(self.owner.thread.path, reason, self.span, advice))
 

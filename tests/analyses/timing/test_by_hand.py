@@ -89,10 +89,32 @@ def test_events_come_as_often_as_the_environment_steps() -> None:
 
 def test_of_events_that_nobody_generates_nothing_is_guessed() -> None:
     (refusal,) = report_of(EVENT).refusals
-    assert refusal.reason == "it computes after an event, and how often cannot be seen"
+    assert refusal.reason == "it computes after the event `e`, and how often cannot be seen"
     assert refusal.help.startswith(
         "give the program an environment, whose `step` is the shortest time between two events"
     )
+
+
+def test_of_delays_that_are_computed_nothing_is_guessed() -> None:
+    text = (
+        law("Law", "100 us") +
+        """
+        process Main {
+          out y : double
+          communication {
+            law : Law
+            var pause : time = 1 ms
+            var value : double = 0
+            value -> law.x
+            law.y -> y
+          }
+          composition { mu (wait pause ; law) }
+        }
+        """
+    )  # fmt: skip
+    (refusal,) = report_of(text).refusals
+    assert refusal.reason == "it computes after a delay of unknown length, and how often cannot be seen"
+    assert refusal.help == "let how long it waits be a constant, longer than zero"
 
 
 def three_loops(kind: str) -> str:

@@ -247,7 +247,7 @@ def test_work_after_events_needs_an_environment_that_says_how_often_they_come() 
         }
         """
     )  # fmt: skip
-    assert refused(text) == "Main.answer: it computes after an event, and how often cannot be seen"
+    assert refused(text) == "Main.answer: it computes after the event `go`, and how often cannot be seen"
     bench = """
         environment Bench for Main step 1 ms { s : Source  s.x -> x  s.go -> go  y -> _  z -> _ }
         submodel Source { out x, go : double x = 1 go = time / 1 s }
