@@ -32,11 +32,8 @@ def run_timing(arguments: Namespace) -> int:
     began = time.monotonic()
     report = _report(arguments, built.network, measured)
     seconds = time.monotonic() - began
-    if arguments.gantt is not None:
-        from cspdiag.analyses.timing.gantt import gantt_svg
-
-        replace_text(str(arguments.gantt), gantt_svg(report))
     _tell(arguments, built, report, seconds)
+    _draw(arguments, report)
     return FINE if report.is_schedulable else UNSUCCESSFUL
 
 
@@ -55,6 +52,18 @@ def _check_options(arguments: Namespace) -> None:
     for option, value in unused.items():
         if value is not None:
             raise UsageError(f"{option} belongs to proofs: --timing proves no assertions (leave one of them out)")
+
+
+def _draw(arguments: Namespace, report: TimingReport) -> None:
+    if arguments.gantt is None:
+        return
+    if report.missing:
+        reason = "not all execution times are known"
+        sys.stderr.write(f"cspdiag: {reason}, so {arguments.gantt} was not written\n")
+        return
+    from cspdiag.analyses.timing.gantt import gantt_svg
+
+    replace_text(str(arguments.gantt), gantt_svg(report))
 
 
 def _tell(arguments: Namespace, built: Built, report: TimingReport, seconds: float) -> None:

@@ -164,6 +164,14 @@ def test_the_schedule_is_drawn(cspdiag: Command, late: Path, tmp_path: Path) -> 
     assert any(title.startswith("a @ 1 ms: 1.5 ms to 2.1 ms") for title in titles)
 
 
+def test_no_schedule_is_drawn_of_times_that_are_not_known(cspdiag: Command, silent: Path, tmp_path: Path) -> None:
+    picture = tmp_path / "gantt.svg"
+    result = cspdiag("verify", "--timing", "--gantt", picture, silent)
+    assert result.code == 1
+    assert result.err == f"cspdiag: not all execution times are known, so {picture} was not written\n"
+    assert not picture.exists()
+
+
 @pytest.mark.parametrize("name", ["gantt.txt", "nowhere/gantt.svg"])
 def test_a_picture_that_cannot_be_written_is_refused_first(
     cspdiag: Command, late: Path, tmp_path: Path, name: str

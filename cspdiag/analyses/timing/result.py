@@ -14,7 +14,7 @@ from cspdiag.model.durations import rounded
 class LoopTiming:
     """One sampled loop; times are nanoseconds from the nominal release, the tick.
 
-    ``work`` is what a sample needs, ``own`` the part of the loop itself where it waits for partners. ``response`` and
+    ``work`` is what a sample needs, that of partners that it waits for included. ``response`` and
     ``start`` are None where there is no bound. ``outputs`` are the sampled outputs of the program that it writes; ``latency`` from the sample to the
     outputs, the shortest and the longest, None without outputs. ``leaves`` are the paths of the laws and processes that take part.
     """

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 from dataclasses import dataclass, field
+from math import gcd
 
 import pytest
 
@@ -225,6 +226,8 @@ def test_an_output_of_another_rate_has_the_last_value_written(loop: int, output:
         }}
         """
     assert bounds_of(text, "x") == (reaction * MS, age * MS)
+    (row,) = timing_report(network_of(text)).loops
+    assert row.latency == (gcd(loop, output) * MS, age * MS)
     network = with_bench(text, ["x"], ["y"], "1 ms")
     found = seen(network, wcets(network), None, 120 * MS)
     assert found[1] == age * MS
