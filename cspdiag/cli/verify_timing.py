@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Literal, cast
 from cspdiag.cli.failure import FINE, UNSUCCESSFUL, UsageError
 from cspdiag.cli.output import replace_text
 from cspdiag.cli.terminal import show_diagnostics
+from cspdiag.cli.verify import refused, told
 from cspdiag.sources import read_source
 
 if TYPE_CHECKING:
@@ -28,12 +29,12 @@ def run_timing(arguments: Namespace) -> int:
     measured = [] if arguments.wcet_from is None else measured_times(str(arguments.wcet_from))
     built = _built(arguments)
     if built.network is None:
-        return UNSUCCESSFUL
+        return refused(built.checked.report.diagnostics, arguments)
     began = time.monotonic()
     report = _report(arguments, built.network, measured)
     seconds = time.monotonic() - began
-    _tell(arguments, built, report, seconds)
     _draw(arguments, report)
+    _tell(arguments, built, report, seconds)
     return FINE if report.is_schedulable else UNSUCCESSFUL
 
 
@@ -71,21 +72,21 @@ def _tell(arguments: Namespace, built: Built, report: TimingReport, seconds: flo
         case "json":
             from cspdiag.analyses.timing.render_json import render
 
+            show_diagnostics(built.checked.report.diagnostics, arguments.color)
             sys.stdout.write(render(report))
         case "text":
             from cspdiag.analyses.timing.render_text import table
 
+            show_diagnostics(built.checked.report.diagnostics, arguments.color)
             sys.stdout.write("" if arguments.quiet and report.is_schedulable else table(report))
         case _:
             from cspdiag.analyses.verification.question import schedulability_of
             from cspdiag.analyses.verification.schedulable import answer_of
-            from cspdiag.cli.verify import told
-
             assert built.network is not None
             assert built.checked.program is not None
             process = built.network.class_named(built.network.top).definition
             question = schedulability_of(built.checked.program, process)
-            stdout, stderr = told([answer_of(question, report, seconds)], arguments)
+            stdout, stderr = told([answer_of(question, report, seconds)], built.checked.report.diagnostics, arguments)
             sys.stdout.write(stdout)
             sys.stderr.write(stderr)
 
@@ -100,7 +101,6 @@ def _built(arguments: Namespace) -> Built:
         built = pipeline.build(read_source(arguments.file), read_source, top=arguments.process, settings=settings)
     except (SettingError, SelectionError) as problem:
         raise UsageError(str(problem)) from None
-    show_diagnostics(built.checked.report.diagnostics, arguments.color)
     return built
 
 
