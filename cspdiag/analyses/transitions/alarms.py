@@ -7,13 +7,16 @@ process that is cancelled or interrupted where it waits, and on ``any`` by someb
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import product
 
 from cspdiag.analyses.transitions.occurrences import Medium
 from cspdiag.analyses.transitions.template import Label, Reference, Template, is_late
 from cspdiag.analyses.transitions.thread import resolve
 from cspdiag.analyses.transitions.threads import Strand
 
+_CHOOSING = {"read": "guarded", "bound": "bind", "bind": "bound"}
+"""What the other side of a label is that takes an alternative."""
 _OFFERS = frozenset({"read", "write", "guarded", "withdrawn"})
 
 
@@ -22,8 +25,8 @@ class Alarms:
 
     def __init__(self, threads: Iterable[Strand]) -> None:
         watching: list[tuple[Strand, Label]] = []
-        rung: defaultdict[Medium, set[str]] = defaultdict(set)
-        choosing: set[Medium] = set()
+        rung: defaultdict[Medium, set[str | None]] = defaultdict(set)
+        choosing: defaultdict[str, set[Medium]] = defaultdict(set)
         labels_of: dict[int, tuple[set[Label], set[Label]]] = {}
         for strand in threads:
             template = strand.template
@@ -31,28 +34,30 @@ class Alarms:
                 labels_of[id(template)] = _special(template), set().union(*withdrawn(template.edges))
             special, unsteady = labels_of[id(template)]
             for label in unsteady:
-                rung[resolve(strand.occurrence, label[1])].add(_side(label))
+                rung[resolve(strand.occurrence, label[1])].add(side_of(label))
             for label in special:
-                if label[0] == "guarded":
-                    choosing.add(resolve(strand.occurrence, label[1]))
-                else:
+                choosing[label[0]].add(resolve(strand.occurrence, label[1]))
+                if label[0] != "guarded":
                     watching.append((strand, label))
         self._silent: defaultdict[Strand, set[Label]] = defaultdict(set)
         for strand, label in watching:
             medium = resolve(strand.occurrence, label[1])
-            rings = medium in choosing if is_late(label) else medium.is_contended or label[2] in rung[medium]
+            if label[0] == "alarm":
+                rings = medium.is_contended or label[2] in rung[medium]
+            else:
+                rings = medium in choosing[_CHOOSING[label[0]]]
             if not rings:
                 self._silent[strand].add(label)
 
     def silent(self, strand: Strand) -> frozenset[Label]:
-        """The alarms of a thread that nobody ever rings, and its late reads that no alternative chooses."""
+        """The alarms of a thread that nobody ever rings, and what it would do with an alternative that there is not."""
         return frozenset(self._silent.get(strand, ()))
 
 
 def _special(template: Template) -> set[Label]:
-    """The alarms of a thread, its late reads, and the guards by which it writes."""
+    """The alarms of a thread, its late reads, the guards by which it writes, and the ways to be bound to write or read."""
     labels = {label for edges in template.edges for label, _ in edges}
-    return {label for label in labels if label[0] in ("alarm", "guarded") or is_late(label)}
+    return {label for label in labels if label[0] in ("alarm", "guarded", "bind", "bound") or is_late(label)}
 
 
 def withdrawn(edges: Sequence[Sequence[tuple[Label, int]]]) -> list[set[Label]]:
@@ -66,10 +71,22 @@ def withdrawn(edges: Sequence[Sequence[tuple[Label, int]]]) -> list[set[Label]]:
     return result
 
 
-def _offer(label: Label) -> tuple[str, Reference] | None:
+def _offer(label: Label) -> tuple[str | None, Reference] | None:
     """What an offer is, whatever its value: the side, and the medium."""
-    return (_side(label), label[1]) if label[0] in _OFFERS else None
+    return (side_of(label), label[1]) if label[0] in _OFFERS else None
 
 
-def _side(label: Label) -> str:
+def bindings(
+    uses: Sequence[tuple[Strand, Label]],
+) -> Iterator[tuple[tuple[Strand, Label], tuple[Strand, Label]]]:
+    """Alternatives that choose to write, each with a guard that is ready to be read after."""
+    for writer, reader in product(uses, repeat=2):
+        if (writer[1][0], reader[1][0]) == ("bind", "bound") and writer[0] is not reader[0]:
+            yield writer, reader
+
+
+def side_of(label: Label) -> str | None:
+    """The side on which a label communicates, ``read`` or ``write``; None if it does not."""
+    if label[0] not in _OFFERS:
+        return None
     return "read" if label[0] == "read" else "write"

@@ -9,7 +9,7 @@ from math import prod
 from typing import Any, TypeAlias
 
 from cspdiag.analyses.transitions import media
-from cspdiag.analyses.transitions.alarms import Alarms, withdrawn
+from cspdiag.analyses.transitions.alarms import Alarms, bindings, side_of, withdrawn
 from cspdiag.analyses.transitions.explore import TransitionError
 from cspdiag.analyses.transitions.facts import FAULT, TIMEOUT
 from cspdiag.analyses.transitions.occurrences import Medium
@@ -102,10 +102,9 @@ class Assembly:
 
     def _shape(self, template: Template, started: bool, silent: frozenset[Label]) -> Shape:
         key = (id(template), started, silent)
-        known = self._shapes.get(key)
-        if known is None:
-            known = self._shapes[key] = Shape(template, started=started, never=silent)
-        return known
+        if key not in self._shapes:
+            self._shapes[key] = Shape(template, started=started, never=silent)
+        return self._shapes[key]
 
     def _component(self, strand: Strand, shape: Shape) -> Component:
         of = self._of[strand.number]
@@ -177,7 +176,7 @@ class Assembly:
             self._for(strand, label, event)
         elif kind == "time":
             self._for(strand, label, self._event(f"{strand.name}: {label[1]}", (strand.number,), "time"))
-        elif kind in ("read", "write", "guarded", "load", "store", "delivered", "withdrawn"):
+        elif kind in ("read", "write", "guarded", "bind", "bound", "load", "store", "delivered", "withdrawn"):
             self._uses[resolve(strand.occurrence, label[1])].append((strand, label))
         elif kind == "fork" or kind == "join":
             self._forks.setdefault(parallel_key(strand.occurrence, label[1]), []).append(strand)
@@ -203,7 +202,7 @@ class Assembly:
     def _ring_rendezvous(self, medium: Medium, uses: list[Use]) -> None:
         for strand, alarm in self._alarms.get(medium, ()):
             for use in uses:
-                if use[0] is not strand and (use[1][0] == "read") == (alarm[2] == "read"):
+                if use[0] is not strand and side_of(use[1]) == alarm[2]:
                     event = self._ring(medium, (strand, alarm), [use])
                     if not medium.is_contended:
                         self._of_the_unsteady.add(event)
@@ -230,7 +229,12 @@ class Assembly:
         writing: dict[Known, list[Use]] = defaultdict(list)
         reading: dict[Known, list[Use]] = defaultdict(list)
         for use in uses:
-            (reading if use[1][0] == "read" else writing)[self._value(medium, use[1])].append(use)
+            if side_of(use[1]) is not None:
+                (reading if use[1][0] == "read" else writing)[self._value(medium, use[1])].append(use)
+        for (writer, binds), (reader, bound) in bindings(uses):
+            event = self._event(medium.name, (writer.number, reader.number), "ready")
+            self._for(writer, binds, event)
+            self._for(reader, bound, event)
         for value in dict.fromkeys([*writing, *reading]):
             self._limit(medium, len(writing.get(value, ())) * len(reading.get(value, ())))
             met: set[Use] = set()
@@ -302,8 +306,8 @@ class Assembly:
             taken.append(self._with(medium, waiting, number, ("read",), "communication"))
         self._guarded_broadcasts(medium, uses, list(readers.values()), absent)
         for number, takes, ends in zip(latches, taken, readers.values(), strict=True):
-            name = f"{medium.name} to {ends[0][0].name}"
             seen = self._ring_latch(medium, ends, number) if withdrawn else []
+            name = f"{medium.name} to {ends[0][0].name}"
             self._add(media.latch(name, writes, takes, delivered, withdrawn, seen))
 
     def _ring_latch(self, medium: Medium, ends: list[Use], number: int) -> list[int]:

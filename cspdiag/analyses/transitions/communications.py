@@ -10,7 +10,7 @@ from cspdiag.analyses.transitions.follow import Follower
 from cspdiag.analyses.transitions.occurrences import PATIENT
 from cspdiag.analyses.transitions.program import Node
 from cspdiag.analyses.transitions.template import INTERNAL_LABEL, Label, Reference
-from cspdiag.analyses.transitions.thread import Configuration, Context, Thread, reading_end
+from cspdiag.analyses.transitions.thread import Configuration, Context, Stack, Thread, reading_end
 from cspdiag.analyses.transitions.values import UNKNOWN, Known
 from cspdiag.network.actions import (
     AfterEvent,
@@ -98,7 +98,10 @@ class Communications:
                 reference = context.reference(event.sink)
                 if self.thread.medium(reference).kind in ("var", "discard"):
                     return [(INTERNAL_LABEL, self.follower.stored(on, reference, value))]
-                return [(self.written(reference, value, "guarded"), on)]
+                found = [(self.written(reference, value, "guarded"), on)]
+                if self.thread.medium(reference).kind in ("sync", "any"):
+                    found.append((("bind", reference), on._replace(stack=(("put", reference, value, body), on.stack))))
+                return found
             case InputEvent():
                 return self._input_guard(held, on, context, event)
             case ReadyEvent():
@@ -137,11 +140,23 @@ class Communications:
                 "a ready guard is taken before its communication, which another process might make", event.span
             )
             return [(INTERNAL_LABEL, on)]
-        return [
+        found: list[Move] = [
             (label, given._replace(fetched=(reference, value, guard)))
             for label, value, given in self.reads(on, context, event.source)
             if value is not MISSED
         ]
+        if kind in ("sync", "any") and (self.thread.role.cancellable or is_interruptible(on.stack)):
+            found.append((("bound", reference), on))
+        return found
+
+
+def is_interruptible(stack: Stack) -> bool:
+    """Whether what is to be done stands in an interrupt."""
+    while stack is not None:
+        frame, stack = stack
+        if frame[0] == "interrupt":
+            return True
+    return False
 
 
 def assigning(c: Configuration, context: Context, target: Target, value: Known | str) -> Configuration:

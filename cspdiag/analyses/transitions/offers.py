@@ -201,7 +201,10 @@ class Offers(Communications):
         ended = self._closed(c)
         if c.doomed:
             return [(INTERNAL_LABEL, ended)]
+        event = node.action.branch.event
         taken = self.guarded(c._replace(stack=rest), context, node.action.branch, node.children[1], value)
+        if exception is not None and isinstance(event, ReadyEvent):
+            taken = [(("bound", context.reference(event.source)), ended)]
         return [
             (INTERNAL_LABEL, ended),
             *(

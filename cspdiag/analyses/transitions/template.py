@@ -32,6 +32,7 @@ Label: TypeAlias = tuple[Any, ...]
 - ``("internal",)``
 - ``("read", reference, value, reading end)``, ``("write", reference, value)``, ``("guarded", reference, value)``: on a channel; the last by an output guard
   A fifth part ``LATE`` of a read: with alternatives only, by the guard of an interrupt whose body has come to its end
+- ``("bind", reference)``, ``("bound", reference)``: an alternative chooses to write to one whose guard is only ready, which has not read yet
 - ``("delivered", reference)``, ``("withdrawn", reference)``: the writer of a broadcast goes on, or was cancelled
 - ``("input", reference, value)``, ``("sample", reference, value)``, ``("miss", reference)``, ``("ready", reference)``, ``("output", reference, value)``: with the outside
 - ``("time", words)``

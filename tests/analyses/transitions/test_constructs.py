@@ -518,3 +518,20 @@ def test_output_guard_on_a_broadcast_is_seen_by_the_guard_of_an_interrupt() -> N
     parties = [{system.components[party].name for party in event.parties} for event in ready]
     assert parties
     assert all(names == {"Main.partner", "Main.work", "Main.more"} for names in parties)
+
+
+def test_alternative_is_bound_to_a_ready_guard_that_may_be_cancelled_before_it_reads() -> None:
+    reader = (
+        "exception Enough\n"
+        "process Writer { out c : int composition { (c ! 1 -> skip [] after 1 ms -> skip) } }\n"
+        "process Reader { in c : int communication { var x : int } composition { BODY } }\n"
+    )
+    both = main("w : Writer r : Reader w.c -> r.c", "w || r")
+    alone = system_of(reader.replace("BODY", "(c -> c ? x [] after 2 ms -> skip)") + both)
+    assert not any(event.kind == "ready" for event in alone.events), "nothing comes between its guard and its reading"
+    body = "((c -> c ? x [] after 2 ms -> skip) || raise Enough) catch Enough -> skip"
+    system = system_of(reader.replace("BODY", body) + both)
+    (bound,) = (number for number, event in enumerate(system.events) if event.kind == "ready")
+    writer = component(system, "Main.w")
+    (after,) = (target for event, target in writer.edges[0] if event == bound)
+    assert [system.events[event].channel for event, _ in writer.edges[after]] == ["Main.w.c"]
