@@ -148,6 +148,8 @@ class Run:
             try:
                 scheduler._run_one(party)
             except _Enough:
+                if self._script.left or self._goal.is_standstill:
+                    raise AstrayError(self._not_come("in so many steps")) from None
                 continue
             finally:
                 scheduler.current = nobody
@@ -270,7 +272,7 @@ class Run:
 
     def compute(self) -> None:
         """See ``Guide.compute``."""
-        instants = self._world.computing(self._key(scheduler.current))
+        instants = self._world.computing
         self._world.pass_until(instants[self._decisions.choose(len(instants))] if len(instants) > 1 else instants[0])
 
     def pick(self, guards: Sequence[tuple[int, str, str]]) -> int:
@@ -396,4 +398,6 @@ def _is(entry: Passed, action: str, channel: str, index: int) -> bool:
 def _words(entry: Passed) -> str:
     if entry.action in {"wait", "after"}:
         return f"{entry.action} {shown(entry.duration)}"
+    if entry.action == "miss":
+        return f"a missed sample of {entry.channel}"
     return entry.channel or entry.action

@@ -207,7 +207,7 @@ class _SampledEnd(SampledEnd[T]):
         try:
             return super().taken(reader)
         except Timeout:
-            guidance.guide.did(reader, "read", self.name)
+            guidance.guide.did(reader, "miss", self.name)
             raise
 
 

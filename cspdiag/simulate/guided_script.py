@@ -17,8 +17,8 @@ LATER = 1 << 60
 class Passed:
     """Something that a task is to do; ``path`` is its process.
 
-    ``action`` and ``index`` (of a guard) as in ``replay_gates.Option``. ``together``: its order among those beside it is open, as when a submodel
-    reads its inputs. ``value`` is what the environment is to offer; an exception stands for a sample that is missed.
+    ``action`` and ``index`` (of a guard) as in ``replay_gates.Option``; ``miss`` where a sample is found overwritten. ``together``: its order among those beside it is open, as when a submodel
+    reads its inputs. ``value`` is what the environment is to offer.
     """
 
     key: Key
@@ -90,7 +90,7 @@ class Script:
             self._own[entry.key].append(number)
             for length in range(len(entry.key) + 1):
                 self._inside[entry.key[:length]].append(number)
-            if entry.action == "read":
+            if entry.action in {"read", "miss"}:
                 self._ports[entry.channel].append(number)
         for numbers in (*self._own.values(), *self._inside.values(), *self._ports.values()):
             numbers.reverse()
@@ -107,7 +107,7 @@ class Script:
         return None if number is None else self.entries[number]
 
     def next_read(self, channel: str) -> Passed | None:
-        """The next time that a channel is to be read by anybody."""
+        """The next time that a channel is to be read by anybody, or a sample of it to be missed."""
         number = self._last(self._ports.get(channel))
         return None if number is None else self.entries[number]
 

@@ -128,7 +128,12 @@ class _Teller:
             times = [n for n in self._named[""] if events[n].channel.rpartition(": ")[2].startswith(happened.action)]
             return [n for n in times if duration_of(events[n].channel) in (None, happened.value)]
         written = self._named.get(f"{happened.channel}{WRITTEN}", ()) if happened.action == "write" else ()
-        possible = written or self._named.get(happened.channel, ())
+        missed = happened.action == "miss"
+        possible = written or [
+            number
+            for number in self._named.get(happened.channel, ())
+            if (self._system.events[number].kind == "miss") == missed
+        ]
         told = [number for number in possible if self._system.events[number].value == value]
         return told or possible
 

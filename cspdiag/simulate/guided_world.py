@@ -11,7 +11,6 @@ from cspdiag.runtime.inputs import SampledInput
 from cspdiag.runtime.scheduler import scheduler
 from cspdiag.simulate.guided_runtime import _EventInput
 from cspdiag.simulate.guided_script import Passed, Script
-from cspdiag.simulate.task_names import Key
 
 
 class _Line:
@@ -62,7 +61,7 @@ class World:
 
     def can_offer(self, entry: Passed) -> bool:
         """Whether something is wanted of it that it has not offered."""
-        if entry.action != "read" or entry.channel not in self._events or isinstance(entry.value, BaseException):
+        if entry.action != "read" or entry.channel not in self._events:
             return False
         return not self._events[entry.channel].end_of(entry.path).fresh
 
@@ -96,7 +95,7 @@ class World:
         for port in self._sampled:
             if instant % port.period == 0:
                 wanted = self._script.next_read(port.name)
-                if wanted is not None and not isinstance(wanted.value, BaseException):
+                if wanted is not None and wanted.action == "read":
                     self._present[port.name] = wanted.value
                 self._lines[port.name.partition(".")[2]].value = self._present[port.name]
                 port.sample()
@@ -108,25 +107,19 @@ class World:
             self.meet(instant)
         scheduler.now = until
 
-    def computing(self, key: Key) -> Sequence[int]:
-        """Until when a task may compute, the most promising first: as long as helps what is wanted, or not at all."""
+    @property
+    def computing(self) -> Sequence[int]:
+        """Until when the current task may compute, the most promising first: until a sample is missed where one has to be, or not at all."""
         following = self.next_instant()
         if following is None:
             return (scheduler.now,)
-        number = self._script.next()
-        entry = None if number is None else self._script.entries[number]
         missed = [port for port in self._sampled if self._is_to_miss(port)]
-        twice = max([(scheduler.now // port.period + 2) * port.period for port in missed], default=following)
-        first = scheduler.now
-        if missed:
-            first = twice
-        elif entry is not None and entry.action in {"wait", "after"} and entry.key != key:
-            first = following
-        return tuple(dict.fromkeys((first, scheduler.now, following, twice)))
+        twice = max([(scheduler.now // port.period + 2) * port.period for port in missed], default=scheduler.now)
+        return tuple(dict.fromkeys((twice, scheduler.now, following)))
 
     def _is_to_miss(self, port: SampledInput[Any]) -> bool:
         wanted = self._script.next_read(port.name)
-        return wanted is not None and isinstance(wanted.value, BaseException)
+        return wanted is not None and wanted.action == "miss"
 
 
 def _listens(port: SampledInput[Any]) -> bool:

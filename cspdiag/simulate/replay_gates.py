@@ -148,6 +148,8 @@ class Conductor:
         entry = self._last.get((task, channel))
         if entry is not None:
             entry.value = value
+            if isinstance(value, BaseException):
+                entry.action = "miss"
         return value
 
     def go_free(self) -> None:

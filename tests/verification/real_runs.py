@@ -8,7 +8,6 @@ from typing import Any
 from cspdiag import pipeline
 from cspdiag.analyses.proofs.verdict import Limits
 from cspdiag.network.ir import Network
-from cspdiag.runtime.exceptions import Timeout
 from cspdiag.runtime.scheduler import Party, scheduler
 from cspdiag.simulate.guided import Guided
 from cspdiag.simulate.guided_run import GuidedRun, task_of
@@ -34,7 +33,7 @@ class _Record:
     def did(self, party: Party, action: str, channel: str = "", index: int = 0, duration: int = 0) -> None:
         if action == "write":
             self._broadcasts.add(channel)
-        self._note(party, action, channel, index, Timeout() if channel in self._ports else None)
+        self._note(party, action, channel, index)
 
     def wrote(self, channel: str, value: Any, writer: Party) -> None:
         self._see(channel)

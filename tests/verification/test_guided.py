@@ -511,3 +511,80 @@ def test_a_program_that_ends_offers_nothing_more() -> None:
     text = RAISES.replace("refines Goes", "refines Goes in failures").replace(" ; raise Broken", "")
     assert refuted(text.replace("SPECIFICATION", "a ! true ; b ! true"))
     assert answer_to(text.replace("SPECIFICATION", "a ! true")).outcome == "proved"
+
+
+NEVER_LATE = """process Follows {
+  in  x : double @ 1 ms
+  out o : bool
+
+  communication { var now : double = 0 }
+
+  composition { (mu (x ? now ; o ! true ; wait PAUSE)) catch Timeout -> stop }
+}
+
+process Tells {
+  out o : bool
+
+  composition { mu (o ! true) }
+}
+
+assert Follows refines Tells in failures hide x
+"""
+
+
+@pytest.mark.parametrize(("pause", "is_late"), [("0 ms", False), ("2 ms", True)])
+def test_a_sample_that_is_taken_is_none_that_was_missed(pause: str, is_late: bool) -> None:
+    assert refuted(NEVER_LATE.replace("PAUSE", pause)) == is_late
+
+
+LOGGED = """submodel Law {
+  in  e : double
+  out u : double
+
+  u = 3 * e
+}
+
+process Loop {
+  in  e     : double @ 1 ms
+  out trace : double
+
+  communication {
+    law : Law
+    var y : double = 0
+
+    e     -> law.e
+    law.u -> y
+  }
+
+  composition { mu (law ; trace ! y) }
+}
+
+process Logger {
+  in trace : double
+
+  communication { var y : double = 0 }
+
+  composition { mu (trace ? y ; wait 20 ms) }
+}
+
+process Logged {
+  in e : double @ 1 ms
+
+  communication {
+    loop   : Loop
+    logger : Logger
+
+    e          -> loop.e
+    loop.trace -> overwrite 4 -> logger.trace
+  }
+
+  composition { loop ||> logger }
+}
+
+assert Logged terminates
+"""
+
+
+def test_loops_of_different_rates_go_on_for_ever() -> None:
+    """The cycle that is found has one round of each; twenty of the first take as long as one of the other."""
+    assert refuted(LOGGED)
