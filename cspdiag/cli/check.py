@@ -6,8 +6,9 @@ import sys
 from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
 
+from cspdiag.cli.diagnostic_formats import FORMATS, told_diagnostics
 from cspdiag.cli.failure import FINE, UNSUCCESSFUL, UsageError, described
-from cspdiag.cli.terminal import show_diagnostics
+from cspdiag.cli.terminal import wants_colour
 from cspdiag.diagnostics.diagnostic import Diagnostic
 from cspdiag.diagnostics.report import Report
 from cspdiag.diagnostics.span import SourceFile
@@ -15,7 +16,6 @@ from cspdiag.pipeline import check
 from cspdiag.sources import read_source
 
 EXAMPLE = "cspdiag check models/jiwy/jiwy.csp\ncspdiag check --format sarif controller.csp > controller.sarif"
-FORMATS = ("text", "concise", "json", "sarif", "github", "junit")
 
 
 def add_arguments(parser: ArgumentParser) -> None:
@@ -49,29 +49,10 @@ def _read(names: Sequence[str]) -> tuple[list[SourceFile], list[str]]:
 
 
 def _show(diagnostics: list[Diagnostic], names: list[str], arguments: Namespace) -> None:
-    match arguments.format:
-        case "text":
-            show_diagnostics(diagnostics, arguments.color)
-            if names and not diagnostics:
-                files = "1 file" if len(names) == 1 else f"{len(names)} files"
-                sys.stderr.write(f"checked {files}: no errors\n")
-        case "concise":
-            from cspdiag.diagnostics.render_concise import render as render_concise
-
-            sys.stderr.write(render_concise(diagnostics))
-        case "json":
-            from cspdiag.diagnostics.render_json import render as render_json
-
-            sys.stdout.write(render_json(diagnostics))
-        case "sarif":
-            from cspdiag.diagnostics.render_sarif import render as render_sarif
-
-            sys.stdout.write(render_sarif(diagnostics))
-        case "github":
-            from cspdiag.diagnostics.render_github import render as render_github
-
-            sys.stdout.write(render_github(diagnostics))
-        case "junit":
-            from cspdiag.diagnostics.render_junit import render as render_junit
-
-            sys.stdout.write(render_junit(diagnostics, names))
+    colour = wants_colour(arguments.color, sys.stderr)
+    stdout, stderr = told_diagnostics(diagnostics, arguments.format, names, colour=colour)
+    if arguments.format == "text" and names and not diagnostics:
+        files = "1 file" if len(names) == 1 else f"{len(names)} files"
+        stderr = f"checked {files}: no errors\n"
+    sys.stdout.write(stdout)
+    sys.stderr.write(stderr)

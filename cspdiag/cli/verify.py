@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from cspdiag.cli.diagnostic_formats import FORMATS, told_diagnostics
 from cspdiag.cli.failure import FINE, UNSUCCESSFUL, NoResultError, UsageError
 from cspdiag.cli.output import replace_text
 from cspdiag.cli.terminal import wants_colour
@@ -24,7 +25,6 @@ EXAMPLE = (
     "cspdiag run models/dining/deadlock.csp --replay trace.json\n"
     "cspdiag verify models/dining/deadlock.csp --draw deadlock.svg"
 )
-FORMATS = ("text", "concise", "json", "sarif", "github", "junit")
 METHODS = ("rules", "sat", "invariants", "stubborn", "minimization", "breadth-first")
 
 
@@ -96,14 +96,12 @@ def run(arguments: Namespace) -> int:
     printed = cache.look() if is_cached else None
     if printed is None:
         asked = _ask(arguments, cache.read)
-        warnings = _rendered(asked.checked.report.diagnostics, arguments)
+        found = asked.checked.report.diagnostics
         if asked.checked.report.has_errors:
-            sys.stderr.write(warnings)
-            return UNSUCCESSFUL
+            return refused(found, arguments)
         answers = _answers(asked, arguments, cache.read)
-        stdout, stderr = told(answers, arguments)
         code = FINE if all(answer.outcome == "proved" for answer in answers) else UNSUCCESSFUL
-        printed = Printed(code, stdout, f"{warnings}{stderr}")
+        printed = Printed(code, *told(answers, found, arguments))
         _write_trace(arguments, answers)
         if arguments.draw is not None:
             _draw(arguments, answers, asked)
@@ -191,41 +189,33 @@ def _draw(arguments: Namespace, answers: Sequence[Answer], asked: Asked) -> None
         write_picture(arguments.draw, deadlock, asked.checked.program)
 
 
-def _rendered(diagnostics: Sequence[Diagnostic], arguments: Namespace) -> str:
-    if not diagnostics:
-        return ""
-    from cspdiag.diagnostics.render_text import render
+def refused(diagnostics: Sequence[Diagnostic], arguments: Namespace) -> int:
+    """Tell why nothing can be proved of a program, as ``check`` tells it."""
+    colour = wants_colour(arguments.color, sys.stderr)
+    stdout, stderr = told_diagnostics(diagnostics, arguments.format, [arguments.file], colour=colour)
+    sys.stdout.write(stdout)
+    sys.stderr.write(stderr)
+    return UNSUCCESSFUL
 
-    return render(diagnostics, colour=wants_colour(arguments.color, sys.stderr))
 
-
-def told(answers: Sequence[Answer], arguments: Namespace) -> tuple[str, str]:
-    """What goes to standard output, and what to standard error."""
+def told(answers: Sequence[Answer], warnings: Sequence[Diagnostic], arguments: Namespace) -> tuple[str, str]:
+    """What goes to standard output, and what to standard error. Formats that have answers and nothing else leave warnings to standard error."""
     from cspdiag.analyses.verification.diagnostics import diagnostics_of
 
+    colour = wants_colour(arguments.color, sys.stderr)
+    if arguments.format in {"concise", "sarif", "github"}:
+        return told_diagnostics([*warnings, *diagnostics_of(answers)], arguments.format, [], colour=colour)
+    _, before = told_diagnostics(warnings, "text", [], colour=colour)
     match arguments.format:
         case "json":
             from cspdiag.analyses.verification.render_json import render as render_json
 
-            return render_json(answers), ""
+            return render_json(answers), before
         case "junit":
             from cspdiag.analyses.verification.render_junit import render as render_junit
 
-            return render_junit(answers, arguments.file), ""
-        case "concise":
-            from cspdiag.diagnostics.render_concise import render as render_concise
-
-            return "", render_concise(diagnostics_of(answers))
-        case "sarif":
-            from cspdiag.diagnostics.render_sarif import render as render_sarif
-
-            return render_sarif(diagnostics_of(answers)), ""
-        case "github":
-            from cspdiag.diagnostics.render_github import render as render_github
-
-            return render_github(diagnostics_of(answers)), ""
+            return render_junit(answers, arguments.file), before
         case _:
             from cspdiag.analyses.verification.render_text import render as render_text
 
-            colour = wants_colour(arguments.color, sys.stderr)
-            return "", render_text(answers, colour=colour, quiet=arguments.quiet)
+            return "", before + render_text(answers, colour=colour, quiet=arguments.quiet)

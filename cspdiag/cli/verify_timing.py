@@ -82,6 +82,7 @@ def _tell(arguments: Namespace, built: Built, report: TimingReport, seconds: flo
         case _:
             from cspdiag.analyses.verification.question import schedulability_of
             from cspdiag.analyses.verification.schedulable import answer_of
+
             assert built.network is not None
             assert built.checked.program is not None
             process = built.network.class_named(built.network.top).definition

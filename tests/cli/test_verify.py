@@ -80,6 +80,27 @@ def test_programs_with_errors_are_not_proved(cspdiag: Command, tmp_path: Path) -
     assert "error[E" in result.err
 
 
+@pytest.mark.parametrize("format_", ["concise", "json", "sarif", "github", "junit"])
+@pytest.mark.parametrize("options", [[], ["--timing"]])
+def test_errors_are_told_in_the_format_that_is_wanted(
+    cspdiag: Command, tmp_path: Path, format_: str, options: list[str]
+) -> None:
+    path = tmp_path / "bad.csp"
+    path.write_text(BAD)
+    told = cspdiag("verify", *options, path, "--format", format_)
+    assert told == cspdiag("check", path, "--format", format_)
+    assert "error" in told.out + told.err
+
+
+def test_warnings_stand_beside_what_is_not_proved(cspdiag: Command, refuted: Path) -> None:
+    refuted.write_text(PAGE.refused.replace("communication {", "communication { var idle : int = 0", 1))
+    (run,) = json.loads(cspdiag("verify", refuted, "--format", "sarif").out)["runs"]
+    assert [result["ruleId"] for result in run["results"]] == ["W0511", "E1101"]
+    junit = cspdiag("verify", refuted, "--format", "junit")
+    assert "W0511" in junit.err
+    assert ElementTree.fromstring(junit.out)[0].get("failures") == "1"
+
+
 @pytest.mark.parametrize(
     ("options", "reason"),
     [
@@ -208,6 +229,17 @@ def test_a_damaged_memory_is_as_none(cspdiag: Command, refuted: Path, own_cache:
     kept.unlink()
     kept.mkdir()
     assert cspdiag("verify", refuted).code == first.code
+
+
+def test_a_memory_that_cannot_be_written_is_as_none(
+    cspdiag: Command, refuted: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    no_folder = tmp_path / "file"
+    no_folder.write_text("")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(no_folder))
+    result = cspdiag("verify", refuted)
+    assert result.code == 1
+    assert result.err.startswith("REFUTED")
 
 
 def test_the_trace_is_replayed_by_run(cspdiag: Command, refuted: Path, proved: Path, tmp_path: Path) -> None:
