@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from itertools import count
+from types import SimpleNamespace
+
 import pytest
 
+from cspdiag.analyses.proofs import verdict
 from cspdiag.analyses.proofs.livelock import livelock_free
 from cspdiag.analyses.proofs.termination import terminates
 from cspdiag.analyses.proofs.verdict import Limits, Proved, Refuted, Unknown
@@ -118,3 +122,12 @@ def test_a_question_that_reaches_a_limit_is_open(question: type) -> None:
     verdict = question(compose_hidden(known.io_par_ring(10)), Limits(seconds=0.0))
     assert isinstance(verdict, Unknown)
     assert "time limit" in verdict.reason
+
+
+@pytest.mark.parametrize("question", [livelock_free, terminates])
+def test_it_looks_at_the_clock_again_and_again(question: type, monkeypatch: pytest.MonkeyPatch) -> None:
+    # Every look takes a second.
+    monkeypatch.setattr(verdict, "time", SimpleNamespace(monotonic=count().__next__))
+    answer = question(compose_hidden(known.io_par_ring(12)), Limits(seconds=100.0))
+    assert isinstance(answer, Unknown)
+    assert "time limit of 100 s" in answer.reason

@@ -119,10 +119,11 @@ def test_the_solver_is_ended_when_its_time_is_up() -> None:
 
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux says how much memory a process has")
 def test_the_solver_has_no_more_memory_than_the_limit_says() -> None:
-    problem = problem_of(Structure(known.counted_meals(60)))
+    structure = Structure(known.counted_meals(60, meals=1))
+    problem = problem_of(structure)
     # The last philosopher has eaten, and nobody else has done anything.
-    candidate = [shape.initial for shape in Structure(known.counted_meals(60)).shapes]
-    candidate[59] = 12
+    candidate = [shape.initial for shape in structure.shapes]
+    candidate[59] = 4
     with WeightsProcess(problem, Limits()) as process:
         assert process.weights(candidate) is not None
     with WeightsProcess(problem, Limits(memory=100_000)) as process:

@@ -38,7 +38,7 @@ def test_a_thousand_philosophers_are_refuted_too() -> None:
 
 @pytest.mark.parametrize(
     ("system", "steps"),
-    [(known.counted_meals(100, one_left_handed=False), 100), (known.table_with_butler(60, 60), 120)],
+    [(known.counted_meals(60, one_left_handed=False), 60), (known.table_with_butler(60, 60), 120)],
     ids=["meals are counted", "a butler admits one too many"],
 )
 def test_large_tables_with_counters_are_refuted_by_a_shortest_trace(system: System, steps: int) -> None:
