@@ -79,7 +79,7 @@ class Guided:
             entries = (*put_off(entries[:cycle], self._events), *entries[cycle:])
         period = len(entries) - cycle if trace.cycle else 0
         script = (*entries, *(tuple(entries[cycle:]) * MOST_ROUNDS if period else ()))
-        visible = self._outside - trace.hidden
+        visible = frozenset(name for name in self._outside if not trace.hides(name))
         goal = Goal(trace, self._outside, visible, cycle if trace.cycle else len(script), period, ends, further)
         best: GuidedRun | None = None
         for run in self._runs(script, goal):

@@ -52,6 +52,10 @@ class Trace:
     rounds: bool = False
     """Whether it has rounds of loops whose end the proof left open."""
 
+    def hides(self, channel: str) -> bool:
+        """Whether a specification does not see a channel of the environment, or the array of ports that it is an element of."""
+        return channel in self.hidden or channel.rpartition("[")[0] in self.hidden
+
 
 def trace_text(
     counterexample: Mapping[str, Any],

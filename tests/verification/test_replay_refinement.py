@@ -11,6 +11,7 @@ from cspdiag.simulate.replay_refinement import judge
 from cspdiag.simulate.replay_rest import Resting
 from cspdiag.simulate.verify import Verifier
 from cspdiag.sources import read_source
+from tests.verifying import answers_to
 
 TEXT = """process Lights(least: int) {
   in  pressed : int
@@ -70,3 +71,26 @@ def test_run(run: list[tuple[str, object]], says: str | None) -> None:
     said = judged([(f"Has.{port}", value) for port, value in run], Resting((), goes_on=True))
     assert (said is None) == (says is None)
     assert (said or "").startswith(says or "")
+
+
+HIDES_AN_ARRAY = """process Two {
+  out lamp[2] : bool
+  out late    : bool
+
+  composition { (lamp[0] ! true || lamp[1] ! true) ; late ! true ; late ! false }
+}
+
+process Once {
+  out late : bool
+
+  composition { late ! true }
+}
+
+assert Two refines Once hide lamp
+"""
+
+
+def test_elements_of_hidden_ports_are_hidden() -> None:
+    """They may come in another order than they were found in."""
+    (answer,) = answers_to({"case.csp": HIDES_AN_ARRAY})
+    assert (answer.outcome, answer.replayed) == ("refuted", True), answer.reason

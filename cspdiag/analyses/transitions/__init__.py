@@ -13,8 +13,8 @@ if TYPE_CHECKING:
 def transition_system(network: Network, told_apart: Mapping[str, Collection[int]] | None = None) -> System:
     """The transition system of a network in the most general environment: any value, any event at any time, samples at their ticks.
 
-    The network is one that was lowered and not optimized; its outermost process may be any. ``told_apart`` are inputs of it whose values matter even where no condition of
-    its own depends on them, as far as there are few; numbers are cut before the given ones as well. Raises
+    The network is one that was lowered and not optimized; its outermost process may be any. ``told_apart`` are ports of it whose values matter even where no condition of
+    its own depends on them, as far as they are known; numbers of inputs are cut before the given ones as well. Raises
     ``cspdiag.analyses.transitions.explore.TransitionError`` for a program that has too many states in one of its processes, or too many ways to communicate on one channel.
     """
     from cspdiag.analyses.transitions.assembly import Assembly

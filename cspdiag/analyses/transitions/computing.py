@@ -204,7 +204,9 @@ class Computing:
     def communicated(self, c: Configuration, context: Context, reference: Reference, expression: Expression) -> Known:
         """The value of an expression that is written to a medium, if values of that medium are followed."""
         if self.thread.medium(reference).relevant and not isinstance(expression, PresentTime):
-            return self.evaluate(c, context, expression)
+            value = self.evaluate(c, context, expression)
+            # A specification that writes a number of a range may write another one.
+            return UNKNOWN if isinstance(value, Range) and self.thread.medium(reference).kind == "output" else value
         self.compute_risk(c, context, expression)
         if self.thread.medium(reference).kind != "output":
             return UNKNOWN

@@ -153,8 +153,8 @@ def _relevant(program: Program, told_apart: Collection[str]) -> frozenset[Item]:
                 seeds |= items_in(condition, one)
     for port in program.network.external_ports:
         has_few = values_of_type(port.type) is not None
-        is_told = port.name in told_apart and limits_of(port.type) is not None
-        if (has_few and (port.direction == "out" or port.name in told_apart)) or (port.direction == "in" and is_told):
+        is_told = port.name in told_apart and (has_few or limits_of(port.type) is not None)
+        if is_told or (has_few and port.direction == "out"):
             seeds.add(("port", program.network.top, _base(port.name)))
     found: set[Item] = set()
     pending = list(seeds)

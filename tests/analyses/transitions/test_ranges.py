@@ -202,3 +202,47 @@ def test_specification_leaves_open_whether_the_lamp_is_lit(least: int, outcome: 
     text = head + LENIENT.replace("LEAST", str(least)) + tail[tail.index("assert Has refines Demands\n") :]
     (answer, _) = answers_to({"case.csp": text})
     assert answer.outcome == outcome
+
+
+COUNTS = """process Counts {
+  in  go    : bool
+  out count : int
+  communication { var n : int = 0  var g : bool = false }
+  composition { mu (go ? g ; n := n + 1 ; count ! n) until n >= MOST }
+}
+
+process Demands {
+  in  go    : bool
+  out count : int
+  communication { var g : bool = false }
+  composition { go ? g ; count ! 1 ; go ? g ; count ! 2 }
+}
+
+assert Counts refines Demands
+"""
+
+
+@pytest.mark.parametrize(("most", "outcome"), [(1, "refuted"), (2, "proved"), (3, "refuted")])
+def test_numbers_that_a_specification_writes_are_told_apart(most: int, outcome: str) -> None:
+    (answer,) = answers_to({"case.csp": COUNTS.replace("MOST", str(most))})
+    assert (answer.outcome, answer.replayed) == (outcome, outcome == "refuted"), answer.reason
+
+
+def test_number_of_a_range_is_not_the_same_as_another_one() -> None:
+    """Both write a number from 3 on, but not the same one."""
+    text = """process Adds {
+      in a : int
+      out b : int
+      communication { var x : int = 0 }
+      composition { a ? x ; if x > 2 then b ! x + 1 }
+    }
+    process Copies {
+      in a : int
+      out b : int
+      communication { var x : int = 0 }
+      composition { a ? x ; if x > 2 then (if x == 3 then b ! 3 else b ! x) }
+    }
+    assert Adds refines Copies
+    """
+    (answer,) = answers_to({"case.csp": text})
+    assert answer.outcome != "proved"
