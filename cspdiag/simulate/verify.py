@@ -130,7 +130,16 @@ class Verifier:
             answer = self._confirmed(prove(question, narrowed, rest, self._method, self._enforced), rest)
             if answer.outcome == "refuted":
                 return answer
-        return None
+        return self._stuck(question, limits) if question.claim == "terminates" else None
+
+    def _stuck(self, question: Question, limits: Limits) -> Answer | None:
+        """A deadlock or a knot, which keeps the process from its end."""
+        if limits.remaining <= 0:
+            return None
+        rest = Limits(limits.remaining, limits.memory)
+        asked = replace(question, claim="deadlock free")
+        answer = self._confirmed(prove(asked, self.system, rest, self._method, self._enforced), rest)
+        return replace(answer, question=question, suggestions=()) if answer.outcome == "refuted" else None
 
     def _asked_spin(self, question: Question, limits: Limits) -> Answer:
         from cspdiag.simulate import spin

@@ -123,3 +123,51 @@ def test_where_nothing_else_is_found_the_first_is_told() -> None:
     (answer,) = answers_to({"case.csp": PROMPT})
     assert answer.outcome == "unknown"
     assert "before `after 5 ms`" in answer.reason
+
+
+RESOURCES = """
+process Resource {
+  in take[2], give[2] : bool
+
+  communication { var taken : bool = false }
+
+  composition { mu (take[0] ? taken -> give[0] ? taken [] take[1] ? taken -> give[1] ? taken) }
+}
+
+process Robot {
+  out takeFirst, takeSecond, giveSecond, giveFirst : bool
+
+  composition { mu (takeFirst ! true ; takeSecond ! true ; wait 20 ms ; giveSecond ! true ; giveFirst ! true) }
+}
+
+process Cell {
+  communication {
+    left    : Robot
+    right   : Robot
+    gripper : Resource
+    belt    : Resource
+
+    left.takeFirst   -> gripper.take[0]
+    left.giveFirst   -> gripper.give[0]
+    left.takeSecond  -> belt.take[0]
+    left.giveSecond  -> belt.give[0]
+    right.takeFirst  -> belt.take[1]
+    right.giveFirst  -> belt.give[1]
+    right.takeSecond -> gripper.take[1]
+    right.giveSecond -> gripper.give[1]
+  }
+
+  composition { left || right || gripper || belt }
+}
+
+assert Cell terminates
+"""
+
+
+def test_who_is_stuck_does_not_terminate() -> None:
+    (answer,) = answers_to({"case.csp": RESOURCES})
+    assert answer.outcome == "refuted"
+    assert answer.replayed
+    assert answer.question.claim == "terminates"
+    assert answer.counterexample is not None
+    assert answer.counterexample.failure in ("deadlock", "no termination")
