@@ -43,8 +43,8 @@ def replay(
         result = attempts.best()
         if not (result.succeeded or result.other or trace.exact):
             result = max(attempts.best(Rounds(network, trace)), result, key=_distance)
-        if not (result.succeeded or result.other) and trace.failure == "deadlock":
-            run = guided.at_random(trace)
+        if not (result.succeeded or result.other) and trace.failure in {"deadlock", "no termination"}:
+            run = guided.at_random(replace(trace, failure="deadlock", cycle=()))
             return result if run is None else replace(result, other=run.happened, standing=run.standing)
         return result
     finally:

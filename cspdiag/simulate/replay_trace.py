@@ -94,7 +94,7 @@ def read_trace(text: str) -> Trace:
             process=_text(whole["process"]),
             settings={_text(name): _text(value) for name, value in whole["settings"].items()},
             assertion=_text(whole["assertion"]),
-            failure=_text(whole["failure"]),
+            failure=_failure(_text(whole["failure"]), repeats=bool(whole["cycle"])),
             steps=tuple(step for entry in whole["steps"] for step in _steps(entry, whole["process"])),
             cycle=tuple(_step(step, whole["process"]) for step in whole["cycle"]),
             exact=not whole["left_open"],
@@ -111,6 +111,11 @@ def _steps(entry: Mapping[str, Any], process: str) -> list[TraceStep]:
     if entry["kind"] != _ROUNDS:
         return [_step(entry, process)]
     return [_step(step, process) for step in entry["steps"]] * int(entry["times"])
+
+
+def _failure(failure: str, *, repeats: bool) -> str:
+    """What is to be seen in the program: one that does not end, and repeats nothing, comes to a halt."""
+    return "deadlock" if failure == "no termination" and not repeats else failure
 
 
 def _step(entry: Mapping[str, Any], process: str) -> TraceStep:

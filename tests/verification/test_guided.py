@@ -477,6 +477,94 @@ assert Both terminates
 
 
 def test_what_goes_on_for_ever_does_so_in_its_times() -> None:
+    """Where one loop is a little slower than the other, the two go round in step ten times, and then come to a halt."""
+    for every, is_for_ever in (("10 ms", True), ("10100 us", False)):
+        answer = answer_to(DRIFTS.replace("EVERY", every))
+        assert answer.replayed
+        assert answer.counterexample is not None
+        assert bool(answer.counterexample.cycle) == is_for_ever
+
+
+NEVER_WAITS = """process Chatters {
+  out a, b : bool
+
+  communication { var n : int = 0 }
+
+  composition { mu (a ! true ; (if n == 100 then wait 1 ms else b ! true)) }
+}
+
+process Alternates {
+  out a, b : bool
+
+  communication { var n : int = 0 }
+
+  composition { mu (a ! true ; (if n == 100 then wait 1 ms else ORDER)) }
+}
+
+assert Chatters refines Alternates
+"""
+
+
+def test_a_process_that_never_waits_is_broken_off() -> None:
+    assert refuted(NEVER_WAITS.replace("ORDER", "(a ! true ; b ! true)"))
+    assert answer_to(NEVER_WAITS.replace("ORDER", "b ! true")).outcome == "proved"
+
+
+AT_ONCE = """process Starts {
+  in  go   : bool
+  out told : bool
+
+  communication { var b : bool = false }
+
+  composition { told ! true ; (go ? b -> told ! false [] told ! b -> skip) ; stop }
+}
+
+process Ignores {
+  in  go   : bool
+  out told : bool
+
+  composition { told ! true ; told ! false ; stop }
+}
+
+assert Starts refines Ignores
+"""
+
+
+def test_the_environment_may_act_just_before_a_process_looks() -> None:
+    """The alternative comes at once after the first output, and can always take the second one."""
+    assert refuted(AT_ONCE)
+
+
+DRIFTS = """process Feeds {
+  out food : int
+
+  composition { mu (food ! 1 ; wait EVERY) }
+}
+
+process Eats {
+  in food : int
+
+  communication { var v : int = 0  var starved : bool = false }
+
+  composition { wait 1 ms ; mu ((food ? v -> wait 10 ms []> skip -> starved := true)) until starved }
+}
+
+process Both {
+  communication {
+    feeds : Feeds
+    eats  : Eats
+
+    feeds.food -> buffer 1 -> eats.food
+  }
+
+  composition { feeds || eats }
+}
+
+assert Both terminates
+"""
+
+
+def test_what_goes_on_for_ever_does_so_in_its_times() -> None:
     """Where one loop is slower than the other, the two do not go round in step for ever, though ten times."""
     assert refuted(DRIFTS.replace("EVERY", "10 ms"))
     assert not refuted(DRIFTS.replace("EVERY", "10100 us"))
@@ -588,3 +676,10 @@ assert Logged terminates
 def test_loops_of_different_rates_go_on_for_ever() -> None:
     """The cycle that is found has one round of each; twenty of the first take as long as one of the other."""
     assert refuted(LOGGED)
+
+
+def test_who_is_stuck_does_not_end() -> None:
+    """Without priorities and times the second process may be left alone; a program that comes to a halt has not ended either."""
+    for delay, comes_too_late in (("wait 5 ms", False), ("wait 15 ms", True)):
+        text = RACE.replace("DELAY", delay).replace("assert Both deadlock free", "assert Both terminates")
+        assert refuted(text) == comes_too_late
