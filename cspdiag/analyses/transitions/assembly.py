@@ -26,7 +26,7 @@ from cspdiag.analyses.transitions.system import (
     EventKind,
     System,
 )
-from cspdiag.analyses.transitions.template import INTERNAL_LABEL, Label, Template, is_late
+from cspdiag.analyses.transitions.template import ALONE, INTERNAL_LABEL, Label, Template, is_late
 from cspdiag.analyses.transitions.thread import resolve
 from cspdiag.analyses.transitions.threads import ParallelKey, Strand, Strands, parallel_key
 from cspdiag.analyses.transitions.values import UNKNOWN, Known
@@ -34,15 +34,6 @@ from cspdiag.network.dump_expression import value_text
 
 Use: TypeAlias = tuple[Strand, Label]
 """A label of a thread."""
-
-_ALONE: dict[str, tuple[EventKind, bool]] = {
-    "input": ("external", True),
-    "output": ("external", True),
-    "sample": ("sample", True),
-    "miss": ("miss", False),
-    "ready": ("ready", False),
-}
-"""Labels that involve nobody else: the kind of their events, and whether specifications see them."""
 
 MOST_MEETINGS = 1_000_000
 """More ways to communicate on one channel, by who takes part, are refused."""
@@ -166,7 +157,7 @@ class Assembly:
 
     def _note(self, strand: Strand, label: Label) -> None:
         kind = label[0]
-        alone = _ALONE.get(kind)
+        alone = ALONE.get(kind)
         if kind == "alarm":
             self._alarm(strand, label)
         elif alone is not None:
@@ -211,11 +202,13 @@ class Assembly:
         match medium.kind:
             case "sync" | "any":
                 self._rendezvous(medium, uses)
+                self._bind(medium, uses)
                 self._ring_rendezvous(medium, uses)
             case "buffer" | "overwrite":
                 self._queue(medium, uses)
             case "broadcast":
                 self._broadcast(medium, uses)
+                self._bind(medium, uses)
             case "var":
                 self._variable(medium, uses)
             case _:
@@ -231,10 +224,6 @@ class Assembly:
         for use in uses:
             if side_of(use[1]) is not None:
                 (reading if use[1][0] == "read" else writing)[self._value(medium, use[1])].append(use)
-        for (writer, binds), (reader, bound) in bindings(uses):
-            event = self._event(medium.name, (writer.number, reader.number), "ready")
-            self._for(writer, binds, event)
-            self._for(reader, bound, event)
         for value in dict.fromkeys([*writing, *reading]):
             self._limit(medium, len(writing.get(value, ())) * len(reading.get(value, ())))
             met: set[Use] = set()
@@ -249,6 +238,12 @@ class Assembly:
             for use in (*writing.get(value, ()), *reading.get(value, ())):
                 if use not in met and not is_late(use[1]):
                     self._alone(medium, use, value)
+
+    def _bind(self, medium: Medium, uses: list[Use]) -> None:
+        for (writer, binds), (reader, bound) in bindings(uses):
+            event = self._event(medium.name, (writer.number, reader.number), "ready")
+            self._for(writer, binds, event)
+            self._for(reader, bound, event)
 
     def _limit(self, medium: Medium, meetings: int) -> None:
         if meetings > MOST_MEETINGS:

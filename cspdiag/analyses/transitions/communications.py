@@ -99,7 +99,7 @@ class Communications:
                 if self.thread.medium(reference).kind in ("var", "discard"):
                     return [(INTERNAL_LABEL, self.follower.stored(on, reference, value))]
                 found = [(self.written(reference, value, "guarded"), on)]
-                if self.thread.medium(reference).kind in ("sync", "any"):
+                if self.thread.medium(reference).kind in ("sync", "any", "broadcast"):
                     found.append((("bind", reference), on._replace(stack=(("put", reference, value, body), on.stack))))
                 return found
             case InputEvent():
@@ -145,7 +145,8 @@ class Communications:
             for label, value, given in self.reads(on, context, event.source)
             if value is not MISSED
         ]
-        if kind in ("sync", "any") and (self.thread.role.cancellable or is_interruptible(on.stack)):
+        between = kind == "any" or self.thread.role.cancellable or is_interruptible(on.stack)
+        if between and kind in ("sync", "any", "broadcast"):
             found.append((("bound", reference), on))
         return found
 

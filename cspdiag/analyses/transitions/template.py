@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
 from cspdiag.analyses.transitions.program import Node
-from cspdiag.analyses.transitions.system import Abstraction
+from cspdiag.analyses.transitions.system import Abstraction, EventKind
 from cspdiag.analyses.transitions.values import Known
 from cspdiag.diagnostics import Span
 from cspdiag.network.actions import End
@@ -45,6 +45,15 @@ A value is UNKNOWN where it is not followed.
 """
 
 INTERNAL_LABEL: Label = ("internal",)
+
+ALONE: dict[str, tuple[EventKind, bool]] = {
+    "input": ("external", True),
+    "output": ("external", True),
+    "sample": ("sample", True),
+    "miss": ("miss", False),
+    "ready": ("ready", False),
+}
+"""Labels that involve nobody else: the kind of their events, and whether specifications see them."""
 
 LATE = "late"
 
