@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from cspdiag.analyses.margins.law import Leaf, LinearLaw, linearize
 from cspdiag.analyses.margins.linear import NotLinearError
+from cspdiag.analyses.margins.steps import advanced, combined
 from cspdiag.analyses.margins.structure import Structure, end_name, standing_inputs
 from cspdiag.network.ir import Environment, Network, SubmodelClass
 
@@ -239,6 +240,7 @@ class _Follower:
         self.test = numpy.eye(size + 1)[size]
         self.zero = numpy.zeros(size + 1)
         self.computed: Any = self.zero
+        self._moves: dict[tuple[int, bool, int], Matrix] = {}
 
     def _rank(self, path: str) -> tuple[tuple[int, ...], int]:
         """Priority, and then the order of the ports whose samples wake the laws."""
@@ -286,9 +288,18 @@ class _Follower:
         ticks = sorted(
             {t for path in self.laws for t in range(0, self.period, self.loops.periods[path])} | self._grid()
         )
-        for instant, following in zip(ticks, [*ticks[1:], self.period], strict=True):
-            self._tick(instant)
-            self._advance(following - instant, steps=instant % environment.step == 0)
+        spans = [
+            (following - instant, instant % environment.step == 0)
+            for instant, following in zip(ticks, [*ticks[1:], self.period], strict=True)
+        ]
+        position = 0
+        while position < len(ticks):
+            self._tick(ticks[position])
+            following = position + 1
+            while following < len(ticks) and spans[following] == spans[position] and self._is_idle(ticks[following]):
+                following += 1
+            self._advance(*spans[position], times=following - position)
+            position = following
         a = numpy.array([self.state[place] for place in self.places])
         size = len(self.places)
         return OpenLoop(
@@ -308,12 +319,18 @@ class _Follower:
             return {0}
         return set(range(0, self.period, self.loops.environment.step))
 
+    def _is_idle(self, instant: int) -> bool:
+        """Whether nothing but the plant goes on at an instant."""
+        ports = (self.loops.external.get(name) for name, _ in self.loops.plant.inputs)
+        latches = (port.period for port in ports if port is not None and port.period is not None and not port.immediate)
+        return all(instant % period for period in (*latches, *(self.loops.periods[path] for path in self.laws)))
+
     def _tick(self, instant: int) -> None:
         plant = self.loops.plant
         row = [self.state["plant", leaf] for leaf in (*plant.discrete, *plant.continuous)]
         row += [self.state["held", leaf] for leaf in plant.inputs]
         sampled = {
-            leaf: _combined(weights, row, self.zero)
+            leaf: combined(weights, row, self.zero)
             for leaf, weights in zip(plant.output_names, plant.outputs, strict=True)
         }
         for leaf in plant.inputs:
@@ -329,8 +346,8 @@ class _Follower:
         states = (*law.discrete, *law.continuous)
         row = [self.state[path, leaf] for leaf in states]
         row += [self._read(path, leaf, sampled) for leaf in law.inputs]
-        outputs = [_combined(weights, row, self.zero) for weights in law.outputs]
-        following = _advanced(law, row, self.loops.periods[path] * 1e-9, self.zero)
+        outputs = [combined(weights, row, self.zero) for weights in law.outputs]
+        following = advanced(law, row, self.loops.periods[path] * 1e-9, self.zero)
         for leaf, value in zip(states, following, strict=True):
             self.state[path, leaf] = value
         for leaf, value in zip(law.output_names, outputs, strict=True):
@@ -362,33 +379,20 @@ class _Follower:
         if (kind, (port, way)) in self.state:
             self.state[kind, (port, way)] = value
 
-    def _advance(self, duration: int, *, steps: bool) -> None:
+    def _advance(self, duration: int, steps: bool, times: int) -> None:
+        """The plant goes on with its inputs held, a stretch of time after another of the same length; its discrete parts step if they do so at the beginnings of these."""
+        numpy = self.numpy
         plant = self.loops.plant
-        states = (*plant.discrete, *plant.continuous)
-        row = [self.state["plant", leaf] for leaf in states]
-        row += [self.state["held", leaf] for leaf in plant.inputs]
-        following = _advanced(plant, row, duration * 1e-9, self.zero)
-        for k, leaf in enumerate(states):
-            if steps or k >= len(plant.discrete):
-                self.state["plant", leaf] = following[k]
-
-
-def _combined(weights: Any, rows: list[Any], zero: Any) -> Any:
-    return sum((weight * row for weight, row in zip(weights, rows, strict=True) if weight), zero)
-
-
-def _advanced(law: LinearLaw, row: list[Any], duration: float, zero: Any) -> list[Any]:
-    """The states after a sample: discrete ones step, continuous ones follow their derivatives with everything else held."""
-    stepped = [_combined(weights, row, zero) for weights in law.next]
-    if not law.continuous:
-        return stepped
-    import numpy
-    from scipy.linalg import expm  # type: ignore[import-untyped]
-
-    size = len(row)
-    whole = numpy.zeros((size, size))
-    first = len(law.discrete)
-    whole[first : first + len(law.continuous)] = law.rates * duration
-    transition = expm(whole)
-    moved = transition[first : first + len(law.continuous)]
-    return stepped + [_combined(weights, row, zero) for weights in moved]
+        places = [("plant", leaf) for leaf in (*plant.discrete, *plant.continuous)]
+        places += [("held", leaf) for leaf in plant.inputs]
+        if not places:
+            return
+        key = duration, steps, times
+        if key not in self._moves:
+            unit = list(numpy.eye(len(places)))
+            moved = advanced(plant, unit, duration * 1e-9, numpy.zeros(len(places)))
+            kept = 0 if steps else len(plant.discrete)
+            once = numpy.array([*unit[:kept], *moved[kept:], *unit[len(moved) :]])
+            self._moves[key] = numpy.linalg.matrix_power(once, times)
+        following = self._moves[key] @ numpy.array([self.state[place] for place in places])
+        self.state.update(zip(places, following, strict=True))

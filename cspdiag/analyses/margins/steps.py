@@ -1,0 +1,29 @@
+"""How the states of a linear law go on: as rows of numbers over whatever they are combinations of."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from cspdiag.analyses.margins.law import LinearLaw
+
+
+def combined(weights: Any, rows: list[Any], zero: Any) -> Any:
+    """The sum of some rows with weights."""
+    return sum((weight * row for weight, row in zip(weights, rows, strict=True) if weight), zero)
+
+
+def advanced(law: LinearLaw, row: list[Any], duration: float, zero: Any) -> list[Any]:
+    """The states after a sample: discrete ones step, continuous ones follow their derivatives with everything else held."""
+    stepped = [combined(weights, row, zero) for weights in law.next]
+    if not law.continuous:
+        return stepped
+    import numpy
+    from scipy.linalg import expm  # type: ignore[import-untyped]
+
+    size = len(row)
+    whole = numpy.zeros((size, size))
+    first = len(law.discrete)
+    whole[first : first + len(law.continuous)] = law.rates * duration
+    transition = expm(whole)
+    moved = transition[first : first + len(law.continuous)]
+    return stepped + [combined(weights, row, zero) for weights in moved]
