@@ -25,6 +25,19 @@ def answers_to(files: dict[str, str], main: str = "case.csp", *, process: str | 
     return [verifier.answer(question, Limits(20.0)) for question in asked.questions]
 
 
+def answer_to(text: str) -> Answer:
+    """The answer to the only assertion of a program."""
+    (answer,) = answers_to({"case.csp": text})
+    return answer
+
+
+def refuted(text: str) -> bool:
+    """Whether the program was stepped through a counterexample; otherwise the answer says why not."""
+    answer = answer_to(text)
+    assert (answer.outcome, answer.replayed) in {("refuted", True), ("unknown", False)}
+    return answer.replayed
+
+
 def told(answer: Answer) -> str:
     """An answer as literate cases have it, without how it was found."""
     head = f"{answer.outcome.upper()} {answer.question.text}"
