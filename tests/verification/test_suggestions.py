@@ -136,6 +136,53 @@ assert Cell deadlock free
 """
 
 
+HANDLING = """/// Is taken and given back by either side.
+process Tool {
+  in takeA, giveA, takeB, giveB : bool
+
+  communication {
+    var lent : bool = false
+  }
+
+  composition {
+    mu (takeA ? lent -> giveA ? lent [] takeB ? lent -> giveB ? lent)
+  }
+}
+
+process Robot {
+  out takeFirst, takeSecond, giveFirst, giveSecond : bool
+
+  composition {
+    mu (takeFirst ! true ; takeSecond ! true ; wait 20 ms ; giveSecond ! true ; giveFirst ! true)
+  }
+}
+
+process Cell {
+  communication {
+    left    : Robot
+    right   : Robot
+    gripper : Tool
+    belt    : Tool
+
+    left.takeFirst   -> gripper.takeA
+    left.giveFirst   -> gripper.giveA
+    left.takeSecond  -> belt.takeA
+    left.giveSecond  -> belt.giveA
+    right.takeFirst  -> belt.takeB
+    right.giveFirst  -> belt.giveB
+    right.takeSecond -> gripper.takeB
+    right.giveSecond -> gripper.giveB
+  }
+
+  composition {
+    left || right || gripper || belt
+  }
+}
+
+assert Cell deadlock free
+"""
+
+
 @pytest.fixture(autouse=True)
 def time_enough(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(suggest, "SECONDS", 60.0)
@@ -204,6 +251,14 @@ def test_a_process_with_a_name_of_its_own_takes_in_the_other_order_what_it_takes
         "+    a.second -> gripper.left",
         "+    a.first  -> fixture.left",
     )
+
+
+def test_connections_are_exchanged_that_play_the_same_part() -> None:
+    words = [suggestion.words for suggestion in suggested({"case.csp": HANDLING})]
+    assert [line.partition(" (")[0] for line in words] == [
+        "another order of what `left` takes: exchange its connections `takeFirst` and `takeSecond`",
+        "another order of what `right` takes: exchange its connections `takeFirst` and `takeSecond`",
+    ]
 
 
 def test_a_gate_that_asks_before_it_serves_may_do_either() -> None:

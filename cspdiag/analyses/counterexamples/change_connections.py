@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from cspdiag.analyses.counterexamples.counterexample import Waiting
 from cspdiag.analyses.counterexamples.last_element import LastElement
 from cspdiag.analyses.counterexamples.suggestion import Suggestion
-from cspdiag.analyses.counterexamples.surroundings import around, covers, within
+from cspdiag.analyses.counterexamples.surroundings import around, covers, looks_the_same, within
 from cspdiag.diagnostics import Report, Span
 from cspdiag.model.evaluate import evaluate
 from cspdiag.model.program import Program
@@ -67,9 +67,9 @@ class _Pair:
 
 
 def exchanged_connections(program: Program, network: Network, waiting: Sequence[Waiting]) -> Iterator[Suggestion]:
-    """What somebody takes first connected where it takes something later, if both lead to processes of one definition."""
+    """What somebody takes first connected where it takes something later, if both lead to processes for which they play the same part."""
     tried: set[tuple[str, str, tuple[str, str]]] = set()
-    for pair in _pairs(network, waiting):
+    for pair in _pairs(program, network, waiting):
         key = (pair.definition, pair.instance.array or pair.instance.name, pair.ports)
         if key in tried:
             continue
@@ -81,9 +81,9 @@ def exchanged_connections(program: Program, network: Network, waiting: Sequence[
                 yield suggestion
 
 
-def _pairs(network: Network, waiting: Sequence[Waiting]) -> Iterator[_Pair]:
+def _pairs(program: Program, network: Network, waiting: Sequence[Waiting]) -> Iterator[_Pair]:
     """The ports at which somebody waits, each with every other one like it."""
-    places = _Places(network)
+    places = _Places(program, network)
     for entry in waiting:
         for net in (places.nets[channel] for channel in entry.channels if channel in places.nets):
             for path, port in (*net.writers, *net.readers):
@@ -94,7 +94,8 @@ def _pairs(network: Network, waiting: Sequence[Waiting]) -> Iterator[_Pair]:
 class _Places:
     """A network by paths."""
 
-    def __init__(self, network: Network) -> None:
+    def __init__(self, program: Program, network: Network) -> None:
+        self._program = program
         classes = {entry.name: entry for entry in network.classes}
         self.nets = {net.path: net for net in network.nets if net.external is None}
         self._classes = {entry.path: classes[entry.class_name] for entry in network.instances}
@@ -114,16 +115,29 @@ class _Places:
                     beside = attachments.get(other)
                     if isinstance(beside, ChannelEnd):
                         channel = self.nets.get(f"{enclosing}.{beside.channel}")
-                        if channel is not None and self._partners(net, path) == self._partners(channel, path):
+                        if channel is not None and self._lead_to_the_same(net, channel, path):
                             yield _Pair(owner.definition, instance, ports)
             if not isinstance(end, PortEnd) or end.index is not None:
                 return
             path, port = enclosing, end.port
 
-    def _partners(self, net: Net, path: str) -> set[str]:
-        """The definitions of those who take part in a channel besides an instance."""
-        leaves = [leaf for leaf, _ in (*net.writers, *net.readers)]
-        return {self._classes[leaf].definition for leaf in leaves if not f"{leaf}.".startswith(f"{path}.")}
+    def _lead_to_the_same(self, net: Net, other: Net, path: str) -> bool:
+        """Whether two channels of an instance lead to ports that play the same part in processes of one definition."""
+        partners = [
+            [(leaf, port) for leaf, port in (*one.writers, *one.readers) if not f"{leaf}.".startswith(f"{path}.")]
+            for one in (net, other)
+        ]
+        if any(len(found) != 1 for found in partners):
+            return False
+        ((leaf, port),), ((other_leaf, other_port),) = partners
+        definition = self._program.definitions[self._classes[leaf].definition]
+        if definition is not self._program.definitions[self._classes[other_leaf].definition]:
+            return False
+        return port == other_port or (
+            isinstance(definition, ast.ProcessDefinition)
+            and definition.composition is not None
+            and looks_the_same(definition.composition, {port: other_port, other_port: port})
+        )
 
 
 def _like(ports: Sequence[Port], name: str) -> Iterator[tuple[str, tuple[str, str]]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TypeVar
 
 from cspdiag.diagnostics import Span
@@ -45,6 +46,24 @@ def within(whole: object, kind: type[Part]) -> list[Part]:
         elif isinstance(part, ast.Node):
             pending += _fields(part)
     return sorted(found, key=lambda part: part.span.start)
+
+
+def looks_the_same(part: ast.Node, renamed: Mapping[str, str]) -> bool:
+    """Whether a part of the text says the same with some names for others, whatever the order of alternatives and parallel parts."""
+    return _said(part, {}) == _said(part, renamed)
+
+
+def _said(part: object, renamed: Mapping[str, str]) -> str:
+    if isinstance(part, Span):
+        return ""
+    if isinstance(part, tuple):
+        return f"({' '.join(_said(element, renamed) for element in part)})"
+    if isinstance(part, ast.Alternative | ast.Parallel) and not part.prioritized:
+        inner = part.branches if isinstance(part, ast.Alternative) else part.processes
+        return f"{type(part).__name__}{sorted(_said(element, renamed) for element in inner)}"
+    if isinstance(part, ast.Node):
+        return f"{type(part).__name__}({' '.join(_said(field, renamed) for field in _fields(part))})"
+    return renamed.get(part, part) if isinstance(part, str) else str(part)
 
 
 def _fields(part: object) -> list[object]:
