@@ -204,7 +204,8 @@ class _Composer:
                     part.process, values, prioritized, lambda body: Group(span=span, label=label, body=wrap(body))
                 )
             case _:
-                self.report.add(UnguardedBranch(span=part.span))
+                communicates = isinstance(part, ast.Read | ast.Write)
+                self.report.add(UnguardedBranch(span=part.span, communicates=communicates))
                 self.action(part, values)
                 self.shape.incomplete = True
 

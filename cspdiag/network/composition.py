@@ -136,7 +136,8 @@ def _check_branches(placed: Placed, choice: Choice, report: Report) -> None:
         end = _end_of(branch.event)
         if end is not None and branch.condition is None:
             if end in seen:
-                report.add(SamePortTwice(span=branch.event.span, port=end[1], first=seen[end].event.span))
+                first = seen[end].event.span
+                report.add(SamePortTwice(span=branch.event.span, port=end[1], first=first, writes=end[0] == "!"))
             else:
                 seen[end] = branch
         if branch.condition is None and _is_always_ready(placed, branch.event):

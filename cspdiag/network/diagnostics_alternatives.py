@@ -33,12 +33,16 @@ class UnguardedBranch(Diagnostic):
     code = "E0602"
     title = "branch without a guard"
 
+    communicates: bool
+
     @property
     def message(self) -> str:
         return "this branch of the alternative has no guard, so nothing says when it may be chosen"
 
     @property
     def help(self) -> str | None:
+        if self.communicates:
+            return "to make its communication the guard write `-> skip` after it"
         return "begin it with a guard: `port -> ...`, `port ? x -> ...`, `after 5 ms -> ...` or `skip -> ...`"
 
 
@@ -246,6 +250,7 @@ class SamePortTwice(Diagnostic):
 
     port: str
     first: Span
+    writes: bool
 
     @property
     def message(self) -> str:
@@ -253,6 +258,10 @@ class SamePortTwice(Diagnostic):
 
     @property
     def help(self) -> str | None:
+        if self.writes:
+            return (
+                "put a `when` before each of the guards; where either value will do, write `skip ->` before each branch"
+            )
         return "read the port in one branch and decide with `if`, or put a `when` before each of the guards"
 
     @property
