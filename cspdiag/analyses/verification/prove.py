@@ -170,7 +170,8 @@ def not_replayed(answer: Answer, divergence: str) -> Answer:
     found = answer.counterexample
     assert found is not None
     left_open = "; ".join(dict.fromkeys(abstraction.what for abstraction in answer.abstractions))
-    reason = f"a counterexample was found, but the program does not follow it: {divergence}"
+    believed = f" ({found.reason})" if found.reason else ""
+    reason = f"a counterexample was found{believed}, but the program does not follow it: {divergence}"
     if left_open:
         reason += f" (left open in the proof: {left_open})"
     return replace(answer, outcome="unknown", reason=reason, counterexample=None, candidate=_waiting(found))
