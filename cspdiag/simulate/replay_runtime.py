@@ -224,13 +224,13 @@ def _interrupt(
     if not fired:
         return
     if isinstance(guard, Input | Output):
-        alternative = Alternative(guard)
+        # An abandoned body leaves a guard that waits for its turn as any other does.
+        alternative = Alternative(guard) if noted else _Alternative(guard)
         yield from alternative.select()
         if isinstance(guard, Input):
             guard.value = alternative.value
-    if not noted:
-        conductor.note(task, interruption.options[0])
-    conductor.done.append((interruption.options[0].action, interruption.options[0].channel))
+    if noted:
+        conductor.done.append((interruption.options[0].action, interruption.options[0].channel))
     yield from handler().__await__()
 
 

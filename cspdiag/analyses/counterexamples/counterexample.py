@@ -38,8 +38,8 @@ class Step:
 
     @property
     def shown(self) -> bool:
-        """Whether people are told."""
-        return self.kind not in SILENT
+        """Whether people are told, also of a guard of an interrupt that is seen to be ready."""
+        return self.kind not in SILENT or (self.kind == "ready" and len(self.parties) > 1)
 
 
 @dataclass(frozen=True)

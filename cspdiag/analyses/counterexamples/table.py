@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from cspdiag.analyses.counterexamples.counterexample import Counterexample, Party, Step
 from cspdiag.analyses.counterexamples.rounds import Repeated, repeated
 
-_KINDS = {"sample": "sample", "miss": "missed", "exception": "raise", "failure": "raise"}
+_KINDS = {"sample": "sample", "miss": "missed", "exception": "raise", "failure": "raise", "ready": "ready"}
 
 
 def table(found: Counterexample, width: int = 120) -> str:
@@ -78,6 +78,8 @@ def _place(party: Party, told_file: bool) -> str:
 
 
 def _direction(step: Step, party: Party) -> str:
+    if step.kind == "ready":
+        return "*"
     told = _told_direction(party)
     others = [other for other in step.parties if other is not party]
     if told is None and len(others) == 1 and step.kind == "communication":
