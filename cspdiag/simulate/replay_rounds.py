@@ -24,6 +24,7 @@ from cspdiag.simulate.replay_values import Values, is_told_as, types_of, written
 MOST_STEPS = 8_000
 """So many steps are added in one attempt."""
 MOST_IN_ALL = 50_000
+"""So many are added in all attempts to follow one trace."""
 
 _MEETING = frozenset({"communication", "take", "external", "sample", "miss", "ready"})
 _LEAVING = frozenset({"exception", "failure", "end"})
@@ -163,16 +164,14 @@ class Rounds:
         return _PREFERRED.index(option.action), port is None or port.period is None, option.index
 
     def _step(self, gate: Gate, option: Option) -> TraceStep:
-        name = next((name for name in self._names if belongs(gate.path, name) and gate.path >= name), gate.path)
+        outer = (name for name in self._names if f"{gate.path}.".startswith(f"{name}."))
+        name = next(outer, gate.path)
         parties = ((name, gate.path),)
         port = self._ports.get(option.channel)
         if port is None:
-            lasts = f"{name}: {option.action} {duration(option.duration)}"
-            return (
-                TraceStep("internal", "", None, parties)
-                if option.action == "skip"
-                else TraceStep("time", lasts, None, parties)
-            )
+            if option.action == "skip":
+                return TraceStep("internal", "", None, parties)
+            return TraceStep("time", f"{name}: {option.action} {duration(option.duration)}", None, parties)
         value = None
         if port.direction == "in":
             value = written(self._value(option.channel), port.type)
