@@ -68,12 +68,17 @@ def _network(arguments: Namespace, trace: Trace) -> Network | None:
 
 
 def _told(network: Network, trace: Trace, result: Replay) -> Iterator[str]:
+    from cspdiag.runtime.durations import shown
     from cspdiag.simulate.replay_values import types_of, written
 
     types = types_of(network)
     yield f"replay of the counterexample to `{trace.assertion}`"
-    for number, (channel, value) in enumerate(result.communications, start=1):
-        yield f"{number:>5}  {channel.removeprefix(f'{trace.process}.')}  {written(value, types[channel])}"
+    instants = [f"{shown(instant)}  " for instant in result.instants] if any(result.instants) else []
+    width = max(map(len, instants), default=0)
+    for number, (channel, value) in enumerate(result.communications):
+        when = instants[number].rjust(width) if instants else ""
+        name = channel.removeprefix(f"{trace.process}.")
+        yield f"{number + 1:>5}  {when}{name}  {written(value, types[channel])}"
     if result.deadlock is not None:
         yield result.deadlock.text
     total = len(trace.steps) + len(trace.cycle)

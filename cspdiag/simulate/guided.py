@@ -12,7 +12,8 @@ from cspdiag.runtime.network import Network as RunningNetwork
 from cspdiag.runtime.scheduler import scheduler
 from cspdiag.simulate.execute import BodyError, account_of
 from cspdiag.simulate.guided_goal import Goal
-from cspdiag.simulate.guided_run import GuidedRun, Run
+from cspdiag.simulate.guided_result import GuidedRun
+from cspdiag.simulate.guided_run import Run
 from cspdiag.simulate.guided_runtime import guided_runtime
 from cspdiag.simulate.guided_script import Passed, Script, put_off
 from cspdiag.simulate.guided_world import Lines, World

@@ -9,17 +9,17 @@ otherwise in another attempt is a ``Decisions``.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from heapq import heapify, heappop, heappush, nsmallest
 from typing import Any
 
 from cspdiag.runtime.composition import end_all, task_for
-from cspdiag.runtime.deadlock import DeadlockReport, report_deadlock
+from cspdiag.runtime.deadlock import report_deadlock
 from cspdiag.runtime.durations import shown
 from cspdiag.runtime.exceptions import Fault, ProcessError
 from cspdiag.runtime.network import Network as RunningNetwork
 from cspdiag.runtime.scheduler import Party, Priority, Task, nobody, scheduler
 from cspdiag.simulate.guided_goal import Goal
+from cspdiag.simulate.guided_result import GuidedRun
 from cspdiag.simulate.guided_runtime import guidance
 from cspdiag.simulate.guided_script import Actor, Happened, Passed, Script, Standing
 from cspdiag.simulate.guided_world import World
@@ -37,30 +37,6 @@ class AstrayError(Exception):
 
 class _Enough(BaseException):
     """Breaks off a process that goes on for ever without ever having to wait; it can catch nothing of it."""
-
-
-@dataclass(frozen=True)
-class GuidedRun:
-    """How a run went: ``done`` entries of its script, ``actions`` of processes, and why it has not reached its goal, None if it has.
-
-    ``cut`` is the number of decisions after which it was lost.
-    """
-
-    done: int
-    actions: int
-    divergence: str | None
-    communications: tuple[tuple[str, Any], ...]
-    deadlock: DeadlockReport | None
-    cut: int
-    happened: tuple[Happened, ...] = ()
-    """All that was done, where it has come to a standstill in another way than the script has."""
-    standing: tuple[Standing, ...] = ()
-    """Who waits for ever then."""
-
-    @property
-    def succeeded(self) -> bool:
-        """Whether it has reached its goal as the script has it."""
-        return self.divergence is None
 
 
 class Run:
@@ -95,6 +71,7 @@ class Run:
         self._serial = 0
         self._steps = 0
         self._communications: list[tuple[str, Any]] = []
+        self._instants: list[int] = []
         self._happened: list[Happened] = []
         self._broadcasts: set[str] = set()
         self._problem: str | None = None
@@ -131,9 +108,8 @@ class Run:
             end_all(self._root)
         done = len(self._script.entries) - self._script.left
         cut = self._cut if self._strict and self._cut is not None else self._decisions.made
-        return GuidedRun(
-            done, self._actions, divergence, tuple(self._communications), deadlock, cut, happened, standing
-        )
+        made, instants = tuple(self._communications), tuple(self._instants)
+        return GuidedRun(done, self._actions, divergence, made, deadlock, cut, happened, standing, instants)
 
     def _go(self) -> None:
         while self._script.left or self._goal.is_standstill or self._is_to_come():
@@ -372,6 +348,7 @@ class Run:
             # What was wrong has happened already.
             return
         self._communications.append((channel, value))
+        self._instants.append(scheduler.now)
         if self._expected is None or not is_expected:
             return
         expected = self._expected[self._seen] if self._seen < len(self._expected) else None

@@ -18,7 +18,7 @@ from cspdiag.runtime.network import Network as RunningNetwork
 from cspdiag.runtime.scheduler import Task, scheduler
 from cspdiag.simulate.execute import BodyError, account_of
 from cspdiag.simulate.guided_goal import STANDSTILLS
-from cspdiag.simulate.guided_run import GuidedRun
+from cspdiag.simulate.guided_result import GuidedRun
 from cspdiag.simulate.package import LoadedPackage
 from cspdiag.simulate.replay_decisions import Decisions
 from cspdiag.simulate.replay_gates import Gate, Interruption, Option, conductor
@@ -288,6 +288,7 @@ class Attempt:
             judgement=judgement,
             other=run.happened,
             standing=run.standing,
+            instants=() if self._trace.cycle else run.instants,
         )
 
     def _rest_of(self, run: GuidedRun) -> Resting | None:

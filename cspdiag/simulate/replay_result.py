@@ -38,6 +38,8 @@ class Replay:
     """What the program did instead, where it has come to a standstill in another way."""
     standing: tuple[Standing, ...] = ()
     """Who waits for ever after that."""
+    instants: tuple[int, ...] = ()
+    """When the communications were, in nanoseconds; nothing where the program goes on for ever."""
 
     @property
     def succeeded(self) -> bool:

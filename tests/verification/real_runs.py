@@ -10,7 +10,8 @@ from cspdiag.analyses.proofs.verdict import Limits
 from cspdiag.network.ir import Network
 from cspdiag.runtime.scheduler import Party, scheduler
 from cspdiag.simulate.guided import Guided
-from cspdiag.simulate.guided_run import GuidedRun, task_of
+from cspdiag.simulate.guided_result import GuidedRun
+from cspdiag.simulate.guided_run import task_of
 from cspdiag.simulate.guided_runtime import guidance, guided_runtime
 from cspdiag.simulate.guided_script import Passed
 from cspdiag.simulate.package import LoadedPackage

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
+from cspdiag.cli.main import main
 from tests.verification.test_guided import RACE
 from tests.verifying import answer_to, refuted
 
@@ -77,6 +80,18 @@ def test_where_times_want_another_order_that_run_is_told() -> None:
     for earlier, later in ((0, 1), (2, 3), (4, 5)):
         assert told[earlier].channel != told[later].channel
     assert all(party.span is not None for step in told for party in step.parties)
+
+
+def test_a_replay_says_when_what_happens(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    program, trace = tmp_path / "turns.csp", tmp_path / "trace.json"
+    program.write_text(TURNS)
+    main(["verify", str(program), "--no-cache", "--quiet", "--trace-out", str(trace)])
+    capsys.readouterr()
+    assert main(["run", str(program), "--replay", str(trace)]) == 0
+    told = [line.split() for line in capsys.readouterr().err.splitlines() if "number" in line]
+    assert [(instant, unit) for _, instant, unit, *_ in told] == [
+        (instant, unit) for instant, unit in (("0", "s"), ("2", "ms"), ("4", "ms")) for _ in range(2)
+    ]
 
 
 NEVER_WAITS = """process Chatters {
