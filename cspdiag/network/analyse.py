@@ -139,7 +139,10 @@ class Analysis:
         self.rates[shape] = net_rates(shape, self.rates, self.report)
         check_runs(shape, uses, self.report)
         infer_kinds(shape, uses, self.asked[shape], self.report)
-        check_usage(shape, uses, self.report)
+        is_specification = isinstance(shape.definition, ast.ProcessDefinition) and self.definitions.is_specification(
+            shape.definition
+        )
+        check_usage(shape, uses, self.report, is_specification=is_specification)
         self.flows[shape] = check_assignment(shape, uses, self.flows, self.report)
 
     def _check_samples(self, placed: Placed) -> None:

@@ -27,15 +27,18 @@ from cspdiag.network.shapes import Shape, attached_key
 from cspdiag.syntax import ast
 
 
-def check_usage(shape: Shape, uses: UsesByKey, report: Report) -> None:
-    """Warn of ports and variables of a process that nobody uses; refuse conditions on channels that keep no value."""
+def check_usage(shape: Shape, uses: UsesByKey, report: Report, *, is_specification: bool) -> None:
+    """Warn of ports and variables of a process that nobody uses; refuse conditions on channels that keep no value.
+
+    A port that a specification does not use is one at which it allows nothing.
+    """
     if shape.body is None or shape.incomplete:
         return
     _check_values(shape, shape.body, report)
     if shape.has_refused_relationship:
         return
     for port, _, key in shape.port_elements():
-        if key not in uses and key not in shape.port_spans:
+        if not is_specification and key not in uses and key not in shape.port_spans:
             report.add(PortUnused(span=port.span, port=key, process=shape.name, direction=port.direction))
     connected = {attached_key(a) for instance in shape.instances.values() for a in instance.attachments.values()}
     for channel in shape.channels.values():
