@@ -67,5 +67,5 @@ class Standstill:
         running = f", with {', '.join(names[:_MOST_NAMES])}{more} running" if names else ""
         return (
             f"cspdiag: simulated time stands still at {now / 1e9:g} s{running}: Ctrl-C ends the run, "
-            f"and verify shows who communicates for ever (assert {self._top} livelock free)"
+            f"and verify shows who goes on for ever without passing a port (assert {self._top} livelock free)"
         )
