@@ -1,4 +1,4 @@
-"""Where else to look when the program does not follow a counterexample: without something that is in it.
+"""Where else to look when the program does not follow a counterexample: in a part of what the proof believes it to do.
 
 Proofs leave times and priorities out, so that a sample may be missed although nobody computes, and a delay may end too soon. What is most often
 in the way so is left out first.
@@ -7,21 +7,31 @@ in the way so is left out first.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
+from functools import partial
+from typing import TypeAlias
 
 from cspdiag.analyses.counterexamples.counterexample import Counterexample, Step
-from cspdiag.analyses.transitions.system import Event
+from cspdiag.analyses.transitions.restricted import is_time_out, prompt, without
+from cspdiag.analyses.transitions.system import Event, System
 
-MOST = 4
+Narrowing: TypeAlias = Callable[[System], System]
+
+MOST = 5
 """So many others are looked for."""
 
 
-def narrower(found: Counterexample) -> Iterator[Callable[[Event], bool]]:
-    """What to leave out, one after the other; each is in the counterexample."""
+def narrower(found: Counterexample) -> Iterator[Narrowing]:
+    """What to look at, one after the other; nothing of it does all of the counterexample."""
     steps = (*found.steps, *found.cycle)
-    if any(step.kind == "miss" for step in steps):
-        yield _is_miss
-    if any(map(_is_time_out, steps)):
-        yield _is_time_out
+    has_misses = any(step.kind == "miss" for step in steps)
+    has_time_outs = any(step.kind == "time" and "after" in step.channel for step in steps)
+    if has_misses or has_time_outs:
+        yield lambda system: prompt(without(system, _is_miss))
+    if has_misses:
+        yield partial(without, is_left_out=_is_miss)
+    if has_time_outs:
+        yield partial(without, is_left_out=is_time_out)
     if found.failure != "refinement":
         # Without its communications a process gets stuck that does not.
         return
@@ -30,16 +40,35 @@ def narrower(found: Counterexample) -> Iterator[Callable[[Event], bool]]:
         key = (step.kind, step.channel, step.value)
         if step.kind in {"communication", "external", "sample", "time"} and key not in known:
             known.add(key)
-            yield _same_as(step)
+            yield partial(without, is_left_out=partial(_is_same, step))
+
+
+def of_the_whole(found: Counterexample, whole: System) -> Counterexample:
+    """A counterexample of a narrower system with the parties that its time-outs have in the whole."""
+    owners = {
+        (event.channel, whole.components[party].name)
+        for event in whole.events
+        if is_time_out(event)
+        for party in event.parties
+    }
+    prefix = f"{found.process}."
+
+    def told(step: Step) -> Step:
+        if step.kind != "time":
+            return step
+        own = [party for party in step.parties if _is_owner(step.channel, party.name, owners, prefix)]
+        return replace(step, parties=tuple(own) or step.parties[:1])
+
+    return replace(found, steps=tuple(map(told, found.steps)), cycle=tuple(map(told, found.cycle)))
+
+
+def _is_owner(channel: str, name: str, owners: set[tuple[str, str]], prefix: str) -> bool:
+    return (channel, name) in owners or (channel, f"{prefix}{name}") in owners
 
 
 def _is_miss(event: Event) -> bool:
     return event.kind == "miss"
 
 
-def _is_time_out(event: Event | Step) -> bool:
-    return event.kind == "time" and event.channel.rpartition(": ")[2].startswith("after")
-
-
-def _same_as(step: Step) -> Callable[[Event], bool]:
-    return lambda event: (event.kind, event.channel, event.value) == (step.kind, step.channel, step.value)
+def _is_same(step: Step, event: Event) -> bool:
+    return (event.kind, event.channel, event.value) == (step.kind, step.channel, step.value)

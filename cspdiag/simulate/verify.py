@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Collection, Mapping
 from contextlib import nullcontext
 from dataclasses import replace
 from itertools import islice
@@ -19,8 +19,9 @@ from cspdiag.analyses.verification.question import Question
 
 if TYPE_CHECKING:
     from cspdiag.analyses.counterexamples.counterexample import Counterexample
-    from cspdiag.analyses.transitions.system import Event, System
+    from cspdiag.analyses.transitions.system import System
     from cspdiag.network.ir import Network
+    from cspdiag.simulate.other_counterexamples import Narrowing
     from cspdiag.simulate.replay_result import Judge, Replay
     from cspdiag.simulate.replay_trace import Trace
 
@@ -81,6 +82,10 @@ class Verifier:
         Raises VerificationError where a process has too many states of its own, where SPIN is missing, or where the code cannot be run through a
         counterexample; OSError for a file of the program that cannot be read.
         """
+        began = time.monotonic()
+        return replace(self._answered(question, limits), seconds=time.monotonic() - began)
+
+    def _answered(self, question: Question, limits: Limits) -> Answer:
         if question.claim == "schedulable":
             from cspdiag.analyses.verification.schedulable import schedulable
 
@@ -111,23 +116,26 @@ class Verifier:
 
     def _otherwise(self, found: Counterexample, question: Question, limits: Limits) -> Answer | None:
         """The answer with another counterexample, which the program follows, where it does not follow the one that was found."""
-        from cspdiag.analyses.transitions.restricted import without
-        from cspdiag.simulate.other_counterexamples import MOST, narrower
+        from cspdiag.simulate.other_counterexamples import MOST, narrower, of_the_whole
 
-        for is_left_out in islice(narrower(found), MOST):
+        for narrowing in islice(narrower(found), MOST):
 
             def narrowed(
                 process: str,
                 told_apart: Mapping[str, Collection[int]] | None = None,
-                is_left_out: Callable[[Event], bool] = is_left_out,
+                narrowing: Narrowing = narrowing,
             ) -> System:
                 whole = self.system(process, told_apart)
-                return without(whole, is_left_out) if process == question.process else whole
+                return narrowing(whole) if process == question.process else whole
 
             if limits.remaining <= 0:
                 break
             rest = Limits(limits.remaining, limits.memory)
-            answer = self._confirmed(prove(question, narrowed, rest, self._method, self._enforced), rest)
+            answer = prove(question, narrowed, rest, self._method, self._enforced)
+            if answer.counterexample is None:
+                continue
+            other = of_the_whole(answer.counterexample, self.system(question.process))
+            answer = self._confirmed(replace(answer, counterexample=other), rest)
             if answer.outcome == "refuted":
                 return answer
         return self._stuck(question, limits) if question.claim == "terminates" else None

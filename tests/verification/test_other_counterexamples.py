@@ -125,6 +125,63 @@ def test_where_nothing_else_is_found_the_first_is_told() -> None:
     assert "before `after 5 ms`" in answer.reason
 
 
+POLLED = """
+process Slave {
+  in  request : bool
+  in  fail    : bool
+  out answer  : bool
+
+  communication { var asked : bool = false  var dead : bool = false }
+
+  composition { mu (request ? asked -> answer ! true [] fail ? dead -> skip) until dead }
+}
+
+process Master {
+  in  answer  : bool
+  out request : bool
+  out lost    : bool
+
+  communication { var told : bool = false }
+
+  composition { mu (request ! true -> answer ? told [] after 3 ms -> lost ! true) }
+}
+
+process Bus {
+  in  fail : bool
+  out lost : bool
+
+  communication {
+    master : Master
+    slave  : Slave
+
+    master.request -> slave.request
+    slave.answer   -> master.answer
+    fail           -> slave.fail
+    master.lost    -> lost
+  }
+
+  composition { master || slave }
+}
+
+process NeverLost {
+  out lost : bool
+
+  composition { stop }
+}
+
+assert Bus refines NeverLost hide fail
+"""
+
+
+def test_a_time_out_comes_where_nobody_is_ready() -> None:
+    (answer,) = answers_to({"case.csp": POLLED})
+    assert answer.outcome == "refuted"
+    assert answer.replayed
+    assert answer.counterexample is not None
+    told = [(step.kind, [party.name for party in step.parties]) for step in answer.counterexample.steps if step.shown]
+    assert told == [("external", ["slave"]), ("time", ["master"]), ("external", ["master"])]
+
+
 RESOURCES = """
 process Resource {
   in take[2], give[2] : bool
