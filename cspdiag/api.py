@@ -199,10 +199,11 @@ class LoadedProgram:
         ``target="c"`` builds and runs a native program; with ``level=0`` the readable code runs instead of the fast one. The results are the same.
 
         Raises what ``build`` raises, ``cspdiag.simulate.execute.NoEnvironmentError``, for C also
-        ``cspdiag.simulate.native_build.CompilerError``, and ValueError for a level or target that there is not, or a program that the target cannot express.
+        ``cspdiag.simulate.native.build.CompilerError``, and ValueError for a level or target that there is not, or a program that the target cannot express.
         """
         from cspdiag.settings import parse_duration
-        from cspdiag.simulate import execute, native
+        from cspdiag.simulate import execute
+        from cspdiag.simulate.native import run as native
 
         if level not in (0, 1):
             raise ValueError(f"there is no level {level!r} of optimization: it is 0 or 1")

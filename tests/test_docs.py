@@ -10,7 +10,7 @@ import pytest
 
 from cspdiag import pipeline
 from cspdiag.diagnostics import Report, SourceFile
-from cspdiag.simulate import native
+from cspdiag.simulate.native import run as native
 from cspdiag.sources import read_source
 from cspdiag.syntax import ast
 from cspdiag.syntax.formatter import format_tree

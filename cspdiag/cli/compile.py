@@ -133,7 +133,7 @@ def _generate(arguments: Namespace) -> int:
     write_package(folder, files, force=arguments.force)
     sys.stderr.write(f"wrote {folder}\n")
     if arguments.target == "c":
-        from cspdiag.simulate.native_memory import report_or_reason
+        from cspdiag.simulate.native.memory import report_or_reason
 
         sys.stderr.write(f"{report_or_reason(network, files, arguments.level)}\n")
     return FINE

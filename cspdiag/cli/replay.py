@@ -13,8 +13,8 @@ from cspdiag.sources import read_source
 
 if TYPE_CHECKING:
     from cspdiag.network.ir import Network
-    from cspdiag.simulate.replay_result import Replay
-    from cspdiag.simulate.replay_trace import Trace
+    from cspdiag.simulate.replay.result import Replay
+    from cspdiag.simulate.replay.trace import Trace
 
 _UNFIT = ("environment", "until", "record", "trace", "plot")
 
@@ -25,7 +25,7 @@ def run(arguments: Namespace) -> int:
     from cspdiag.analyses.proofs.verdict import LimitError
     from cspdiag.codegen import target_errors
     from cspdiag.simulate.execute import BodyError
-    from cspdiag.simulate.replay_trace import TraceError, read_trace
+    from cspdiag.simulate.replay.trace import TraceError, read_trace
     from cspdiag.simulate.verify import replayed
 
     try:
@@ -69,7 +69,7 @@ def _network(arguments: Namespace, trace: Trace) -> Network | None:
 
 def _told(network: Network, trace: Trace, result: Replay) -> Iterator[str]:
     from cspdiag.runtime.durations import shown
-    from cspdiag.simulate.replay_values import types_of, written
+    from cspdiag.simulate.replay.values import types_of, written
 
     types = types_of(network)
     yield f"replay of the counterexample to `{trace.assertion}`"

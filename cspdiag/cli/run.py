@@ -131,7 +131,7 @@ def _simulate(arguments: Namespace, network: Network, until: int | None) -> Run:
     from cspdiag.codegen import target_errors
     from cspdiag.simulate.execute import BodyError, NoEnvironmentError
     from cspdiag.simulate.modes import mode_groups
-    from cspdiag.simulate.native_build import CompilerError
+    from cspdiag.simulate.native.build import CompilerError
     from cspdiag.simulate.recorder import Recorder
 
     simulate = _simulate_native if arguments.target == "c" else _simulate_in_python
@@ -191,7 +191,7 @@ def _simulate_in_python(
 def _simulate_native(
     arguments: Namespace, network: Network, until: int | None, recorder: Recorder, on_start: Callable[[Running], None]
 ) -> Run:
-    from cspdiag.simulate.native import simulate
+    from cspdiag.simulate.native.run import simulate
 
     ports = arguments.record is not None or arguments.plot is not None
     return simulate(

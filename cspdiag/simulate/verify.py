@@ -22,14 +22,14 @@ if TYPE_CHECKING:
     from cspdiag.analyses.transitions.system import System
     from cspdiag.network.ir import Network
     from cspdiag.simulate.other_counterexamples import Narrowing
-    from cspdiag.simulate.replay_result import Judge, Replay
-    from cspdiag.simulate.replay_trace import Trace
+    from cspdiag.simulate.replay.result import Judge, Replay
+    from cspdiag.simulate.replay.trace import Trace
 
 
 def trace_of(answer: Answer, settings: Mapping[str, str]) -> str:
     """The text of the file that ``run --replay`` takes; the answer has a counterexample."""
     from cspdiag.analyses.counterexamples.encode import encoded
-    from cspdiag.simulate.replay_trace import trace_text
+    from cspdiag.simulate.replay.trace import trace_text
 
     assert answer.counterexample is not None
     left_open = list(dict.fromkeys(abstraction.what for abstraction in answer.abstractions))
@@ -42,7 +42,7 @@ def replayed(
     network: Network, trace: Trace, read: pipeline.Reader, judge: Judge | None = None, limits: Limits | None = None
 ) -> Replay:
     """The program of a network, stepped through a trace. Raises as ``pipeline.generate`` does, what ``judge`` raises, and LimitError."""
-    from cspdiag.simulate.replay import replay
+    from cspdiag.simulate.replay.attempts import replay
 
     return replay(network, pipeline.generate(network, read, level=0), trace, judge, limits)
 
@@ -168,9 +168,9 @@ class Verifier:
         from cspdiag.analyses.counterexamples.rounds import with_rounds
         from cspdiag.codegen import target_errors
         from cspdiag.simulate.execute import BodyError
-        from cspdiag.simulate.guided_told import retold
-        from cspdiag.simulate.replay_told import with_values
-        from cspdiag.simulate.replay_trace import read_trace
+        from cspdiag.simulate.replay.guided_told import retold
+        from cspdiag.simulate.replay.told import with_values
+        from cspdiag.simulate.replay.trace import read_trace
         from cspdiag.simulate.suggest import Deadlock, helpful
 
         network = self._asked.network(answer.question.process)
@@ -200,6 +200,6 @@ class Verifier:
         """Who says of a run whether it refines the specification that was asked about."""
         if answer.question.specification is None:
             return None
-        from cspdiag.simulate.replay_refinement import judge
+        from cspdiag.simulate.replay.refinement import judge
 
         return judge(answer.question, self.system(answer.question.specification), network, limits)

@@ -13,9 +13,9 @@ from cspdiag import pipeline
 from cspdiag.codegen import target_errors
 from cspdiag.network.ir import Network
 from cspdiag.runtime.exceptions import described
-from cspdiag.simulate import native
 from cspdiag.simulate.execute import simulate
-from cspdiag.simulate.native_build import CompilerError, find_compiler
+from cspdiag.simulate.native import run as native
+from cspdiag.simulate.native.build import CompilerError, find_compiler
 from cspdiag.simulate.recorder import Recorder
 from cspdiag.simulate.result import Run
 from tests.conformance import specification

@@ -14,8 +14,8 @@ from cspdiag.analyses.timing.measured import Measured, times_of_laws
 from cspdiag.cli.verify_timing import measured_times
 from cspdiag.diagnostics import SourceFile
 from cspdiag.network.ir import Network
-from cspdiag.simulate import native
 from cspdiag.simulate.execute import simulate
+from cspdiag.simulate.native import run as native
 from cspdiag.simulate.result import Run
 from tests.models.programs import MODELS
 

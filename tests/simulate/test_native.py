@@ -22,9 +22,10 @@ from cspdiag.codegen.target_error import TargetError
 from cspdiag.diagnostics import SourceFile
 from cspdiag.network.ir import Network
 from cspdiag.runtime.exceptions import described
-from cspdiag.simulate import execute, native
-from cspdiag.simulate.native_build import Build, CompilerError, explained, find_compiler
-from cspdiag.simulate.native_stream import StreamReader
+from cspdiag.simulate import execute
+from cspdiag.simulate.native import run as native
+from cspdiag.simulate.native.build import Build, CompilerError, explained, find_compiler
+from cspdiag.simulate.native.stream import StreamReader
 from cspdiag.simulate.recorder import Recorder
 from cspdiag.simulate.result import Run
 from cspdiag.sources import read_source
@@ -274,7 +275,7 @@ def test_a_cache_that_cannot_be_written_is_named(monkeypatch: pytest.MonkeyPatch
 
 @needs_compiler
 def test_the_cache_keeps_what_was_used_last(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setattr("cspdiag.simulate.native_build._LARGEST_CACHE", 1)
+    monkeypatch.setattr("cspdiag.simulate.native.build._LARGEST_CACHE", 1)
     abandoned, present = tmp_path / "building-old", tmp_path / "building-now"
     abandoned.mkdir()
     present.mkdir()

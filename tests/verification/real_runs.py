@@ -9,14 +9,14 @@ from cspdiag import pipeline
 from cspdiag.analyses.proofs.verdict import Limits
 from cspdiag.network.ir import Network
 from cspdiag.runtime.scheduler import Party, scheduler
-from cspdiag.simulate.guided import Guided
-from cspdiag.simulate.guided_result import GuidedRun
-from cspdiag.simulate.guided_run import task_of
-from cspdiag.simulate.guided_runtime import guidance, guided_runtime
-from cspdiag.simulate.guided_script import Passed
 from cspdiag.simulate.package import LoadedPackage
-from cspdiag.simulate.replay_trace import Trace, TraceStep
-from cspdiag.simulate.task_names import TaskNames, path_of
+from cspdiag.simulate.replay.guided import Guided
+from cspdiag.simulate.replay.guided_result import GuidedRun
+from cspdiag.simulate.replay.guided_run import task_of
+from cspdiag.simulate.replay.guided_runtime import guidance, guided_runtime
+from cspdiag.simulate.replay.guided_script import Passed
+from cspdiag.simulate.replay.task_names import TaskNames, path_of
+from cspdiag.simulate.replay.trace import Trace, TraceStep
 from cspdiag.sources import read_source
 
 

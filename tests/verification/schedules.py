@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from random import Random
 
 from cspdiag.network.ir import Network
-from cspdiag.simulate.replay_decisions import Decisions
+from cspdiag.simulate.replay.decisions import Decisions
 from tests.conformance.scheduler import Scheduler, Task
 from tests.conformance.specification import execute
 

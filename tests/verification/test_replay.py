@@ -11,7 +11,7 @@ from cspdiag.analyses.counterexamples.counterexample import counterexample
 from cspdiag.analyses.proofs import breadth_first
 from cspdiag.analyses.proofs.verdict import Limits, Refuted
 from cspdiag.diagnostics import SourceFile
-from cspdiag.simulate.replay_trace import Trace, TraceStep, read_trace
+from cspdiag.simulate.replay.trace import Trace, TraceStep, read_trace
 from cspdiag.simulate.verify import Verifier, replayed, trace_of
 from cspdiag.sources import read_source
 from tests.models.programs import MODELS
@@ -203,7 +203,7 @@ def test_refutations_of_random_programs_replay() -> None:
 
 def _trace(found: object, process: str) -> Trace:
     from cspdiag.analyses.counterexamples.encode import encoded
-    from cspdiag.simulate.replay_trace import trace_text
+    from cspdiag.simulate.replay.trace import trace_text
 
     return read_trace(trace_text(encoded(found), process, "", {}, []))  # type: ignore[arg-type]
 

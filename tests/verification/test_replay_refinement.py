@@ -7,8 +7,8 @@ import pytest
 from cspdiag import pipeline
 from cspdiag.analyses.proofs.verdict import Limits
 from cspdiag.diagnostics import SourceFile
-from cspdiag.simulate.replay_refinement import judge
-from cspdiag.simulate.replay_rest import Resting
+from cspdiag.simulate.replay.refinement import judge
+from cspdiag.simulate.replay.rest import Resting
 from cspdiag.simulate.verify import Verifier
 from cspdiag.sources import read_source
 from tests.verifying import answers_to

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from cspdiag.simulate import replay_rounds
+from cspdiag.simulate.replay import rounds
 from tests.cli.conftest import Command, cspdiag  # noqa: F401 - a fixture
 from tests.verifying import answers_to
 
@@ -63,8 +63,8 @@ assert Oven deadlock free
 
 @pytest.fixture(autouse=True)
 def few_steps(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(replay_rounds, "MOST_STEPS", 500)
-    monkeypatch.setattr(replay_rounds, "MOST_IN_ALL", 4_000)
+    monkeypatch.setattr(rounds, "MOST_STEPS", 500)
+    monkeypatch.setattr(rounds, "MOST_IN_ALL", 4_000)
 
 
 def oven(condition: str = "heat < 0.5", samples: int = 25) -> str:

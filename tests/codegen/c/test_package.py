@@ -12,7 +12,7 @@ import pytest
 
 from cspdiag import pipeline
 from cspdiag.network.ir import Network
-from cspdiag.simulate.native_memory import FunctionFacts, deepest, memory_report
+from cspdiag.simulate.native.memory import FunctionFacts, deepest, memory_report
 from cspdiag.sources import read_source
 
 MODELS = Path(__file__).parents[3] / "models"

@@ -10,7 +10,8 @@ import pytest
 
 from cspdiag import pipeline
 from cspdiag.network.ir import Network
-from cspdiag.simulate import execute, native
+from cspdiag.simulate import execute
+from cspdiag.simulate.native import run as native
 from cspdiag.sources import read_source
 
 ROOT = Path(__file__).parents[3]

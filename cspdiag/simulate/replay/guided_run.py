@@ -18,13 +18,13 @@ from cspdiag.runtime.durations import shown
 from cspdiag.runtime.exceptions import Fault, ProcessError
 from cspdiag.runtime.network import Network as RunningNetwork
 from cspdiag.runtime.scheduler import Party, Priority, Task, nobody, scheduler
-from cspdiag.simulate.guided_goal import Goal
-from cspdiag.simulate.guided_result import GuidedRun
-from cspdiag.simulate.guided_runtime import guidance
-from cspdiag.simulate.guided_script import Actor, Happened, Passed, Script, Standing
-from cspdiag.simulate.guided_world import World
-from cspdiag.simulate.replay_decisions import Decisions
-from cspdiag.simulate.task_names import Key, TaskNames, path_of
+from cspdiag.simulate.replay.decisions import Decisions
+from cspdiag.simulate.replay.guided_goal import Goal
+from cspdiag.simulate.replay.guided_result import GuidedRun
+from cspdiag.simulate.replay.guided_runtime import guidance
+from cspdiag.simulate.replay.guided_script import Actor, Happened, Passed, Script, Standing
+from cspdiag.simulate.replay.guided_world import World
+from cspdiag.simulate.replay.task_names import Key, TaskNames, path_of
 
 MOST_CHOICES = 6
 """So many of the processes that are ready are tried as the next."""

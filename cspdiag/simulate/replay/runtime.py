@@ -21,7 +21,7 @@ from cspdiag.runtime.scheduler import Party, scheduler
 from cspdiag.runtime.selector import Selector
 from cspdiag.runtime.together import read_all, write_all
 from cspdiag.runtime.variable import Constant, Discard, Variable
-from cspdiag.simulate.replay_gates import Interruption, Option, conductor
+from cspdiag.simulate.replay.gates import Interruption, Option, conductor
 
 __package__ = Process.__module__.rpartition(".")[0]
 """That of the runtime: places of processes are looked for outside of it."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from cspdiag.runtime.deadlock import DeadlockReport
-from cspdiag.simulate.guided_script import Happened, Standing
+from cspdiag.simulate.replay.guided_script import Happened, Standing
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Container, Iterable
 from dataclasses import dataclass
 
-from cspdiag.simulate.replay_gates import Gate, Interruption, Option
+from cspdiag.simulate.replay.gates import Gate, Interruption, Option
 
 _BY_ITSELF = frozenset({"skip", "wait", "after"})
 

@@ -13,9 +13,9 @@ from cspdiag.codegen.c.refusals import refuse_devices
 from cspdiag.network.ir import Environment, Network
 from cspdiag.pipeline import Reader, generate
 from cspdiag.simulate.execute import chosen_environment
-from cspdiag.simulate.native_build import Build, CompilerError
-from cspdiag.simulate.native_deadlock import deadlock_report
-from cspdiag.simulate.native_stream import EndRecord, StreamReader
+from cspdiag.simulate.native.build import Build, CompilerError
+from cspdiag.simulate.native.deadlock import deadlock_report
+from cspdiag.simulate.native.stream import EndRecord, StreamReader
 from cspdiag.simulate.recorder import Recorder
 from cspdiag.simulate.result import Run
 

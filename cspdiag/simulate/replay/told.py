@@ -9,7 +9,7 @@ from dataclasses import replace
 from cspdiag.analyses.counterexamples.counterexample import Counterexample, Step
 from cspdiag.network.dump_expression import value_text
 from cspdiag.network.ir import Network
-from cspdiag.simulate.replay_result import Replay
+from cspdiag.simulate.replay.result import Replay
 
 LONGEST = 24
 """Longer texts of values are left out."""

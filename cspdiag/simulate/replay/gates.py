@@ -14,8 +14,8 @@ from cspdiag.runtime.exceptions import Cancelled
 from cspdiag.runtime.process import Process
 from cspdiag.runtime.scheduler import Party, Task, Waits, scheduler
 from cspdiag.runtime.selector import Selector
-from cspdiag.simulate.guided_script import Passed
-from cspdiag.simulate.task_names import TaskNames, path_of
+from cspdiag.simulate.replay.guided_script import Passed
+from cspdiag.simulate.replay.task_names import TaskNames, path_of
 
 __package__ = Process.__module__.rpartition(".")[0]
 """That of the runtime: places of processes are looked for outside of it."""

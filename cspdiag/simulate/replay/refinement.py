@@ -13,9 +13,9 @@ from cspdiag.analyses.transitions.system import System
 from cspdiag.analyses.verification.question import Question
 from cspdiag.model.types import Type
 from cspdiag.network.ir import Network
-from cspdiag.simulate.replay_rest import Resting
-from cspdiag.simulate.replay_result import Judge
-from cspdiag.simulate.replay_values import written
+from cspdiag.simulate.replay.rest import Resting
+from cspdiag.simulate.replay.result import Judge
+from cspdiag.simulate.replay.values import written
 
 _Told: TypeAlias = "tuple[Type, frozenset[int] | None]"
 """The type of a port, and where the specification cuts its numbers."""

@@ -11,16 +11,16 @@ from cspdiag.network.ir import Network
 from cspdiag.runtime.network import Network as RunningNetwork
 from cspdiag.runtime.scheduler import scheduler
 from cspdiag.simulate.execute import BodyError, account_of
-from cspdiag.simulate.guided_goal import Goal
-from cspdiag.simulate.guided_result import GuidedRun
-from cspdiag.simulate.guided_run import Run
-from cspdiag.simulate.guided_runtime import guided_runtime
-from cspdiag.simulate.guided_script import Passed, Script, put_off
-from cspdiag.simulate.guided_world import Lines, World
 from cspdiag.simulate.package import LoadedPackage
-from cspdiag.simulate.replay_decisions import Decisions, RandomDecisions
-from cspdiag.simulate.replay_trace import Trace
-from cspdiag.simulate.replay_values import Values, numbers_of
+from cspdiag.simulate.replay.decisions import Decisions, RandomDecisions
+from cspdiag.simulate.replay.guided_goal import Goal
+from cspdiag.simulate.replay.guided_result import GuidedRun
+from cspdiag.simulate.replay.guided_run import Run
+from cspdiag.simulate.replay.guided_runtime import guided_runtime
+from cspdiag.simulate.replay.guided_script import Passed, Script, put_off
+from cspdiag.simulate.replay.guided_world import Lines, World
+from cspdiag.simulate.replay.trace import Trace
+from cspdiag.simulate.replay.values import Values, numbers_of
 
 MOST_ACTIONS = 100_000
 """So often may processes get on in all runs together."""

@@ -7,7 +7,7 @@ from collections.abc import Container, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from cspdiag.simulate.task_names import Key
+from cspdiag.simulate.replay.task_names import Key
 
 LATER = 1 << 60
 """The rank of a task of which nothing is wanted any more."""
@@ -17,7 +17,7 @@ LATER = 1 << 60
 class Passed:
     """Something that a task is to do; ``path`` is its process.
 
-    ``action`` and ``index`` (of a guard) as in ``replay_gates.Option``; ``miss`` where a sample is found overwritten. ``together``: its order among those beside it is open, as when a submodel
+    ``action`` and ``index`` (of a guard) as in ``gates.Option``; ``miss`` where a sample is found overwritten. ``together``: its order among those beside it is open, as when a submodel
     reads its inputs. ``value`` is what the environment is to offer.
     """
 

@@ -10,10 +10,10 @@ from cspdiag.runtime.choice import waits_of_guard
 from cspdiag.runtime.composition import Branches
 from cspdiag.runtime.interrupt import _Body
 from cspdiag.runtime.scheduler import Task
-from cspdiag.simulate.guided_script import Actor, Standing
-from cspdiag.simulate.replay_names import belongs
-from cspdiag.simulate.replay_trace import Trace
-from cspdiag.simulate.task_names import TaskNames, path_of
+from cspdiag.simulate.replay.guided_script import Actor, Standing
+from cspdiag.simulate.replay.names import belongs
+from cspdiag.simulate.replay.task_names import TaskNames, path_of
+from cspdiag.simulate.replay.trace import Trace
 
 STANDSTILLS = frozenset({"deadlock", "knot"})
 

@@ -11,15 +11,15 @@ from dataclasses import replace
 
 from cspdiag.analyses.proofs.verdict import Limits
 from cspdiag.network.ir import Network
-from cspdiag.simulate.guided import Guided
 from cspdiag.simulate.package import LoadedPackage
-from cspdiag.simulate.replay_attempt import Attempt
-from cspdiag.simulate.replay_decisions import Decisions
-from cspdiag.simulate.replay_gates import conductor
-from cspdiag.simulate.replay_result import Judge, Replay
-from cspdiag.simulate.replay_rounds import Rounds
-from cspdiag.simulate.replay_runtime import replaying_runtime
-from cspdiag.simulate.replay_trace import Trace
+from cspdiag.simulate.replay.attempt import Attempt
+from cspdiag.simulate.replay.decisions import Decisions
+from cspdiag.simulate.replay.gates import conductor
+from cspdiag.simulate.replay.guided import Guided
+from cspdiag.simulate.replay.result import Judge, Replay
+from cspdiag.simulate.replay.rounds import Rounds
+from cspdiag.simulate.replay.runtime import replaying_runtime
+from cspdiag.simulate.replay.trace import Trace
 
 MOST_ATTEMPTS = 400
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Protocol
 
 from cspdiag.settings import SettingError, parse_duration
-from cspdiag.simulate.replay_trace import TraceStep
+from cspdiag.simulate.replay.trace import TraceStep
 
 UNFIT = 3
 WRITTEN = " (written)"

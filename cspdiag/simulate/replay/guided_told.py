@@ -10,9 +10,9 @@ from cspdiag.analyses.counterexamples.counterexample import SILENT, Counterexamp
 from cspdiag.analyses.transitions.system import INTERNAL, Place, System
 from cspdiag.model.types import BoolType, EnumType, IntType, RealType, TimeType, Type
 from cspdiag.network.ir import Network
-from cspdiag.simulate.guided_script import Actor, Happened, Standing
-from cspdiag.simulate.replay_names import UNFIT, WRITTEN, duration_of, fit
-from cspdiag.simulate.replay_values import types_of, written
+from cspdiag.simulate.replay.guided_script import Actor, Happened, Standing
+from cspdiag.simulate.replay.names import UNFIT, WRITTEN, duration_of, fit
+from cspdiag.simulate.replay.values import types_of, written
 
 _UNSEEN = SILENT | {"exception"}
 

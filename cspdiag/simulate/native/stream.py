@@ -9,8 +9,8 @@ from typing import IO
 
 from cspdiag.model.types import Type
 from cspdiag.network.ir import Network
-from cspdiag.simulate.native_parties import Parties
-from cspdiag.simulate.native_values import Decoder, decoder, layout
+from cspdiag.simulate.native.parties import Parties
+from cspdiag.simulate.native.values import Decoder, decoder, layout
 from cspdiag.simulate.recorder import Recorder
 
 _CHUNK = 1 << 16

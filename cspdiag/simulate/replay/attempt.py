@@ -17,18 +17,18 @@ from cspdiag.runtime.exceptions import Fault, ProcessError, Timeout
 from cspdiag.runtime.network import Network as RunningNetwork
 from cspdiag.runtime.scheduler import Task, scheduler
 from cspdiag.simulate.execute import BodyError, account_of
-from cspdiag.simulate.guided_goal import STANDSTILLS
-from cspdiag.simulate.guided_result import GuidedRun
 from cspdiag.simulate.package import LoadedPackage
-from cspdiag.simulate.replay_decisions import Decisions
-from cspdiag.simulate.replay_gates import Gate, Interruption, Option, conductor
-from cspdiag.simulate.replay_memory import memory
-from cspdiag.simulate.replay_names import UNFIT, WRITTEN, belongs, duration_of, fit, is_medium
-from cspdiag.simulate.replay_rest import Resting, resting
-from cspdiag.simulate.replay_result import Judge, Replay
-from cspdiag.simulate.replay_rounds import Rounds
-from cspdiag.simulate.replay_trace import DivergenceError, Trace, TraceStep
-from cspdiag.simulate.replay_values import Values, numbers_of, written
+from cspdiag.simulate.replay.decisions import Decisions
+from cspdiag.simulate.replay.gates import Gate, Interruption, Option, conductor
+from cspdiag.simulate.replay.guided_goal import STANDSTILLS
+from cspdiag.simulate.replay.guided_result import GuidedRun
+from cspdiag.simulate.replay.memory import memory
+from cspdiag.simulate.replay.names import UNFIT, WRITTEN, belongs, duration_of, fit, is_medium
+from cspdiag.simulate.replay.rest import Resting, resting
+from cspdiag.simulate.replay.result import Judge, Replay
+from cspdiag.simulate.replay.rounds import Rounds
+from cspdiag.simulate.replay.trace import DivergenceError, Trace, TraceStep
+from cspdiag.simulate.replay.values import Values, numbers_of, written
 
 _ALLOWED = "with the values that it has there, it does what the specification allows"
 _SILENT = frozenset({"variable", "start", "end", "cancel", "exception", "failure", "delivered"})

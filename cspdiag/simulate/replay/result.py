@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
 from cspdiag.runtime.deadlock import DeadlockReport
-from cspdiag.simulate.guided_script import Happened, Standing
-from cspdiag.simulate.replay_rest import Resting
-from cspdiag.simulate.replay_rounds import Added
+from cspdiag.simulate.replay.guided_script import Happened, Standing
+from cspdiag.simulate.replay.rest import Resting
+from cspdiag.simulate.replay.rounds import Added
 
 Judge: TypeAlias = Callable[[Sequence[tuple[str, Any]], Resting | None], str | None]
 """Says what is wrong with a run, from its communications and how the processes stand then; None if nothing is."""

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from cspdiag.network.ir import Network
-from cspdiag.simulate.native_stream import WaitingRecord
+from cspdiag.simulate.native.stream import WaitingRecord
 
 if TYPE_CHECKING:
     from cspdiag.runtime.deadlock import DeadlockReport

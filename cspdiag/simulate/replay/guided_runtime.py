@@ -266,7 +266,7 @@ def _interrupt(
 
 def guided_runtime() -> ModuleType:
     """A module that stands for ``cspdiag.runtime`` in the package that is run."""
-    module = ModuleType("cspdiag.simulate.guided_runtime")
+    module = ModuleType("cspdiag.simulate.replay.guided_runtime")
     module.__dict__.update(
         {name: getattr(runtime, name) for name in runtime.__all__},
         Alternative=_Alternative,

@@ -14,12 +14,12 @@ from typing import Any
 from cspdiag.analyses.counterexamples.counterexample import Party, Step
 from cspdiag.model.durations import duration
 from cspdiag.network.ir import Network
-from cspdiag.simulate.guided_goal import STANDSTILLS
-from cspdiag.simulate.replay_decisions import Decisions
-from cspdiag.simulate.replay_gates import Gate, Interruption, Option, conductor
-from cspdiag.simulate.replay_names import UNFIT, WRITTEN, belongs, duration_of, fit, is_medium
-from cspdiag.simulate.replay_trace import DivergenceError, Trace, TraceStep
-from cspdiag.simulate.replay_values import Values, is_told_as, types_of, written
+from cspdiag.simulate.replay.decisions import Decisions
+from cspdiag.simulate.replay.gates import Gate, Interruption, Option, conductor
+from cspdiag.simulate.replay.guided_goal import STANDSTILLS
+from cspdiag.simulate.replay.names import UNFIT, WRITTEN, belongs, duration_of, fit, is_medium
+from cspdiag.simulate.replay.trace import DivergenceError, Trace, TraceStep
+from cspdiag.simulate.replay.values import Values, is_told_as, types_of, written
 
 MOST_STEPS = 8_000
 """So many steps are added in one attempt."""

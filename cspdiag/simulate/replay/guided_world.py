@@ -9,8 +9,8 @@ from typing import Any, Literal
 from cspdiag.runtime.external import Port
 from cspdiag.runtime.inputs import SampledInput
 from cspdiag.runtime.scheduler import scheduler
-from cspdiag.simulate.guided_runtime import _EventInput
-from cspdiag.simulate.guided_script import Passed, Script
+from cspdiag.simulate.replay.guided_runtime import _EventInput
+from cspdiag.simulate.replay.guided_script import Passed, Script
 
 
 class _Line:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from cspdiag.codegen.c.sizes import PREFIX, SizeQuestions, Sizes
 from cspdiag.network.ir import Network
-from cspdiag.simulate.native_build import Build, CompilerError
+from cspdiag.simulate.native.build import Build, CompilerError
 
 _PROBE = "sizes_probe.c"
 _INDIRECT = "__indirect_call"

@@ -1,0 +1,1 @@
+"""Runs of programs that were compiled to C for this machine."""
