@@ -10,6 +10,7 @@ from cspdiag.analyses.verification.prove import prove
 from cspdiag.analyses.verification.question import Question
 from cspdiag.diagnostics import SourceFile, Span
 from tests.analyses.proofs import known
+from tests.verifying import answers_to
 
 SPAN = Span(SourceFile("a.csp", "assert P deadlock free"), 0, 22)
 
@@ -38,3 +39,36 @@ def test_the_text_of_a_question_is_that_of_the_language() -> None:
     refines = Question("P", "refines", SPAN, specification="Q", model="failures", hidden=("a", "b"))
     assert refines.text == "P refines Q in failures hide a, b"
     assert refines.processes == ("P", "Q")
+
+
+STOPPED = """
+process Axis {
+  in stop : bool
+
+  communication { var stopped : bool = false }
+
+  composition { mu stop ? stopped until stopped }
+}
+
+process Axes {
+  in stop[2] : bool
+
+  communication {
+    axis[2] : Axis
+
+    for i < 2 {
+      stop[i] -> axis[i].stop
+    }
+  }
+
+  composition { par i < 2 : axis[i] }
+}
+
+assert Axes deadlock free
+"""
+
+
+def test_who_only_ends_together_with_others_does_not_wait_for_them() -> None:
+    (answer,) = answers_to({"case.csp": STOPPED})
+    assert answer.outcome == "proved"
+    assert answer.reason == "no deadlock and no knot (no process ever waits for another)"

@@ -80,6 +80,8 @@ def _order_in_words(question: Question) -> str:
         if question.together and processes:
             return f"{_names(question, processes)} can always go on"
         return "no process waits in a circle with others"
+    if not order:
+        return "no process ever waits for another"
     taken = rules_forms.resource_order(structure)
     if taken is not None:
         return f"every process takes its resources in one order{_listed(question, taken)}"

@@ -17,13 +17,17 @@ def dump(system: System) -> str:
 
 def _lines(system: System) -> Iterator[str]:
     states = sum(len(component.edges) for component in system.components)
-    yield f"// {len(system.components)} components with {states} states, {len(system.events)} events"
+    yield f"// {_counted(len(system.components), 'component')} with {_counted(states, 'state')}, {_counted(len(system.events), 'event')}"
     for abstraction in system.abstractions:
         where = "" if abstraction.span is None else f" at {abstraction.span}"
         yield f"// left open: {abstraction.what}{where}"
     for component in system.components:
         yield ""
         yield from _component(component, system)
+
+
+def _counted(number: int, what: str) -> str:
+    return f"{number} {what}" if number == 1 else f"{number} {what}s"
 
 
 def _component(component: Component, system: System) -> Iterator[str]:
