@@ -20,7 +20,7 @@ def diagnostic_of(report: TimingReport, span: Span) -> Diagnostic | None:
             span, report.process, report.reason, tuple((words, place) for place, words in places.items()), advice
         )
     if report.refusals:
-        told = tuple((part.reason, part.span) for part in report.refusals)
+        told = tuple(dict.fromkeys((part.reason, part.span) for part in report.refusals))
         return NoTimingBound(span, report.process, report.reason, told, report.refusals[0].help)
     advice = "shorten execution times or steps, or lengthen periods; `cspdiag verify --timing` shows what adds up"
     if report.advice is not None:

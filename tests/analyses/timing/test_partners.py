@@ -8,6 +8,7 @@ import cspdiag
 from cspdiag.analyses.timing.report import timing_report
 from tests.analyses.timing.programs import MS, US, by_name, law, report_of
 from tests.models.programs import MODELS
+from tests.verifying import answers_to
 
 CASCADE = {"Cascade.inner.law": 20 * US, "Cascade.outer.law": 30 * US}
 
@@ -337,3 +338,57 @@ def test_work_that_is_handed_on_twice_counts_for_those_beside_it() -> None:
     report = report_of(text)
     assert report.utilization == pytest.approx(0.46)
     assert by_name(report)["log"].response >= 460 * US  # type: ignore[operator]
+
+
+FOLLOWERS = """process Leader {
+  in  target   : double
+  out setpoint : double
+
+  communication { var wanted : double = 0 }
+
+  composition { mu (target ? wanted ; setpoint ! wanted) }
+}
+
+process Follower {
+  in  setpoint : double
+  in  angle    : double @ 1 ms
+  out drive    : double @ 1 ms
+
+  communication {
+    var wanted : double = 0
+    var now    : double = 0
+  }
+
+  composition { mu (setpoint ? wanted ; angle ? now ; drive ! wanted - now) }
+}
+
+process Convoy {
+  in  target   : double
+  in  angle[2] : double @ 1 ms
+  out drive[2] : double @ 1 ms
+
+  communication {
+    leader      : Leader
+    follower[2] : Follower
+
+    target          -> leader.target
+    leader.setpoint -> broadcast -> follower[0].setpoint, follower[1].setpoint
+    for i < 2 {
+      angle[i]          -> follower[i].angle
+      follower[i].drive -> drive[i]
+    }
+  }
+
+  composition { leader || (par i < 2 : follower[i]) }
+}
+
+assert Convoy schedulable
+"""
+
+
+def test_what_holds_of_several_instances_is_told_once() -> None:
+    (answer,) = answers_to({"case.csp": FOLLOWERS})
+    assert answer.found is not None
+    told = [(label.message, label.span) for label in answer.found.labels]
+    assert any("without bound" in text for text, _ in told)
+    assert len(set(told)) == len(told)
