@@ -37,9 +37,10 @@ def violation(
         if not reached:
             return done_too_much(label, _allowed(walk, states))
         states = reached
-    acceptances = smallest(walk.offers(state) for state in states if walk.is_stable(state))
+    resting = [walk.offers(state) for state in states if walk.is_stable(state)]
     if rest.ended:
-        return None if any(END in accepted for accepted in acceptances) else ended_too_soon(_allowed(walk, states))
+        return None if any(END in offered for offered in resting) else ended_too_soon(_allowed(walk, states))
+    acceptances = smallest(resting)
     if not failures or rest.offers is None or _offers_enough(rest.offers, acceptances):
         return None
     return refused_too_much(rest.offers, acceptances)

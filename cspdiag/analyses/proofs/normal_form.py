@@ -53,10 +53,10 @@ def normal_form(
                     numbers[reached] = len(pending)
                     pending.append(reached)
                 after[label] = numbers[reached]
-        acceptances = smallest(walk.offers(state) for state in states if walk.is_stable(state))
-        if any(END in accepted for accepted in acceptances):
+        resting = [walk.offers(state) for state in states if walk.is_stable(state)]
+        if any(END in offered for offered in resting):
             after[END] = numbers[states]
-        nodes.append(Node(after, acceptances))
+        nodes.append(Node(after, smallest(resting)))
     return tuple(nodes)
 
 
