@@ -181,7 +181,7 @@ class Computing:
         """A variable is given a value; a shared one at the next step."""
         if reference[0] in ("constant", "discard") or not self.thread.medium(reference).relevant:
             return configuration
-        parts = self.thread.medium(reference).pieces(value)
+        parts = self.thread.pieces(reference, value)
         if len(parts) > 1:
             choices = tuple(("storing", reference, part) for part in parts)
             return configuration._replace(stack=(("split", choices), configuration.stack))

@@ -157,7 +157,7 @@ class Follower(LawSteps):
             if c.doomed:
                 return self.abandoned(c)
             value = self.communicated(c, context, reference, action.value)
-            puts = tuple(("put", reference, part, node) for part in self.thread.medium(reference).pieces(value))
+            puts = tuple(("put", reference, part, node) for part in self.thread.pieces(reference, value))
             put = puts[0] if len(puts) == 1 else ("split", puts)
             return c._replace(stack=(put, rest), loaded=())
         if kind == "var" and self.thread.medium(reference).relevant:

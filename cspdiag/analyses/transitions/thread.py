@@ -224,6 +224,15 @@ class Thread:
             return UNKNOWN
         return self.medium(key).coarsened(value) if key in self.widened else value
 
+    def pieces(self, reference: Reference, value: Known) -> tuple[Known, ...]:
+        """A value, or the parts of a range that are told apart in a medium: which of them it is, is left open."""
+        medium = self.medium(reference)
+        parts = medium.pieces(value)
+        if len(parts) > 1 and reference not in self.widened:
+            name = medium.name.rsplit(".", 1)[-1]
+            self.abstracted(f"`{name}` may come to be in any of several ranges", medium.span)
+        return parts
+
     def _widen(self, key: Reference) -> None:
         """From the next round on a variable is followed less closely."""
         less = self.dropped if key in self.widened or not self.medium(key).cells else self.widened
