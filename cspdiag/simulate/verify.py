@@ -99,7 +99,7 @@ class Verifier:
         confirmed = self._confirmed(answer, limits)
         if answer.counterexample is not None and confirmed.outcome == "unknown":
             return self._otherwise(answer.counterexample, question, limits) or confirmed
-        return confirmed
+        return self._advised(confirmed)
 
     def system(self, process: str, told_apart: Mapping[str, Collection[int]] | None = None) -> System:
         """The transition system of a process of the program; of the inputs ``told_apart`` the values matter whatever depends on them."""
@@ -137,7 +137,7 @@ class Verifier:
             other = of_the_whole(answer.counterexample, self.system(question.process))
             answer = self._confirmed(replace(answer, counterexample=other), rest)
             if answer.outcome == "refuted":
-                return answer
+                return self._advised(answer)
         return self._stuck(question, limits) if question.claim == "terminates" else None
 
     def _stuck(self, question: Question, limits: Limits) -> Answer | None:
@@ -147,7 +147,7 @@ class Verifier:
         rest = Limits(limits.remaining, limits.memory)
         asked = replace(question, claim="deadlock free")
         answer = self._confirmed(prove(asked, self.system, rest, self._method, self._enforced), rest)
-        return replace(answer, question=question, suggestions=()) if answer.outcome == "refuted" else None
+        return replace(answer, question=question) if answer.outcome == "refuted" else None
 
     def _asked_spin(self, question: Question, limits: Limits) -> Answer:
         from cspdiag.simulate import spin
@@ -171,7 +171,6 @@ class Verifier:
         from cspdiag.simulate.replay.guided_told import retold
         from cspdiag.simulate.replay.told import with_values
         from cspdiag.simulate.replay.trace import read_trace
-        from cspdiag.simulate.suggest import Deadlock, helpful
 
         network = self._asked.network(answer.question.process)
         assert network is not None, "asked for a process with errors"
@@ -193,8 +192,16 @@ class Verifier:
         found = with_values(found, result, network)
         found = with_rounds(found, ((added.before, added.told) for added in result.added))
         found = replace(found, reason=result.judgement or found.reason)
-        deadlock = Deadlock(self._asked, answer.question, found, self._settings or {})
-        return replace(answer, replayed=True, counterexample=found, suggestions=helpful(deadlock, self._read))
+        return replace(answer, replayed=True, counterexample=found)
+
+    def _advised(self, answer: Answer) -> Answer:
+        """A refutation with changes of the text after which the property was proved."""
+        if answer.outcome != "refuted" or answer.counterexample is None:
+            return answer
+        from cspdiag.simulate.suggest import Deadlock, helpful
+
+        deadlock = Deadlock(self._asked, answer.question, answer.counterexample, self._settings or {})
+        return replace(answer, suggestions=helpful(deadlock, self._read))
 
     def _judge(self, answer: Answer, network: Network, limits: Limits) -> Judge | None:
         """Who says of a run whether it refines the specification that was asked about."""
