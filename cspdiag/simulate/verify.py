@@ -38,13 +38,11 @@ def trace_of(answer: Answer, settings: Mapping[str, str]) -> str:
     return trace_text(counterexample, question.process, question.text, settings, left_open, question.hidden)
 
 
-def replayed(
-    network: Network, trace: Trace, read: pipeline.Reader, judge: Judge | None = None, limits: Limits | None = None
-) -> Replay:
-    """The program of a network, stepped through a trace. Raises as ``pipeline.generate`` does, what ``judge`` raises, and LimitError."""
+def replayed(network: Network, trace: Trace, read: pipeline.Reader) -> Replay:
+    """The program of a network, stepped through a trace. Raises as ``pipeline.generate`` does, and LimitError."""
     from cspdiag.simulate.replay.attempts import replay
 
-    return replay(network, pipeline.generate(network, read, level=0), trace, judge, limits)
+    return replay(network, pipeline.generate(network, read, level=0), trace)
 
 
 class VerificationError(Exception):
@@ -75,6 +73,7 @@ class Verifier:
         self._settings = settings
         self._enforced = enforced
         self._systems: dict[tuple[str, frozenset[tuple[str, frozenset[int]]]], System] = {}
+        self._files: dict[str, dict[str, str]] = {}
 
     def answer(self, question: Question, limits: Limits) -> Answer:
         """The answer to one of the questions.
@@ -168,6 +167,7 @@ class Verifier:
         from cspdiag.analyses.counterexamples.rounds import with_rounds
         from cspdiag.codegen import target_errors
         from cspdiag.simulate.execute import BodyError
+        from cspdiag.simulate.replay.attempts import replay
         from cspdiag.simulate.replay.guided_told import retold
         from cspdiag.simulate.replay.told import with_values
         from cspdiag.simulate.replay.trace import read_trace
@@ -176,12 +176,13 @@ class Verifier:
         assert network is not None, "asked for a process with errors"
         try:
             judge = self._judge(answer, network, limits)
-            result = replayed(network, read_trace(trace_of(answer, {})), self._read, judge, limits)
+            files = self._generated(answer.question.process, network)
+            result = replay(network, files, read_trace(trace_of(answer, {})), judge, limits)
             if result.other:
                 system = self.system(answer.question.process)
                 other = retold(found, system, result.other, result.standing, network)
                 trace = read_trace(trace_of(replace(answer, counterexample=other), {}))
-                again = replayed(network, trace, self._read, judge, limits)
+                again = replay(network, files, trace, judge, limits)
                 found, result = (other, again) if again.succeeded else (found, result)
         except (BodyError, target_errors()) as problem:
             raise VerificationError(str(problem)) from problem
@@ -202,6 +203,12 @@ class Verifier:
 
         deadlock = Deadlock(self._asked, answer.question, answer.counterexample, self._settings or {})
         return replace(answer, suggestions=helpful(deadlock, self._read))
+
+    def _generated(self, process: str, network: Network) -> dict[str, str]:
+        """The package of a process, which all its counterexamples are tried on. Raises as ``pipeline.generate`` does."""
+        if process not in self._files:
+            self._files[process] = pipeline.generate(network, self._read, level=0)
+        return self._files[process]
 
     def _judge(self, answer: Answer, network: Network, limits: Limits) -> Judge | None:
         """Who says of a run whether it refines the specification that was asked about."""
