@@ -6,7 +6,7 @@ BIN    := $(VENV)/bin
 MODEL  := models/jiwy/jiwy.csp
 
 .DEFAULT_GOAL := help
-.PHONY: help setup run test check bench fmt docs pictures cases clean
+.PHONY: help setup run test hunt check bench fmt docs pictures cases clean
 
 help: ## Show this list
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-8s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -23,6 +23,11 @@ run: $(VENV)/.stamp-run ## Compile JIWY, drive the plant, leave a picture and a 
 
 test: $(VENV)/.stamp-dev ## Run the whole test suite
 	$(BIN)/pytest -n 2
+
+hunt: $(VENV)/.stamp-dev ## Look for errors in random and damaged programs, for some hours
+	$(BIN)/python -m tests.robustness.hunt --count 100000
+	$(BIN)/python -m tests.analyses.proofs.hunt --random 20000
+	$(BIN)/python -m tests.verification.test_random_refinements 10000
 
 check: $(VENV)/.stamp-dev ## Format, lint, types, import rules, generated documentation
 	$(BIN)/ruff format --check .

@@ -6,7 +6,6 @@ import re
 from pathlib import Path
 
 import pytest
-from hypothesis import HealthCheck, given, settings
 
 from cspdiag.diagnostics import SourceFile
 from cspdiag.draw.differences.picture import pictures_of
@@ -28,10 +27,9 @@ def pictures(path: Path, text: str) -> Pictures | None:
     return None if checked.readable is None else Pictures(checked.readable, checked.report.diagnostics)
 
 
-@settings(max_examples=25, deadline=None, suppress_health_check=list(HealthCheck))
-@given(damaged())
-def test_elements_and_differences_are_found(program: tuple[Path, str]) -> None:
-    path, text = program
+@pytest.mark.parametrize("seed", range(25))
+def test_elements_and_differences_are_found(seed: int) -> None:
+    path, text = damaged(seed)
     found = pictures(path, text)
     if found is None:
         return
@@ -46,10 +44,9 @@ def test_elements_and_differences_are_found(program: tuple[Path, str]) -> None:
 
 
 @pytest.mark.skipif(not engine_available(), reason="the layout engine is not there: make setup fetches it")
-@settings(max_examples=6, deadline=None, suppress_health_check=list(HealthCheck))
-@given(damaged())
-def test_pictures_with_marks_are_drawn(program: tuple[Path, str]) -> None:
-    found = pictures(*program)
+@pytest.mark.parametrize("seed", range(6))
+def test_pictures_with_marks_are_drawn(seed: int) -> None:
+    found = pictures(*damaged(seed))
     for definition in [] if found is None else found.drawn()[-2:]:
         assert found is not None
         assert render_svg(found.scene(definition, Wish())).startswith("<")
@@ -75,10 +72,9 @@ def test_marked_mistakes_lie_on_nothing(start: int) -> None:
 
 
 @pytest.mark.skipif(not engine_available(), reason="the layout engine is not there: make setup fetches it")
-@settings(max_examples=6, deadline=None, suppress_health_check=list(HealthCheck))
-@given(damaged())
-def test_pictures_of_differences_have_nothing_on_anything(program: tuple[Path, str]) -> None:
-    path, text = program
+@pytest.mark.parametrize("seed", range(6))
+def test_pictures_of_differences_have_nothing_on_anything(seed: int) -> None:
+    path, text = damaged(seed)
     one, other = pictures(path, path.read_text(encoding="utf-8")), pictures(path, text)
     if one is not None and other is not None:
         for scene in pictures_of(differences(one.program, other.program))[:3]:

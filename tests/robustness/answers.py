@@ -1,0 +1,75 @@
+"""What any text must get: diagnostics at places of the text, or code for every target, and neither takes for ever."""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from types import FrameType
+
+from cspdiag import pipeline
+from cspdiag.codegen.target_error import TargetError
+from cspdiag.diagnostics import SourceFile
+from cspdiag.diagnostics.diagnostic import Diagnostic
+from cspdiag.diagnostics.render_text import render
+from cspdiag.network.ir import Network
+from cspdiag.network.lower import SelectionError
+from cspdiag.sources import read_source
+from cspdiag.syntax.formatter import format_tree
+
+PATIENCE = 120
+"""Seconds of computing after which a text is taken to have no answer; the largest needs about one."""
+
+
+class NoAnswerError(Exception):
+    """A text kept the compiler busy for longer than anybody waits."""
+
+
+@contextmanager
+def limited_computing() -> Iterator[None]:
+    """Raise NoAnswerError where the block computes for longer than PATIENCE."""
+
+    def give_up(number: int, frame: FrameType | None) -> None:
+        raise NoAnswerError(f"no answer after {PATIENCE} s")
+
+    before = signal.signal(signal.SIGVTALRM, give_up)
+    signal.setitimer(signal.ITIMER_VIRTUAL, PATIENCE)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_VIRTUAL, 0)
+        signal.signal(signal.SIGVTALRM, before)
+
+
+def _assert_lies_in_text(found: Diagnostic) -> None:
+    for span in (found.span, *(label.span for label in found.labels)):
+        assert 0 <= span.start <= span.end <= len(span.source.text), found
+    assert found.message
+    assert "Traceback" not in found.message
+
+
+def _generate(network: Network) -> None:
+    """Generate code for every target and level, or be refused in words."""
+    for target in ("python", "c"):
+        for level in (0, 1):
+            with suppress(TargetError, OSError):
+                assert pipeline.generate(network, read_source, target, level)
+
+
+def answer(name: str, text: str) -> pipeline.Checked:
+    """Put a program through everything; raise where any pass raises, or where a diagnostic lies outside the text."""
+    with limited_computing():
+        checked = pipeline.check(SourceFile(name=name, text=text), read_source)
+        for found in checked.report.diagnostics:
+            _assert_lies_in_text(found)
+        assert render(checked.report.diagnostics) or not checked.report.diagnostics
+        if checked.program is not None:
+            format_tree(checked.program.main)
+        try:
+            network = pipeline.compile_network(checked)
+        except SelectionError:
+            return checked
+        assert network is not None or checked.report.has_errors or checked.program is None
+        if network is not None:
+            _generate(network)
+    return checked
