@@ -89,8 +89,15 @@ class LoadedProgram:
         Raises ProgramError, ``SettingError`` for a setting that fits nothing, and ``cspdiag.network.lower.SelectionError`` where there is
         no such process or environment, or no process at all.
         """
+        return self._build(top, environment, set, alone=False)
+
+    def _build(
+        self, top: str | None, environment: str | None, set: Mapping[str, Setting] | None, *, alone: bool
+    ) -> Network:
         settings = {name: _written(value) for name, value in (set or {}).items()}
-        built = pipeline.build(self.source, read_source, top=top, environment=environment, settings=settings)
+        built = pipeline.build(
+            self.source, read_source, top=top, environment=environment, settings=settings, alone=alone
+        )
         if built.network is None:
             raise ProgramError(built.checked.report.diagnostics)
         return built.network
@@ -178,7 +185,7 @@ class LoadedProgram:
         from cspdiag.analyses.margins.loops import analyse_loops
         from cspdiag.simulate.execute import NoEnvironmentError, chosen_environment
 
-        network = self.build(environment=environment, set=set)
+        network = self._build(None, environment, set, alone=True)
         chosen = chosen_environment(network, environment)
         if chosen is None:
             raise NoEnvironmentError(f"`{network.top}` has no environment, and so no plant that would close its loops")
@@ -209,7 +216,7 @@ class LoadedProgram:
             raise ValueError(f"there is no level {level!r} of optimization: it is 0 or 1")
         if target not in ("python", "c"):
             raise ValueError(f"nothing runs the target {target!r}: it is 'python' or 'c'")
-        network = self.build(environment=environment, set=set)
+        network = self._build(None, environment, set, alone=True)
         limit = None if until is None else parse_duration(until if isinstance(until, str) else f"{until!r} s")
         if target == "c":
             return native.simulate(

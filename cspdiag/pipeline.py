@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from cspdiag.network.analyse import Analysis
     from cspdiag.network.contexts import Surroundings
     from cspdiag.network.ir import Network
+    from cspdiag.network.setting_paths import Root
     from cspdiag.settings import Overrides
     from cspdiag.syntax.ast import SourceTree
 
@@ -45,10 +46,11 @@ class Checked:
 
 @node
 class Built:
-    """A program on its way to code; ``network`` is None where errors, in ``checked.report``, prevent it."""
+    """A program on its way to code, with its settings as values; ``network`` is None where errors, in ``checked.report``, prevent it."""
 
     checked: Checked
     network: Network | None
+    overrides: Overrides
 
 
 @node
@@ -134,13 +136,17 @@ def compile_network(
     environment: str | None = None,
     overrides: Mapping[str, Value] | None = None,
     surroundings: Surroundings = "environment",
+    alone: bool = False,
 ) -> Network | None:
     """Lower a program that has no errors to its network; None where that reports an error.
 
     ``top`` names the outermost process and ``environment`` the environment it is compiled for (defaults: those of
-    the text); ``overrides`` replaces parameters of instances by path. ``surroundings`` says what its ports meet.
+    the text); ``overrides`` replaces parameters of instances by path. ``surroundings`` says what its ports meet. ``alone``: other environments
+    are not wanted. Raises ``cspdiag.settings.SettingError`` for an override of an element that an array does not have.
     """
     from cspdiag.network.lower import lower
+    from cspdiag.network.setting_paths import NoSuchElementError
+    from cspdiag.settings import SettingError
 
     if checked.program is None or checked.report.has_errors:
         return None
@@ -150,15 +156,19 @@ def compile_network(
         and not overrides
     ):
         return checked.network
-    network = lower(
-        checked.program,
-        top,
-        environment,
-        overrides or {},
-        checked.report,
-        surroundings=surroundings,
-        checked=checked.analysis,
-    )
+    try:
+        network = lower(
+            checked.program,
+            top,
+            environment,
+            overrides or {},
+            checked.report,
+            surroundings=surroundings,
+            checked=checked.analysis,
+            alone=alone,
+        )
+    except NoSuchElementError as problem:
+        raise SettingError(str(problem)) from None
     return None if checked.report.has_errors else network
 
 
@@ -169,25 +179,38 @@ def build(
     top: str | None = None,
     environment: str | None = None,
     settings: Mapping[str, str] | None = None,
+    alone: bool = False,
 ) -> Built:
     """Check a program and lower it, with settings such as ``{"Tsh": "10 ms", "pan.inertia": "2e-3"}``.
 
+    ``alone``: for the chosen environment only, as for a run.
     Raises ``cspdiag.settings.SettingError`` for a setting that fits nothing in a program without errors, and
     ``cspdiag.network.lower.SelectionError`` where there is no such process or environment to compile.
     """
-    checked, overrides = _check_with(main, read, settings)
-    network = compile_network(checked, top=top, environment=environment, overrides=overrides.parameters)
-    return Built(checked=checked, network=network)
+    from cspdiag.network.lower import selection
+
+    def roots(program: Program, analysis: Analysis) -> Sequence[Root]:
+        process, environments = selection(program, analysis, top, environment, alone=alone)
+        return process, *environments
+
+    checked, overrides = _check_with(main, read, settings, roots)
+    network = compile_network(checked, top=top, environment=environment, overrides=overrides.parameters, alone=alone)
+    return Built(checked=checked, network=network, overrides=overrides)
 
 
-def _check_with(main: SourceFile, read: Reader, settings: Mapping[str, str] | None) -> tuple[Checked, Overrides]:
-    """The program with constants set, and the settings as values."""
+def _check_with(
+    main: SourceFile,
+    read: Reader,
+    settings: Mapping[str, str] | None,
+    roots: Callable[[Program, Analysis], Sequence[Root]],
+) -> tuple[Checked, Overrides]:
+    """The program with constants set, and the settings as values; ``roots`` finds what is to be compiled."""
     from cspdiag.settings import NO_OVERRIDES, parse_settings
 
     checked = check(main, read)
-    if checked.program is None or checked.report.has_errors or not settings:
+    if checked.program is None or checked.analysis is None or checked.report.has_errors or not settings:
         return checked, NO_OVERRIDES
-    overrides = parse_settings(checked.program, settings)
+    overrides = parse_settings(checked.program, settings, roots(checked.program, checked.analysis))
     return changed(checked, overrides.constants) if overrides.constants else checked, overrides
 
 
@@ -199,8 +222,17 @@ def ask(
     Where there are none, what is expected of ``process``, or else of the outermost process. Raises as ``build`` does.
     """
     from cspdiag.analyses.verification.question import expected_of, questions_of
+    from cspdiag.network.lower import selection
 
-    checked, overrides = _check_with(main, read, settings)
+    def roots(program: Program, analysis: Analysis) -> Sequence[Root]:
+        asked = dict.fromkeys(name for question in questions_of(program, process) for name in question.processes)
+        found: dict[Root, None] = {}
+        for name in asked or (process,):
+            outermost, environments = selection(program, analysis, name, None)
+            found |= dict.fromkeys((outermost, *environments))
+        return tuple(found)
+
+    checked, overrides = _check_with(main, read, settings, roots)
     asked = Asked(checked=checked, questions=(), networks={}, parameters=overrides.parameters)
     if checked.program is None or checked.report.has_errors:
         return asked

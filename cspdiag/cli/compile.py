@@ -11,7 +11,7 @@ from cspdiag.cli.failure import FINE, UNSUCCESSFUL, NoResultError, UsageError
 from cspdiag.cli.terminal import show_diagnostics
 from cspdiag.diagnostics.report import Report
 from cspdiag.pipeline import build, check, generate
-from cspdiag.settings import SettingError, split_setting
+from cspdiag.settings import SettingError, split_settings
 from cspdiag.sources import read_source
 
 if TYPE_CHECKING:
@@ -148,7 +148,7 @@ def _network(arguments: Namespace) -> Network | None:
             read_source,
             top=arguments.top,
             environment=arguments.environment,
-            settings=dict(split_setting(setting) for setting in arguments.set),
+            settings=split_settings(arguments.set),
         )
     except (SettingError, SelectionError) as problem:
         raise UsageError(str(problem)) from None

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from cspdiag.analyses.margins.period import Variant, Wanted
     from cspdiag.analyses.margins.system import OpenLoop
     from cspdiag.network.ir import Environment, Network
-    from cspdiag.pipeline import Built, Checked
+    from cspdiag.pipeline import Built
 
 EXAMPLE = (
     "cspdiag margins models/jiwy/jiwy.csp --loop servo\n"
@@ -35,7 +35,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument("--loop", metavar="PART", help="only loops of laws with this in their path")
     parser.add_argument(
         "--set", action="append", default=[], metavar="NAME=VALUE", dest="settings",
-        help="a constant (Tsh=10ms) or an instance's parameter (pan.inertia=2e-3); may be given again",
+        help="a constant (Tsh=10ms), a field of one (gains.kp=3) or an instance's parameter (pan.inertia=2e-3); may be given again",
     )  # fmt: skip
     parser.add_argument(
         "--at", action="append", default=[], metavar="NAME=VALUE", dest="point",
@@ -73,7 +73,7 @@ def run(arguments: Namespace) -> int:
         raise NoResultError(
             f"{place}{problem.reason}, so that no loop through `{environment.name}` has margins"
         ) from None
-    periods = {} if margin is None else _periods(arguments, built.checked, network, report, margin)
+    periods = {} if margin is None else _periods(arguments, built, network, report, margin)
     _write_plot(arguments.plot, report)
     _tell(arguments, report, periods)
     return FINE if report.loops and all(loop.margins.is_stable for loop in report.loops) else UNSUCCESSFUL
@@ -100,7 +100,11 @@ def _built(arguments: Namespace) -> Built:
 
     try:
         built = pipeline.build(
-            read_source(arguments.file), read_source, environment=arguments.environment, settings=_settings(arguments)
+            read_source(arguments.file),
+            read_source,
+            environment=arguments.environment,
+            settings=_settings(arguments),
+            alone=True,
         )
     except (SettingError, SelectionError) as problem:
         raise UsageError(str(problem)) from None
@@ -109,9 +113,9 @@ def _built(arguments: Namespace) -> Built:
 
 
 def _settings(arguments: Namespace) -> dict[str, str]:
-    from cspdiag.settings import split_setting
+    from cspdiag.settings import split_settings
 
-    return dict(split_setting(setting) for setting in arguments.settings)
+    return split_settings(arguments.settings)
 
 
 def _environment(network: Network, name: str | None) -> Environment:
@@ -148,12 +152,12 @@ def _point(arguments: Namespace, environment: Environment) -> dict[str, float]:
 
 
 def _periods(
-    arguments: Namespace, checked: Checked, network: Network, report: LoopReport, margin: Wanted
+    arguments: Namespace, built: Built, network: Network, report: LoopReport, margin: Wanted
 ) -> dict[str, tuple[int | None, str]]:
     """For each loop whose period is a constant of the text, the largest one, with the name of the constant."""
     from cspdiag.analyses.margins.period import largest_period, period_constants
 
-    search = _Search(arguments, checked)
+    search = _Search(arguments, built)
     found: dict[str, tuple[int | None, str]] = {}
     known: dict[tuple[object, ...], int | None] = {}
     for loop in report.loops:
@@ -173,13 +177,10 @@ def _periods(
 class _Search:
     """Makes the network for the periods that are looked at, each once. What the text says is read and set once."""
 
-    def __init__(self, arguments: Namespace, checked: Checked) -> None:
-        from cspdiag.settings import parse_settings
-
-        assert checked.program is not None
+    def __init__(self, arguments: Namespace, built: Built) -> None:
         self.environment = arguments.environment
-        self.checked = checked
-        self.overrides = parse_settings(checked.program, _settings(arguments))
+        self.checked = built.checked
+        self.overrides = built.overrides
         self.networks: dict[tuple[tuple[str, int], ...], Network | None] = {}
 
     def variants(self, loop: AnalysedLoop) -> Variant:
@@ -205,7 +206,7 @@ class _Search:
         if key not in self.networks:
             changed = pipeline.changed(self.checked, {**self.overrides.constants, **constants})
             self.networks[key] = pipeline.compile_network(
-                changed, environment=self.environment, overrides=self.overrides.parameters
+                changed, environment=self.environment, overrides=self.overrides.parameters, alone=True
             )
         return self.networks[key]
 

@@ -56,10 +56,10 @@ def _refuse_others(arguments: Namespace) -> None:
 def _network(arguments: Namespace, trace: Trace) -> Network | None:
     from cspdiag.network.lower import SelectionError
     from cspdiag.pipeline import build
-    from cspdiag.settings import SettingError, split_setting
+    from cspdiag.settings import SettingError, split_settings
 
     try:
-        settings = {**trace.settings, **dict(split_setting(setting) for setting in arguments.settings)}
+        settings = {**trace.settings, **split_settings(arguments.settings)}
         built = build(read_source(arguments.file), read_source, top=trace.process, settings=settings)
     except (SettingError, SelectionError) as problem:
         raise UsageError(str(problem)) from None

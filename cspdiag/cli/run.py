@@ -43,7 +43,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument("--real-time", action="store_true", help="run against the clock instead of in virtual time")
     parser.add_argument(
         "--set", action="append", default=[], metavar="NAME=VALUE", dest="settings",
-        help="a constant (Tsh=10ms) or an instance's parameter (pan.inertia=2e-3); may be given again",
+        help="a constant (Tsh=10ms), a field of one (gains.kp=3) or an instance's parameter (pan.inertia=2e-3); may be given again",
     )  # fmt: skip
     parser.add_argument(
         "--target", choices=("python", "c"), default="python", help="what to run it on (default: python)"
@@ -115,11 +115,11 @@ def _require_matplotlib() -> None:
 
 def _built(arguments: Namespace) -> Built:
     from cspdiag import pipeline
-    from cspdiag.settings import split_setting
+    from cspdiag.settings import split_settings
 
-    settings = dict(split_setting(setting) for setting in arguments.settings)
+    settings = split_settings(arguments.settings)
     built = pipeline.build(
-        read_source(arguments.file), read_source, environment=arguments.environment, settings=settings
+        read_source(arguments.file), read_source, environment=arguments.environment, settings=settings, alone=True
     )
     show_diagnostics(built.checked.report.diagnostics, arguments.color)
     return built

@@ -142,9 +142,9 @@ def _ask(arguments: Namespace, read: Reader) -> Asked:
 
 
 def _settings(arguments: Namespace) -> dict[str, str]:
-    from cspdiag.settings import split_setting
+    from cspdiag.settings import split_settings
 
-    return dict(split_setting(setting) for setting in arguments.set)
+    return split_settings(arguments.set)
 
 
 def _answers(asked: Asked, arguments: Namespace, read: Reader) -> list[Answer]:

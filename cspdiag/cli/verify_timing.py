@@ -95,10 +95,10 @@ def _tell(arguments: Namespace, built: Built, report: TimingReport, seconds: flo
 def _built(arguments: Namespace) -> Built:
     from cspdiag import pipeline
     from cspdiag.network.lower import SelectionError
-    from cspdiag.settings import SettingError, split_setting
+    from cspdiag.settings import SettingError, split_settings
 
     try:
-        settings = dict(split_setting(setting) for setting in arguments.set)
+        settings = split_settings(arguments.set)
         built = pipeline.build(read_source(arguments.file), read_source, top=arguments.process, settings=settings)
     except (SettingError, SelectionError) as problem:
         raise UsageError(str(problem)) from None

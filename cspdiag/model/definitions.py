@@ -14,7 +14,7 @@ from cspdiag.model.graphs import circle, components, walk
 from cspdiag.model.program import Scope
 from cspdiag.model.symbols import BUILTIN_EXCEPTIONS, RESERVED_VALUES, TYPE_NAMES, described
 from cspdiag.model.types import TEXT, UNKNOWN, EnumType, StructType, Type
-from cspdiag.model.values import parse_value
+from cspdiag.model.values import parse_value, with_part
 from cspdiag.syntax import ast
 
 Settled = ast.Constant | ast.TypeAliasDefinition | ast.StructDefinition
@@ -161,6 +161,9 @@ def _settle_constant(context: Context, typer: Typer, item: ast.Constant) -> None
     if isinstance(override, str):
         override = parse_value(found, override)
     value = override if override is not None else evaluate(program, item.value, {}, context.report)
+    for path, part in program.overrides.items():
+        if value is not None and path.startswith((f"{name}.", f"{name}[")):
+            value = with_part(found, value, path[len(name) :], part)
     if value is None:
         program.poisoned.add(item)
     else:

@@ -21,6 +21,7 @@ from cspdiag.model.types import (
 )
 from cspdiag.model.units import conversion_factor, parse_unit
 
+_PART = re.compile(r"\.([A-Za-z_][A-Za-z0-9_]*)|\[([0-9]{1,9})\]")
 _QUANTITY = re.compile(r"([+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*(?:<([^<>]*)>|([A-Za-z%].*))?")
 _NANOSECONDS = {"ns": 1, "us": 1_000, "ms": 1_000_000, "s": 1_000_000_000, "min": 60_000_000_000}
 _HERTZ = {"Hz": 1, "kHz": 1_000, "MHz": 1_000_000}
@@ -58,6 +59,60 @@ def parse_value(type_: Type, text: str) -> Value:
             raise ValueError(f"a value of the struct {type_.name} cannot be given here")
         case UnknownType():
             raise ValueError("its type is not known")
+
+
+class NoPartError(ValueError):
+    """A path leads to no field or element of a type; the message is one line. ``before`` is as much of the path as leads somewhere."""
+
+    def __init__(self, message: str, before: str, fields: tuple[str, ...] = ()) -> None:
+        super().__init__(message)
+        self.before = before
+        self.fields = fields
+
+
+def part_of(type_: Type, path: str) -> tuple[Type, tuple[int, ...]]:
+    """The type of a field or element by its path, such as ``.gains[1].kp``, and the positions on the way. Raises NoPartError."""
+    positions: list[int] = []
+    at = 0
+    while at < len(path):
+        step = _PART.match(path, at)
+        name, index = step.groups() if step is not None else (None, None)
+        match type_:
+            case StructType():
+                names = tuple(field for field, _ in type_.fields)
+                if name not in names:
+                    raise NoPartError(f"{type_} has the fields {', '.join(names)}", path[:at], names)
+                positions.append(names.index(name))
+                type_ = type_.fields[positions[-1]][1]
+            case ArrayType():
+                if index is None or (type_.size is not None and int(index) >= type_.size):
+                    last = f" to [{type_.size - 1}]" if type_.size is not None and type_.size > 1 else ""
+                    raise NoPartError(f"it has the elements [0]{last}", path[:at])
+                positions.append(int(index))
+                type_ = type_.element
+            case _:
+                raise NoPartError(f"{path[:at].lstrip('.') or 'it'} is {type_}, without fields or elements", path[:at])
+        assert step is not None
+        at = step.end()
+    return type_, tuple(positions)
+
+
+def with_part(type_: Type, value: Value, path: str, part: Value) -> Value:
+    """A struct or array with another value at ``path``; the value as it is where there is no such place."""
+    try:
+        positions = part_of(type_, path)[1]
+    except NoPartError:
+        return value
+    return _replaced(value, positions, part)
+
+
+def _replaced(value: Value, positions: tuple[int, ...], part: Value) -> Value:
+    if not positions:
+        return part
+    first, *others = positions
+    if not isinstance(value, tuple) or first >= len(value):
+        return value
+    return (*value[:first], _replaced(value[first], tuple(others), part), *value[first + 1 :])
 
 
 def _checked(value: float, type_: Type, text: str) -> int | float:

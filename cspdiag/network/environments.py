@@ -20,6 +20,7 @@ from cspdiag.network.environment_wiring import Member, Wiring, elements_of, wiri
 from cspdiag.network.expressions import Expression, SignalValue
 from cspdiag.network.ir import DriverInstance, Environment, ExternalPort, Port, SubmodelClass
 from cspdiag.network.lower_expression import LoweringContext, lower_expression
+from cspdiag.network.setting_paths import refuse_missing
 from cspdiag.network.submodel_draft import SECONDS, Draft
 from cspdiag.network.submodel_inline import Inlining, external_body, nested
 from cspdiag.network.submodel_signals import Surroundings
@@ -36,7 +37,7 @@ def check(program: Program, definition: ast.EnvironmentDefinition, report: Repor
     if definition in program.poisoned or not isinstance(process, ast.ProcessDefinition):
         return
     own = Report()
-    values = _process_values(program, process, definition, own)
+    values = _process_values(program, process, definition, own, {})
     drawn = wiring(program, definition, values, own)
     doubtful = own.has_errors or any(item in program.poisoned for item in _references(definition))
     step = _step(program, definition, (), own)
@@ -61,12 +62,13 @@ def lower_environment(
 ) -> Environment | None:
     """The environment of a checked program, None where something is wrong that was reported.
 
-    ``external_ports`` are those of its process; ``overrides`` are values of parameters by path: ``pan.inertia``, ``pan.friction.coulomb``.
+    ``external_ports`` are those of its process; ``overrides`` are values of parameters by path: ``pan.inertia``, ``pan.friction.coulomb``. Raises NoSuchElementError for one that names an element which an array here
+    does not have.
     """
     process = program.bindings.get(definition.process)
     if not isinstance(process, ast.ProcessDefinition):
         return None
-    values = _process_values(program, process, definition, report)
+    values = _process_values(program, process, definition, report, overrides)
     drawn = wiring(program, definition, values, report)
     step = _step(program, definition, external_ports, report)
     draft = Draft(owner=definition.name.span, sample=step, arguments={}, closed=True, overrides=overrides)
@@ -76,6 +78,8 @@ def lower_environment(
     )
     if report.has_errors:
         return None
+    if overrides:
+        refuse_missing(program, definition, overrides, (*drawn.members, *sorted(draft.names)))
     return Environment(
         name=definition.name.text,
         doc=definition.doc,
@@ -88,14 +92,20 @@ def lower_environment(
 
 
 def _process_values(
-    program: Program, process: ast.ProcessDefinition, definition: ast.EnvironmentDefinition, report: Report
+    program: Program,
+    process: ast.ProcessDefinition,
+    definition: ast.EnvironmentDefinition,
+    report: Report,
+    overrides: Mapping[str, Value],
 ) -> dict[ast.Node, Value]:
     """Values of the parameters of the process, as far as they have one."""
     given = dict(arguments_of(process.parameters, definition.arguments))
     values: dict[ast.Node, Value] = {}
     for parameter in process.parameters:
         expression = given.get(parameter, parameter.default)
-        value = evaluate(program, expression, values, report) if expression is not None else None
+        value = overrides.get(parameter.name.text)
+        if value is None and expression is not None:
+            value = evaluate(program, expression, values, report)
         if value is not None:
             values[parameter] = value
     return values

@@ -16,10 +16,11 @@ from cspdiag.network.elaborate import parameter_value
 from cspdiag.network.environments import lower_environment
 from cspdiag.network.external_ports import external_ports
 from cspdiag.network.instances import walk_instances
-from cspdiag.network.ir import Environment, ExternalPort, Network
+from cspdiag.network.ir import Network
 from cspdiag.network.lower_classes import Classes, by_name
-from cspdiag.network.occurrences import Occurrences
+from cspdiag.network.occurrences import Occurrences, instance_names
 from cspdiag.network.release import check_release
+from cspdiag.network.setting_paths import refuse_missing
 from cspdiag.network.vocabulary import Vocabulary
 from cspdiag.syntax import ast
 
@@ -76,24 +77,19 @@ def lower(
     *,
     surroundings: Surroundings = "environment",
     checked: Analysis | None = None,
+    alone: bool = False,
 ) -> Network | None:
     """The network of an outermost process; None where something is wrong that was reported.
 
     ``top``: its name, by default that of the process of the environment, which is by default the first of the text; without any
     environment the last process that nobody instantiates and that is no specification of another. ``overrides``: values of parameters by the path of the instance.
-    ``surroundings``: what its ports meet.
+    ``surroundings``: what its ports meet. ``alone``: without other environments than the chosen one.
     ``checked`` is what ``check`` has found out about the same program, with the same report. Raises SelectionError where there is no such process,
-    or a parameter of it has no value.
+    or a parameter of it has no value, and NoSuchElementError for an override of an element that an array does not have.
     """
     analysis = Analysis(program, report) if checked is None or overrides else checked
-    chosen = _chosen_environment(program, top, environment)
-    if environment is not None and chosen is None:
-        known = [item.name.text for item in _environments(program)]
-        raise SelectionError(
-            f"there is no environment `{environment}`{f' for `{top}`' if top else ''}{_suggestion(environment, known)}"
-        )
-    process = _top(program, analysis, top, chosen)
-    arguments = chosen.arguments if chosen else ()
+    process, wanted = selection(program, analysis, top, environment, alone=alone)
+    arguments = wanted[0].arguments if wanted else ()
     values = _arguments(analysis, process, arguments, overrides)
     for parameter in process.parameters:
         if parameter not in values:
@@ -119,7 +115,11 @@ def lower(
     classes.make(occurrences.found)
     ports = external_ports(program, shape, analysis.asked[shape], report)
     instances, nets = walk_instances(outermost, classes, ports)
-    lowered = _lower_environments(program, process, chosen, environment is not None, ports, overrides, report)
+    if overrides:
+        refuse_missing(program, process, overrides, instance_names(outermost))
+    lowered = tuple(
+        found for item in wanted if (found := lower_environment(program, item, ports, overrides, report)) is not None
+    )
     if report.has_errors:
         return None
     vocabulary = Vocabulary(program, (*classes.made.values(), *ports, *lowered))
@@ -139,6 +139,26 @@ def lower(
         instances=instances,
         nets=nets,
     )
+
+
+def selection(
+    program: Program, analysis: Analysis, top: str | None, environment: str | None, *, alone: bool = False
+) -> tuple[ast.ProcessDefinition, tuple[ast.EnvironmentDefinition, ...]]:
+    """The outermost process and its environments, the chosen one first; see ``lower``.
+
+    Others, where none was asked for by name, are those that give the process the same arguments. Raises SelectionError.
+    """
+    chosen = _chosen_environment(program, top, environment)
+    if environment is not None and chosen is None:
+        known = [item.name.text for item in _environments(program)]
+        raise SelectionError(
+            f"there is no environment `{environment}`{f' for `{top}`' if top else ''}{_suggestion(environment, known)}"
+        )
+    process = _top(program, analysis, top, chosen)
+    if chosen is None or alone or environment is not None:
+        return process, (chosen,) if chosen is not None else ()
+    others = (e for e in _environments(program) if e is not chosen and _alike(program, process, e, chosen))
+    return process, (chosen, *others)
 
 
 def _environments(program: Program) -> list[ast.EnvironmentDefinition]:
@@ -204,25 +224,6 @@ def _arguments(
 
 def _by_name(values: Mapping[ast.Node, Value]) -> dict[str, Value]:
     return dict(by_name(values))
-
-
-def _lower_environments(
-    program: Program,
-    process: ast.ProcessDefinition,
-    chosen: ast.EnvironmentDefinition | None,
-    only: bool,
-    ports: tuple[ExternalPort, ...],
-    overrides: Mapping[str, Value],
-    report: Report,
-) -> tuple[Environment, ...]:
-    """The chosen environment and, where none was asked for by name, the others that give the process the same arguments."""
-    if chosen is None:
-        return ()
-    wanted = [chosen]
-    if not only:
-        wanted += [e for e in _environments(program) if e is not chosen and _alike(program, process, e, chosen)]
-    lowered = [lower_environment(program, environment, ports, overrides, report) for environment in wanted]
-    return tuple(environment for environment in lowered if environment is not None)
 
 
 def _alike(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 from cspdiag.diagnostics import Report
 from cspdiag.diagnostics.record import node
@@ -105,12 +105,26 @@ class Occurrences:
     def _law(self, instance: InstanceShape, values: dict[ast.Node, Value], sample: int | None) -> LawOccurrence | None:
         definition = instance.shape.definition
         assert isinstance(definition, ast.SubmodelDefinition)
-        key = (definition, tuple(values.items()), sample)
+        inside = {path: value for path, value in instance.overrides.items() if "." in path}
+        key = (definition, tuple(values.items()), sample, tuple(inside.items()))
         if key not in self._laws:
-            flattened = flatten(self.program, definition, _by_name(values), sample, self.report)
+            flattened = flatten(self.program, definition, _by_name(values), sample, self.report, overrides=inside)
             law = None if flattened is None else LawOccurrence(flattened=flattened, values=values)
             self._laws[key] = law
         return self._laws[key]
+
+
+def instance_names(outermost: Occurrence) -> Iterator[str]:
+    """The paths of all instances in a process and of those in its submodels, in text order; names of other things in submodels are among them."""
+    pending: list[tuple[str, Occurrence | LawOccurrence]] = [("", outermost)]
+    while pending:
+        prefix, occurrence = pending.pop()
+        if isinstance(occurrence, LawOccurrence):
+            yield from (f"{prefix}{name}" for name in sorted(occurrence.flattened.names))
+            continue
+        for name in occurrence.children:
+            yield f"{prefix}{name}"
+        pending.extend((f"{prefix}{name}.", child) for name, child in occurrence.children.items())
 
 
 def _by_name(values: Mapping[ast.Node, Value]) -> dict[str, Value]:

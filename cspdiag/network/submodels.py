@@ -21,10 +21,11 @@ from cspdiag.syntax import ast
 
 @node
 class Flattened:
-    """A class with symbolic parameters, and the values of its derived parameters for one instance."""
+    """A class with symbolic parameters, the values of its derived parameters for one instance, and the names in it."""
 
     cls: SubmodelClass
     derived: dict[str, Value]
+    names: frozenset[str]
 
 
 def flatten(
@@ -35,13 +36,15 @@ def flatten(
     report: Report,
     *,
     environment: bool = False,
+    overrides: Mapping[str, Value] | None = None,
 ) -> Flattened | None:
     """The class of an instance with these arguments that runs every ``sample`` nanoseconds.
 
     The arguments decide only sizes and the values in ``derived``: two instances whose classes are equal share one. None
-    where something is wrong that was reported. ``environment`` tells that there is a ``time``.
+    where something is wrong that was reported. ``environment`` tells that there is a ``time``. ``overrides`` are values of
+    parameters of the instances inside, by path.
     """
-    draft = Draft(owner=definition.name.span, sample=sample, arguments=arguments)
+    draft = Draft(owner=definition.name.span, sample=sample, arguments=arguments, overrides=overrides)
     inlining = _inlined(program, draft, definition, environment, report)
     result: SubmodelClass | None = SubmodelClass(
         name=definition.name.text,
@@ -57,7 +60,7 @@ def flatten(
         result = complete(result, draft, report)
     if result is None or not draft.complete:
         return None
-    return Flattened(cls=result, derived=draft.derived)
+    return Flattened(cls=result, derived=draft.derived, names=frozenset(draft.names))
 
 
 def _inlined(

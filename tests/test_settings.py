@@ -1,0 +1,237 @@
+"""What ``--set`` and ``set=`` change, and what they refuse."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import cspdiag
+from cspdiag import pipeline
+from cspdiag.cli.main import main
+from cspdiag.diagnostics.span import SourceFile
+from cspdiag.network.dump import dump
+from cspdiag.settings import SettingError, split_settings
+from cspdiag.sources import read_source
+
+PROGRAM = """
+const Ts = 1 ms
+const base = 2.0
+
+struct Gains {
+  kp: double
+  ki: double<1/s>
+}
+
+struct Plant {
+  gains: Gains
+  on: bool
+}
+
+const panGains = Gains(kp = base, ki = 1<1/s>)
+const plantful = Plant(gains = Gains(kp = 1.0, ki = 2<1/s>), on = true)
+const table : double[3] = [1.0, 2.0, 3.0]
+
+submodel Filter(tau: time = 5 ms) {
+  in x : double
+  out y : double
+  y = lag(x, tau)
+}
+
+submodel Law(kp: double = 20, g: Gains = panGains) {
+  in  x : double
+  out y : double
+  f[2] : Filter
+  f[0].x = x
+  f[1].x = f[0].y
+  y = kp * f[1].y * g.kp + table[1] + plantful.gains.kp
+}
+
+process Follow(T: time) {
+  in  x : double @ T
+  out y : double @ T
+  communication {
+    law : Law
+    x -> law.x
+    law.y -> y
+  }
+  composition { mu law }
+}
+
+process Cell(id: int) {
+  out o : int
+  composition { o ! id }
+}
+
+process Main(T: time) {
+  in  x : double @ T
+  out y : double @ T
+  communication {
+    follow : Follow(T)
+    cell[i < 3] : Cell(id = i)
+    for i < 2 { deep[j < 2] : Cell(id = i + j)
+      deep[0].o -> _
+      deep[1].o -> _
+      }
+    x -> follow.x
+    follow.y -> y
+    cell[0].o -> _
+    cell[1].o -> _
+    cell[2].o -> _
+  }
+  composition { follow || (par i < 3 : cell[i]) || (par i < 2 : deep[i][0]) || (par i < 2 : deep[i][1]) }
+}
+
+submodel Source(a: double = 1) { out y : double
+  y = a * sin(time / 1<s>) }
+submodel Sink(k: double = 1) { in u : double
+  state s: double = 0
+  next s = k * u
+ }
+
+environment Bench for Main(Ts) {
+  source[i < 2] : Source
+  sink : Sink
+  source[0].y -> x
+  y -> sink.u
+}
+environment Other for Main(Ts) {
+  lamp : Source
+  sink : Sink
+  lamp.y -> x
+  y -> sink.u
+}
+"""
+
+
+def network(settings: dict[str, str], *, alone: bool = True) -> str:
+    built = pipeline.build(SourceFile(name="set.csp", text=PROGRAM), read_source, settings=settings, alone=alone)
+    assert built.network is not None
+    instances = "\n".join(f"{instance.path} {instance.arguments}" for instance in built.network.instances)
+    return f"{dump(built.network)}\n{instances}"
+
+
+@pytest.fixture(scope="module")
+def plain() -> str:
+    return network({})
+
+
+@pytest.mark.parametrize(
+    "setting",
+    [
+        "Ts=2ms",
+        "T=2ms",
+        "base=3",
+        "follow.law.kp=30",
+        "cell[2].id=7",
+        "cell[02].id=7",
+        "deep[1][1].id=5",
+        "follow.law.f[1].tau=3ms",
+        "source[0].a=2",
+        "sink.k=2",
+        "panGains.kp=3",
+        "plantful.gains.kp=7",
+        "table[1]=5",
+        "table=[1,9,3]",
+    ],
+)
+def test_what_can_be_set_is_changed(setting: str, plain: str) -> None:
+    assert network(split_settings([setting])) != plain
+
+
+@pytest.mark.parametrize(
+    ("setting", "reason"),
+    [
+        ("Ts=3", "write it with a unit, such as 10ms"),
+        ("law.kp=30", "did you mean 'follow.law.kp'?"),
+        ("kp=30", "did you mean 'follow.law.kp'?"),
+        ("follow.lw.kp=3", "did you mean 'follow.law.kp'?"),
+        ("follow.law.kq=3", "did you mean 'follow.law.kp'?"),
+        ("Main.follow.law.kp=3", "did you mean 'follow.law.kp'?"),
+        ("Bench.sink.k=2", "did you mean 'sink.k'?"),
+        ("cell[99].id=7", "`cell` has cell[0] to cell[2]"),
+        ("cell[xyz].id=7", "'cell[0].id'"),
+        ("cell.id=7", "'cell[0].id'"),
+        ("deep[1].id=5", "2 indexes: 'deep[0][0].id'"),
+        ("deep[1][4].id=5", "`deep` has deep[0][0] to deep[1][1]"),
+        ("follow[0].law.kp=3", "'follow.law.kp'"),
+        ("follow.law.f.tau=3ms", "'follow.law.f[0].tau'"),
+        ("follow.law.f[2].tau=3ms", "follow.law.f[0] to follow.law.f[1]"),
+        ("f[1].tau=3ms", "did you mean 'follow.law.f[1].tau'?"),
+        ("source[5].a=2", "source[0] to source[1]"),
+        ("lamp.a=2", "`Other` has it"),
+        ("panGains.kq=3", "Gains has the fields kp, ki"),
+        ("panGains=3", "panGains.kp, panGains.ki"),
+        ("table[3]=5", "[0] to [2]"),
+        ("table.x=5", "[0] to [2]"),
+        ("follow.law.g.kp=4", "set as a whole"),
+        ("follow.law.g=4", "make its argument a constant"),
+        ("sink.k=3<V>", "the units do not agree"),
+        ("cell[1].id=2.5", "no int"),
+        ("a..b=3", "INSTANCE.PARAMETER"),
+        ("Tz=1ms", "the constants are Ts, base"),
+    ],
+)
+def test_what_cannot_be_set_says_why(setting: str, reason: str) -> None:
+    with pytest.raises(SettingError) as refused:
+        network(split_settings([setting]))
+    assert reason in str(refused.value)
+    assert setting.partition("=")[0] in str(refused.value)
+
+
+def test_fields_are_set_in_what_other_settings_have_made() -> None:
+    """``panGains.kp`` is computed from ``base``; what is set of it counts, and the rest follows ``base``."""
+    built = pipeline.build(
+        SourceFile(name="set.csp", text=PROGRAM),
+        read_source,
+        settings={"panGains.ki": "5", "base": "3", "table[0]": "9"},
+    )
+    assert built.network is not None
+    constants = {constant.name: constant.value for constant in built.network.constants}
+    assert (constants["panGains"], constants["table"]) == ((3.0, 5.0), (9.0, 2.0, 3.0))
+
+
+def test_a_package_is_for_all_its_environments(plain: str) -> None:
+    assert network({"lamp.a": "2"}, alone=False) != plain
+
+
+def test_nothing_is_set_twice() -> None:
+    with pytest.raises(SettingError, match="Ts is set twice: to 1ms and to 2ms"):
+        split_settings(["Ts=1ms", "Ts=2ms"])
+    with pytest.raises(SettingError, match=r"cell\[1\].id is set twice"):
+        network({"cell[1].id": "1", "cell[01].id": "2"})
+
+
+def test_a_name_that_means_two_parameters_sets_neither() -> None:
+    text = (
+        PROGRAM.replace("sink : Sink", "follow : Sink")
+        .replace("sink.u", "follow.u")
+        .replace("(k: double", "(T: double")
+    )
+    text = text.replace("k * u", "T * u")
+    with pytest.raises(SettingError, match="is a parameter in `Main` and `Bench`"):
+        pipeline.build(SourceFile(name="set.csp", text=text), read_source, settings={"follow.T": "2ms"}, alone=True)
+
+
+@pytest.mark.parametrize(
+    "command", [["run", "--for", "1ms"], ["compile", "-o", "out"], ["margins"], ["verify"], ["verify", "--timing"]]
+)
+def test_every_verb_refuses_a_path_that_leads_nowhere(
+    command: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("set.csp").write_text(PROGRAM)
+    for path in ("law.kp", "cell[99].id", "cell.id"):
+        assert main([*command, "set.csp", "--set", f"{path}=30"]) == 2
+        assert f"there is no parameter {path!r}" in capsys.readouterr().err
+    assert not Path("out").exists()
+
+
+def test_python_refuses_a_path_that_leads_nowhere(tmp_path: Path) -> None:
+    (tmp_path / "set.csp").write_text(PROGRAM)
+    program = cspdiag.load(tmp_path / "set.csp")
+    for use in (program.run, program.build, program.margins, program.timing, program.verify):
+        with pytest.raises(SettingError, match=r"did you mean 'follow\.law\.kp'"):
+            use(set={"law.kp": 30})
+        with pytest.raises(SettingError, match=r"cell\[0\] to cell\[2\]"):
+            use(set={"cell[99].id": 30})
