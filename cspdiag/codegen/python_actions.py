@@ -29,7 +29,7 @@ from cspdiag.codegen.python_imports import Imports
 from cspdiag.codegen.python_members import Members
 from cspdiag.codegen.python_rolling import LEAST, rolled_steps, statements_template, template
 from cspdiag.codegen.python_statements import Block, Line, Statement, assign, lines, run
-from cspdiag.codegen.python_types import quoted
+from cspdiag.codegen.python_text import quoted
 from cspdiag.codegen.ranges import cannot_fault
 from cspdiag.network.actions import (
     Action,

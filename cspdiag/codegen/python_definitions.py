@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from cspdiag.codegen.python_imports import Imports
 from cspdiag.codegen.python_names import PackageNames, identifier
 from cspdiag.codegen.python_statements import assign, lines
+from cspdiag.codegen.python_text import remark
 from cspdiag.codegen.python_types import annotation, enum_member, literal
 from cspdiag.network.ir import Network
 
@@ -29,7 +30,7 @@ def constant_lines(network: Network, names: PackageNames) -> tuple[list[str], li
         place = names.place(constant.span.file, constant.span.line)
         if constant.doc:
             rows += [""] if rows else []
-            rows += [f"# {row}".rstrip() for row in constant.doc.strip().split("\n")]
+            rows += [f"# {remark(row)}".rstrip() for row in constant.doc.strip().split("\n")]
         rows += lines([assign(names.constants[constant.name], value, place)], "")
     return imports.lines(), rows
 

@@ -25,9 +25,10 @@ from cspdiag.codegen.python_external import ExternalModules, external_call
 from cspdiag.codegen.python_imports import Imports
 from cspdiag.codegen.python_integration import Integration
 from cspdiag.codegen.python_names import Names, PackageNames
-from cspdiag.codegen.python_statements import Block, Line, Statement, assign, docstring, lines, run
+from cspdiag.codegen.python_statements import Block, Line, Statement, assign, lines, run
 from cspdiag.codegen.python_submodels import INTEGRATION
-from cspdiag.codegen.python_types import annotation, duration, literal, quoted, zero
+from cspdiag.codegen.python_text import docstring, quoted
+from cspdiag.codegen.python_types import annotation, duration, literal, zero
 from cspdiag.model.types import BOOL, DOUBLE, INT, TEXT, Type
 from cspdiag.network.ir import (
     Declared,

@@ -34,6 +34,9 @@ class ExternalModules:
 
     def __init__(self, texts: Mapping[str, str]) -> None:
         self._texts = texts
+        names = Names({"__init__"})
+        self._modules = {path: names.fresh(posixpath.basename(path).removesuffix(".py")) for path in texts}
+        """What each file is called in the folder ``external``: two of one name in different folders stay apart."""
 
     def describe(self, body: ExternalBody) -> Body:
         """What the text of its module says about a class; an installed module is taken to have the required parts only.
@@ -43,15 +46,16 @@ class ExternalModules:
         if body.language != "python":
             raise TargetError(f"{body.span}: the Python target cannot run a body in {body.language}")
         file, _, name = body.target.rpartition(":")
-        text = self._texts.get(source_path(body) or "")
-        if text is None:
+        path = source_path(body)
+        text = None if path is None else self._texts.get(path)
+        if path is None or text is None:
             module = file.removesuffix(".py").replace("/", ".")
             return Body(module, name, copied=False, has_reset=False, takes_time=False)
         methods = _methods(text, name)
         if methods is None:
             raise TargetError(f"{body.span}: {file} has no class `{name}`")
         return Body(
-            module_name(file),
+            self._modules[path],
             name,
             copied=True,
             has_reset="reset" in methods,
@@ -74,7 +78,7 @@ class ExternalModules:
         for body in bodies(network):
             path = source_path(body)
             if path is not None and path in self._texts:
-                files[f"{module_name(body.target.rpartition(':')[0])}.py"] = _relative_imports(self._texts[path])
+                files[f"{self._modules[path]}.py"] = _relative_imports(self._texts[path])
         return files
 
 
@@ -117,11 +121,6 @@ def external_paths(network: Network) -> tuple[str, ...]:
     """The files to read for a network."""
     paths = (source_path(body) for body in bodies(network))
     return tuple(dict.fromkeys(path for path in paths if path is not None))
-
-
-def module_name(file: str) -> str:
-    """The module that a file becomes in the folder ``external``."""
-    return identifier(posixpath.basename(file).removesuffix(".py"))
 
 
 def _methods(text: str, name: str) -> dict[str, list[str]] | None:

@@ -24,6 +24,7 @@ from cspdiag.codegen.python_code import (
     Prefix,
     Starred,
 )
+from cspdiag.codegen.python_text import remark
 
 LINE_LENGTH = 100
 """Of generated code; its pyproject.toml says the same."""
@@ -36,15 +37,21 @@ def statement(before: str, code: Code, after: str = "", indent: str = "", commen
 
     ``comment`` stands at the end of the line, or on a line of its own before a statement that does not fit with it.
     """
+    if before.startswith("#"):
+        return [_comment_line(indent, before)]
+    comment = comment and remark(comment)
     line = f"{indent}{before}{code.flat}{after}"
     if comment is not None and len(line) + 4 + len(comment) <= LINE_LENGTH:
         return [f"{line}  # {comment}"]
     lines = [] if comment is None else [f"{indent}# {comment}"]
-    if before.startswith("# ") and len(line) > LINE_LENGTH:
-        return [f"{line[: LINE_LENGTH - 3].rstrip()}..."]
     if len(line) <= LINE_LENGTH or not code.flat:
         return [*lines, line]
     return [*lines, *_broken_statement(indent, before, code, after)]
+
+
+def _comment_line(indent: str, comment: str) -> str:
+    line = f"{indent}{remark(comment)}"
+    return line if len(line) <= LINE_LENGTH else f"{line[: LINE_LENGTH - 3].rstrip()}..."
 
 
 def _broken_statement(indent: str, before: str, code: Code, after: str) -> list[str]:

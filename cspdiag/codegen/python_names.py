@@ -44,7 +44,7 @@ MODULES = _words("network constants types exceptions runtime environments extern
 
 def identifier(text: str) -> str:
     """A Python name for a name of the text, or for several joined by dots and indexes (``pid.error``, ``cell[3]``)."""
-    joined = re.sub(r"\W+", "_", text).strip("_") if re.search(r"\W", text) else text
+    joined = re.sub(r"\W+", "_", text, flags=re.ASCII).strip("_") if re.search(r"\W", text, re.ASCII) else text
     if not joined or joined[0].isdigit():
         joined = f"_{joined}"
     return f"{joined}_" if joined in KEYWORDS or joined in BUILTINS else joined

@@ -12,7 +12,8 @@ from cspdiag.codegen.python_imports import Imports
 from cspdiag.codegen.python_instances import keywords_of
 from cspdiag.codegen.python_names import Names, PackageNames
 from cspdiag.codegen.python_statements import Line, Statement, assign, lines
-from cspdiag.codegen.python_types import annotation, duration, literal, quoted
+from cspdiag.codegen.python_text import quoted
+from cspdiag.codegen.python_types import annotation, duration, literal
 from cspdiag.network.ir import ExternalPort, Network, ProcessClass
 
 

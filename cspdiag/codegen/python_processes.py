@@ -15,8 +15,9 @@ from cspdiag.codegen.python_members import Members
 from cspdiag.codegen.python_modules import ClassModule, port_annotation
 from cspdiag.codegen.python_names import PackageNames
 from cspdiag.codegen.python_rolling import rolled_list
-from cspdiag.codegen.python_statements import Line, Statement, assign, docstring, lines, signature
-from cspdiag.codegen.python_types import annotation, quoted
+from cspdiag.codegen.python_statements import Line, Statement, assign, lines, signature
+from cspdiag.codegen.python_text import docstring, quoted
+from cspdiag.codegen.python_types import annotation
 from cspdiag.network.actions import ChannelEnd, PortEnd
 from cspdiag.network.expressions import ParameterValue
 from cspdiag.network.ir import (

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from cspdiag.codegen.package_text import markdown, markdown_code, toml_string
+from cspdiag.codegen.plain_text import one_line
 from cspdiag.codegen.python_docs import sentence
 from cspdiag.codegen.python_environments import port_key
 from cspdiag.codegen.python_external import ExternalModules, installed_modules
 from cspdiag.codegen.python_names import PackageNames
-from cspdiag.codegen.python_types import quoted
+from cspdiag.codegen.python_text import docstring
 from cspdiag.model.durations import duration
 from cspdiag.network.ir import ExternalPort, Network
 
@@ -32,9 +34,14 @@ class Project:
     distribution: str
     top: str
     source: str
+    """On one line, for comments."""
+    source_code: str
+    """The same as a code span of Markdown."""
     doc: str
-    summary: str
-    quoted_summary: str
+    """In Markdown."""
+    docstring: str
+    description: str
+    """A string of TOML."""
     ports: list[PortRow]
     environments: list[str]
     copied: bool
@@ -51,10 +58,11 @@ def project_view(network: Network, names: PackageNames, modules: ExternalModules
         package=names.package,
         distribution=names.package.strip("_").replace("_", "-"),
         top=network.top,
-        source=source,
-        doc=doc,
-        summary=summary,
-        quoted_summary=quoted(summary),
+        source=one_line(source),
+        source_code=markdown_code(source),
+        doc=markdown(doc),
+        docstring="\n".join(docstring(summary, "")),
+        description=toml_string(summary),
         ports=[port_row(port) for port in network.external_ports],
         environments=[entry.name for entry in network.environments],
         copied=bool(modules.copies(network)),
@@ -67,4 +75,4 @@ def port_row(port: ExternalPort) -> PortRow:
     timing = "event" if port.period is None else f"every {duration(port.period)}"
     if port.immediate:
         timing += ", immediate"
-    return PortRow(port_key(port), port.direction, str(port.type), timing, " ".join((port.doc or "").split()))
+    return PortRow(port_key(port), port.direction, str(port.type), timing, markdown(" ".join((port.doc or "").split())))

@@ -8,6 +8,7 @@ from typing import TypeAlias
 
 from cspdiag.codegen.python_code import Atom, Code
 from cspdiag.codegen.python_layout import INDENT, LINE_LENGTH, statement
+from cspdiag.codegen.python_text import remark
 
 NOTHING = Atom("")
 
@@ -81,7 +82,7 @@ def _unpacking(item: Unpack, indent: str) -> list[str]:
     if len(indent) + len(before) + len(opening) <= LINE_LENGTH:
         return statement(before, item.code, "", indent, item.comment)
     rows = [f"{indent}(", *(f"{indent}{INDENT}{target}," for target in item.targets)]
-    comment = [f"{indent}# {item.comment}"] if item.comment else []
+    comment = [f"{indent}# {remark(item.comment)}"] if item.comment else []
     return [*comment, *rows, *statement(") = ", item.code, "", indent)]
 
 
@@ -91,13 +92,3 @@ def signature(before: str, parameters: Sequence[str], after: str, indent: str) -
     if len(line) <= LINE_LENGTH:
         return [line]
     return [f"{indent}{before}(", *(f"{indent}{INDENT}{item}," for item in parameters), f"{indent}){after}"]
-
-
-def docstring(text: str, indent: str) -> list[str]:
-    """A docstring; its quotes stand alone at the end when there is more than one line. The text must not end in a quote."""
-    plain = text.replace('"""', "'''").strip()
-    quotes = 'r"""' if "\\" in plain else '"""'
-    rows = [row.rstrip() for row in plain.split("\n")]
-    if len(rows) == 1:
-        return [f'{indent}{quotes}{rows[0]}"""']
-    return [f"{indent}{quotes}{rows[0]}", *(f"{indent}{row}" if row else "" for row in rows[1:]), f'{indent}"""']

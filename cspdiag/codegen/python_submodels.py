@@ -25,8 +25,9 @@ from cspdiag.codegen.python_imports import Imports
 from cspdiag.codegen.python_integration import Integration
 from cspdiag.codegen.python_modules import ClassModule, port_annotation
 from cspdiag.codegen.python_names import MEMBERS, Names, PackageNames, identifier
-from cspdiag.codegen.python_statements import Line, Statement, Unpack, assign, docstring, lines, run, signature
-from cspdiag.codegen.python_types import annotation, duration, quoted
+from cspdiag.codegen.python_statements import Line, Statement, Unpack, assign, lines, run, signature
+from cspdiag.codegen.python_text import docstring, quoted
+from cspdiag.codegen.python_types import annotation, duration
 from cspdiag.model.types import TimeType
 from cspdiag.network.ir import ExternalBody, ExternalCall, SubmodelClass, SubmodelEquation
 

@@ -8,6 +8,7 @@ from typing import assert_never
 from cspdiag.codegen.python_code import PRIMARY, PRODUCT, SIGN, Atom, Chain, Code, call, tuple_of
 from cspdiag.codegen.python_imports import Imports
 from cspdiag.codegen.python_names import identifier
+from cspdiag.codegen.python_text import quoted
 from cspdiag.diagnostics import Span
 from cspdiag.model.arithmetic import single
 from cspdiag.model.types import (
@@ -152,9 +153,3 @@ def enum_member(name: str) -> str:
     """The member of an ``IntEnum`` for a literal of an enum."""
     plain = identifier(name)
     return f"{plain}_" if plain in _MEMBERS_OF_INT or plain.startswith("_") else plain
-
-
-def quoted(text: str) -> str:
-    """A string literal in double quotes, in ASCII."""
-    escaped = text.encode("unicode_escape").decode("ascii").replace('"', '\\"')
-    return f'"{escaped}"'

@@ -52,7 +52,8 @@ class MalformedTarget(Diagnostic):
     """The text that names an external body is not of the form that its language wants.
 
     For Python it is a file or a module and a class, ``module.py:Class`` or ``package.module:Class``; for C a file, ``file.c``. Files are
-    looked for beside the file that names them.
+    looked for beside the file that names them. The name of a module is written into the generated code, that of a C file into its makefiles:
+    a module consists of names of Python with dots between them, the file of letters, digits, ``_``, ``.``, ``+`` and ``-``.
 
     Refused::
 
@@ -82,7 +83,7 @@ class MalformedTarget(Diagnostic):
     @property
     def help(self) -> str:
         if self.language == "c":
-            return 'write `c "file.c"`'
+            return 'write `c "file.c"`, with letters, digits, `_`, `.`, `+` and `-` in the name of the file'
         return 'write `python "module.py:Class"`'
 
 

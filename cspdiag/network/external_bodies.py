@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from keyword import iskeyword
 
 from cspdiag.diagnostics import Report
 from cspdiag.diagnostics.record import record
@@ -12,9 +13,13 @@ from cspdiag.network.ir import ExternalBody
 from cspdiag.network.submodel_inline import external_body
 from cspdiag.syntax import ast
 
+_NAME = r"[A-Za-z_][A-Za-z0-9_]*"
+_FOLDERS = r"(?:[^:*?\"<>|\x00-\x1f]*/)?"
 _TARGETS = {
-    "python": re.compile(r"(?P<file>[^:*?\"<>|]+):(?P<name>[A-Za-z_][A-Za-z0-9_]*)"),
-    "c": re.compile(r"(?P<file>[^:*?\"<>|]+\.c)"),
+    # A file, or an installed module: the latter's name is written into generated code as it is.
+    "python": re.compile(rf"(?P<file>{_FOLDERS}[^:*?\"<>|\x00-\x1f/]+\.py|{_NAME}(?:[./]{_NAME})*):(?P<name>{_NAME})"),
+    # A file that is copied under its own name, which stands in makefiles.
+    "c": re.compile(rf"(?P<file>{_FOLDERS}[A-Za-z0-9_][A-Za-z0-9_.+-]*\.c)"),
 }
 Owner = ast.ProcessDefinition | ast.SubmodelDefinition | ast.DriverDefinition
 
@@ -36,13 +41,23 @@ def external_bodies(program: Program) -> list[NamedBody]:
         if not isinstance(definition, Owner) or definition.external is None:
             continue
         pattern = _TARGETS.get(definition.external.language.text)
-        match = pattern.fullmatch(definition.external.target) if pattern else None
+        match = _parts(pattern, definition.external.target) if pattern else None
         if match:
             parts = match.groupdict()
             found.append(
                 NamedBody(definition.name.text, external_body(definition.external), parts["file"], parts.get("name"))
             )
     return found
+
+
+def _parts(pattern: re.Pattern[str], target: str) -> re.Match[str] | None:
+    """The parts of what names a body, if it can be one: a word of Python names neither a module nor a class."""
+    found = pattern.fullmatch(target)
+    if found is None:
+        return None
+    file, name = found["file"], found.groupdict().get("name", "")
+    module = [] if file.endswith((".py", ".c")) else re.split("[./]", file)
+    return None if any(map(iskeyword, (*module, name))) else found
 
 
 def check(program: Program, report: Report) -> None:
@@ -60,7 +75,7 @@ def check(program: Program, report: Report) -> None:
         pattern = _TARGETS.get(language)
         if pattern is None or (kind == "driver" and language != "python"):
             report.add(UnsupportedLanguage(external.language.span, language, kind))
-        elif not pattern.fullmatch(external.target):
+        elif not _parts(pattern, external.target):
             report.add(MalformedTarget(external.target_span, language, external.target))
         if _has_own_body(definition):
             report.add(MixedBody(external.span, definition.name.text))

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from cspdiag.codegen.c.text import in_comment
+
 COMMA, CONDITIONAL, OR, AND, EQUALITY, RELATION, SUM, PRODUCT, UNARY, POSTFIX = range(10)
 """Precedences of C, the loosest first; those that the generator does not use are left out."""
 
@@ -56,7 +58,7 @@ def statement(
     ``comment`` stands at the end of the line, or on a line of its own before a statement that does not fit with it.
     """
     line = f"{indent}{before}{code}{after}"
-    remark = "" if comment is None else f"/* {comment} */"
+    remark = "" if comment is None else f"/* {in_comment(comment)} */"
     if comment is not None and len(line) + 1 + len(remark) <= LINE_LENGTH:
         return [f"{line} {remark}"]
     lines = [f"{indent}{remark}"] if comment is not None else []
@@ -79,11 +81,12 @@ def broken(line: str, deeper: str) -> list[str]:
 def _break(line: str) -> tuple[int, int] | None:
     """Where to break: at the outermost level after a comma, or before the loosest operator; the last such place that fits, and its level."""
     best: tuple[int, int, int] | None = None
-    depth, quoted = 0, False
+    depth, quoted, escaped = 0, False, False
     start = len(line) - len(line.lstrip()) + 1
     for position, character in enumerate(line[:LINE_LENGTH]):
-        if character == '"' and line[position - 1] != "\\":
+        if character == '"' and not escaped:
             quoted = not quoted
+        escaped = quoted and character == "\\" and not escaped
         if quoted:
             continue
         if character in "([{":

@@ -22,6 +22,7 @@ from cspdiag.codegen.c.parallels import parallel_rows
 from cspdiag.codegen.c.plain_steps import assign_rows, read_rows, stop_rows, wait_rows, write_rows
 from cspdiag.codegen.c.rows import Row, block, rows
 from cspdiag.codegen.c.scopes import group_rows, report_rows, scope_rows
+from cspdiag.codegen.c.text import quoted
 from cspdiag.codegen.c.writer import Writer
 from cspdiag.network.actions import (
     Action,
@@ -129,8 +130,8 @@ class Composition(Writer):
 
     def _raise(self, action: RaiseException) -> list[Row]:
         number = exception_number(self.names, action.exception)
-        raised = f'(void)csp_raise(party, {number}, "{self.where(action)}");'
-        inner = rows(f'csp.error.inner = "{self.inner}";') if self.inner is not None else []
+        raised = f"(void)csp_raise(party, {number}, {quoted(self.where(action))});"
+        inner = rows(f"csp.error.inner = {quoted(self.inner)};") if self.inner is not None else []
         return [Row(raised, comment=self.comment(action)), *inner, Row(f"goto {self.failing()};")]
 
     def _run(self, action: RunInstance) -> list[Row]:

@@ -6,13 +6,14 @@ import textwrap
 from collections.abc import Sequence
 
 from cspdiag.codegen.c.code import LINE_LENGTH
+from cspdiag.codegen.c.text import in_comment
 
 
 def wrapped(doc: str) -> list[str]:
     """The lines of a doc comment, in paragraphs."""
     rows: list[str] = []
     for part in doc.strip().split("\n\n"):
-        text = " ".join(part.split()).replace("*/", "* /").replace("/*", "/ *")
+        text = " ".join(part.split())
         rows += [""] if rows else []
         rows += textwrap.wrap(text, LINE_LENGTH - 4, break_long_words=False, break_on_hyphens=False)
     if rows and rows[0] and rows[-1][-1:] not in ".!?:":
@@ -22,7 +23,7 @@ def wrapped(doc: str) -> list[str]:
 
 def comment(rows: Sequence[str], indent: str = "") -> list[str]:
     """A comment of several lines."""
-    if len(rows) == 1:
-        return [f"{indent}/* {rows[0]} */"]
-    first, *rest = rows
+    first, *rest = map(in_comment, rows)
+    if not rest:
+        return [f"{indent}/* {first} */"]
     return [f"{indent}/* {first}", *(f"{indent} * {row}".rstrip() for row in rest), f"{indent} */"]

@@ -13,6 +13,7 @@ from cspdiag.codegen.c.expressions import Printer
 from cspdiag.codegen.c.integration import LOCALS, Integration
 from cspdiag.codegen.c.laws import body_name
 from cspdiag.codegen.c.names import Names, PackageNames
+from cspdiag.codegen.c.text import quoted
 from cspdiag.codegen.c.types import CTypes, duration
 from cspdiag.codegen.equations import (
     Equation,
@@ -146,8 +147,8 @@ class EnvironmentFiles:
 
         def check(place: str) -> list[str]:
             if not at:
-                return [f'CSP_CHECK_LAW("{place}");']
-            return [f'csp_fault_in("{place}");'] if place else []
+                return [f"CSP_CHECK_LAW({quoted(place)});"]
+            return [f"csp_fault_in({quoted(place)});"] if place else []
 
         return EquationWriter(printer, self._place, check, lambda name: f"plant.{self._members[name]}", body_name)
 
@@ -266,7 +267,7 @@ class EnvironmentFiles:
             rows.append(f"{INDENT}const double h = {interval} / (double)steps;")
         rows += self._integration.steps(self._slopes_printer, printer.signal, count, INDENT)
         if self._integration.faulty:
-            told = f'(void)csp_fault_at("{place}");' if place is not None else ""
+            told = f"(void)csp_fault_at({quoted(place)});" if place is not None else ""
             rows += [
                 f"{INDENT}if (csp_faulted()) {{",
                 *([INDENT * 2 + told] if told else []),

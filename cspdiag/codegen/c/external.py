@@ -5,6 +5,7 @@ from __future__ import annotations
 import posixpath
 from collections.abc import Iterator, Mapping
 
+from cspdiag.codegen.target_error import TargetError
 from cspdiag.network.ir import ExternalBody, Network, SubmodelClass
 from cspdiag.network.walk import parts
 
@@ -35,5 +36,10 @@ def external_paths(network: Network) -> tuple[str, ...]:
 
 
 def external_files(network: Network, texts: Mapping[str, str]) -> dict[str, str]:
-    """The copies in the package, by their own names."""
-    return {posixpath.basename(path): texts[path] for path in external_paths(network) if path in texts}
+    """The copies in the package, by their own names. Raises TargetError for two files of one name."""
+    found: dict[str, str] = {}
+    for path in external_paths(network):
+        name = posixpath.basename(path)
+        if found.setdefault(name, path) != path:
+            raise TargetError(f"{found[name]} and {path} would both be {name} in the package: rename one of them")
+    return {name: texts[path] for name, path in found.items() if path in texts}

@@ -12,6 +12,7 @@ from cspdiag.codegen.c.faults import can_fault
 from cspdiag.codegen.c.integration import LOCALS, Integration
 from cspdiag.codegen.c.laws import body_name
 from cspdiag.codegen.c.names import Names, identifier
+from cspdiag.codegen.c.text import quoted
 from cspdiag.codegen.equations import signals, values
 from cspdiag.model.types import RealType, Type
 from cspdiag.network.actions import RunLaw
@@ -157,7 +158,7 @@ class _Run:
 
     def _slopes_writer(self, integration: Integration) -> EquationWriter:
         def check(place: str) -> list[str]:
-            return [f'csp_fault_in("{place}");'] if place else []
+            return [f"csp_fault_in({quoted(place)});"] if place else []
 
         return EquationWriter(
             self._slopes_printer(integration), self.place, check, self.printer.signal, body_name, INDENT

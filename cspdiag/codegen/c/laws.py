@@ -13,6 +13,7 @@ from cspdiag.codegen.c.expressions import Printer
 from cspdiag.codegen.c.faults import can_fault
 from cspdiag.codegen.c.integration import LOCALS, Integration
 from cspdiag.codegen.c.names import Names, PackageNames, snake_case
+from cspdiag.codegen.c.text import quoted
 from cspdiag.codegen.c.types import CTypes
 from cspdiag.codegen.equations import (
     constants_needed,
@@ -149,8 +150,7 @@ class LawFiles:
     def _field(self, item: Declared) -> tuple[str, str, str | None]:
         kind = self.kinds[item.name]
         seconds = isinstance(kind, TimeType) and any(item.name == p.name for p in self.class_.parameters)
-        doc = item.doc.replace("*/", "* /") if item.doc else None
-        return "double" if seconds else self.types.type_name(kind), self.members[item.name], doc
+        return "double" if seconds else self.types.type_name(kind), self.members[item.name], item.doc
 
     def _signature(self) -> str:
         given = [f"{self.types.type_name(item.type)} {self.members[item.name]}" for item in self.class_.parameters]
@@ -187,8 +187,8 @@ class LawFiles:
     def _writer(self, printer: Printer, *, checked: bool = True) -> EquationWriter:
         def check(place: str) -> list[str]:
             if checked:
-                return [f'CSP_CHECK_LAW("{place}");']
-            return [f'csp_fault_in("{place}");'] if place else []
+                return [f"CSP_CHECK_LAW({quoted(place)});"]
+            return [f"csp_fault_in({quoted(place)});"] if place else []
 
         return EquationWriter(printer, self._place, check, lambda name: f"self->{self.members[name]}", body_name)
 

@@ -14,6 +14,7 @@ from cspdiag.codegen.c.members import SELF
 from cspdiag.codegen.c.plain_steps import READS, WRITES, finite_check, finite_rows, flag_rows, receive_rows, send_rows
 from cspdiag.codegen.c.routines import Waiting
 from cspdiag.codegen.c.rows import Row, block, rows
+from cspdiag.codegen.c.text import quoted
 from cspdiag.codegen.c.writer import Writer
 from cspdiag.network.actions import (
     ReadInputs,
@@ -132,7 +133,7 @@ def run_law_rows(writer: Writer, step: RunLaw) -> list[Row]:
         return writer.names.place(item.span.file, item.span.line)
 
     def check(where: str) -> list[str]:
-        return [f'CSP_FAULT_INSIDE("{step.law}", "{where}", {writer.failing()});']
+        return [f"CSP_FAULT_INSIDE({quoted(step.law)}, {quoted(where)}, {writer.failing()});"]
 
     law = run_law(
         step,

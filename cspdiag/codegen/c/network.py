@@ -15,6 +15,7 @@ from cspdiag.codegen.c.network_names import names_file
 from cspdiag.codegen.c.port_layout import PortLayout
 from cspdiag.codegen.c.processes import Facts, ProcessFiles, process_files
 from cspdiag.codegen.c.rows import Row, block, lines, rows
+from cspdiag.codegen.c.text import quoted
 from cspdiag.codegen.c.types import CTypes, duration
 from cspdiag.codegen.c.unwritten import Unwritten
 from cspdiag.network.expressions import Value
@@ -187,7 +188,7 @@ class _NetworkFiles:
                     call = f"csp_direct_output_init({medium}, {number}U, {driver});"
             found.append(Row(call))
             if port.direction == "out":
-                found.append(Row(f'external.{name}.name = "{self.network.top}.{key}";'))
+                found.append(Row(f"external.{name}.name = {quoted(f'{self.network.top}.{key}')};"))
         if not self.network.external_ports:
             found.append(Row("(void)drivers;"))
         else:
@@ -241,7 +242,7 @@ class _NetworkFiles:
         exceptions = [name for name in self.network.exceptions if name in self.names.exceptions]
         found: list[str] = []
         if exceptions:
-            listed = ", ".join(f'"{name}"' for name in exceptions)
+            listed = ", ".join(quoted(name) for name in exceptions)
             found += [*broken(f"static const char *const exception_names[] = {{{listed}}};", "    "), ""]
         count = len(self.network.external_ports)
         return [

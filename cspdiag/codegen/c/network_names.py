@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from cspdiag.codegen.c.environments import port_key
 from cspdiag.codegen.c.media import access_of_channel
 from cspdiag.codegen.c.processes import ProcessFiles
+from cspdiag.codegen.c.text import quoted
 from cspdiag.codegen.c.types import CTypes
 from cspdiag.model.types import Type
 from cspdiag.network.ir import CreatedInstance, Network, ProcessClass
@@ -19,16 +20,16 @@ def names_file(network: Network, types: CTypes, described: Mapping[str, ProcessF
     sizes = [f"sizeof({types.type_name(type_)})" for _, type_ in channels]
     found = ['#include "network.h"', '#include "csp_arithmetic.h"', '#include "types.h"', "", "#if CSP_TRACE"]
     found += [f"const uint32_t network_channel_count = {len(channels)}U;"]
-    found += _table("const char *const network_channel_names[]", [_quoted(name) for name, _ in channels])
+    found += _table("const char *const network_channel_names[]", [quoted(name) for name, _ in channels])
     found += _table("const uint16_t network_channel_sizes[]", sizes or ["0"])
     found += ["", "/* Numbers of processes and groups count from 1; a group has no kind. */"]
     found += [f"const uint32_t network_process_count = {len(processes)}U;"]
-    found += _table("const char *const network_process_names[]", ['""', *(_quoted(name) for name, _ in processes)])
-    found += _table("const char *const network_process_kinds[]", ['""', *(_quoted(kind) for _, kind in processes)])
+    found += _table("const char *const network_process_names[]", ['""', *(quoted(name) for name, _ in processes)])
+    found += _table("const char *const network_process_kinds[]", ['""', *(quoted(kind) for _, kind in processes)])
     found += ["#else", "typedef int network_has_no_names;", "#endif", ""]
     if numbering.variables:
         found += ["/* Variables that may be read before they were written. */"]
-        found += [*_table("static const char *const variable_names[]", [_quoted(v) for v in numbering.variables]), ""]
+        found += [*_table("static const char *const variable_names[]", [quoted(v) for v in numbering.variables]), ""]
         found += ["void csp_require_written(const csp_written *written)", "{"]
         found += ["    if ((written != NULL) && !written->done) {"]
         found += ["        csp_not_written(variable_names[written->number]);", "    }", "}", ""]
@@ -76,7 +77,3 @@ class _Numbering:
 def _table(declaration: str, entries: list[str]) -> list[str]:
     rows = [f"{declaration} = {{", *(f"    {entry}," for entry in entries)]
     return [*(rows if entries else [*rows, "    0"]), "};"]
-
-
-def _quoted(text: str) -> str:
-    return f'"{text}"'

@@ -15,9 +15,12 @@ from cspdiag.codegen.c.names import PackageNames
 from cspdiag.codegen.c.network import network_files
 from cspdiag.codegen.c.refusals import refuse
 from cspdiag.codegen.c.types import CTypes
+from cspdiag.codegen.package_text import markdown, markdown_code
+from cspdiag.codegen.plain_text import one_line
 from cspdiag.codegen.python_docs import sentence
 from cspdiag.codegen.python_project import PortRow, port_row
 from cspdiag.codegen.render import renderer
+from cspdiag.codegen.target_error import TargetError
 from cspdiag.network.ir import Environment, Network, ProcessClass
 from cspdiag.network.optimize import PASSES, lower_for_targets, optimize
 from cspdiag.resources import template_folder
@@ -36,6 +39,7 @@ class CProject:
     package: str
     top: str
     source: str
+    source_code: str
     doc: str
     ports: list[PortRow]
     environments: list[str]
@@ -99,7 +103,8 @@ def generate(
             kind = "process" if isinstance(class_, ProcessClass) else "control law"
             rows.append(f"`{names.classes[class_.name]}.c` | the {kind} `{class_.definition}`")
         files.update(made)
-    files.update(external_files(network, texts))
+    by_hand = external_files(network, texts)
+    files.update(by_hand)
     files.update(network_files(lowered, names, types))
     program = sorted(path for path in files if path.endswith(".c"))
     render = renderer("c")
@@ -117,14 +122,18 @@ def generate(
     kernel = sorted(
         path for path in support if path.endswith(".c") and path not in _SIMULATION and not path.startswith("csp_port_")
     )
+    source = network.source.rpartition("/")[2]
     project = CProject(
         package=names.package,
         top=network.top,
-        source=network.source.rpartition("/")[2],
-        doc=sentence(
-            network.class_named(network.top).doc
-            or network.doc
-            or f"The process {network.top}, generated from its CSP diagram."
+        source=one_line(source),
+        source_code=markdown_code(source),
+        doc=markdown(
+            sentence(
+                network.class_named(network.top).doc
+                or network.doc
+                or f"The process {network.top}, generated from its CSP diagram."
+            )
         ),
         ports=[port_row(port) for port in network.external_ports],
         environments=[entry.name for entry in environments],
@@ -136,6 +145,9 @@ def generate(
     )
     for path in ("Makefile", "CMakeLists.txt", "README.md"):
         files[path] = render(f"{path}.j2", project=project)
+    for path, text in by_hand.items():
+        if files[path] is not text:
+            raise TargetError(f"{path}, written by hand, has the name of a generated file: rename it")
     made_here = {_CONFIGURATION} & files.keys()
     files.update({f"{SUPPORT}/{path}": text for path, text in support.items() if path not in made_here})
     return dict(sorted(files.items()))

@@ -8,6 +8,7 @@ from typing import Literal, TypeAlias
 
 from cspdiag.codegen.c.names import Names
 from cspdiag.codegen.c.rows import Row, block, lines, rows
+from cspdiag.codegen.c.text import quoted
 
 Waiting: TypeAlias = Literal[
     "NOTHING", "CALL", "READ", "WRITE", "ALTERNATIVE", "INPUTS", "OUTPUTS", "DELAY", "STOP", "PARALLEL", "INTERRUPT"
@@ -80,15 +81,15 @@ class Routine:
 
     def table(self) -> list[str]:
         """The table of places and the class."""
-        entries = [f'[0] = {{.waiting = CSP_AT_NOTHING, .where = "{self.where}"}}']
+        entries = [f"[0] = {{.waiting = CSP_AT_NOTHING, .where = {quoted(self.where)}}}"]
         entries += [f"[{place.state}] = {{{', '.join(self._fields(place))}}}" for place in self.places]
         head = [Row(f"{entry},") for entry in entries[:-1]] + [Row(entries[-1])]
         offset = "0" if self.member is None else f"offsetof(struct {self.struct}, {self.member})"
         fields = [
             f".step = {self.function}",
             f".places = {self.name}_places",
-            f'.name = "{self.definition}"',
-            f'.where = "{self.where}"',
+            f".name = {quoted(self.definition)}",
+            f".where = {quoted(self.where)}",
             f".offset = {offset}",
         ]
         values = [Row(f"{text},") for text in fields[:-1]] + [Row(fields[-1])]
@@ -103,9 +104,9 @@ class Routine:
         if place.indirect:
             parts.append(".indirect = true")
         parts.append(f".failed = {place.handler.state}")
-        parts.append(f'.where = "{place.where}"')
+        parts.append(f".where = {quoted(place.where)}")
         if place.inner is not None:
-            parts.append(f'.inner = "{place.inner}"')
+            parts.append(f".inner = {quoted(place.inner)}")
         if place.member is not None:
             parts.append(f".offset = offsetof(struct {self.struct}, {place.member})")
         return parts

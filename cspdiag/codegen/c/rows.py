@@ -40,7 +40,7 @@ def lines(items: Iterable[Row], depth: int = 0) -> list[str]:
     for row in items:
         indent = INDENT * max(row.depth + depth, 0)
         if row.comment is not None:
-            result += remark(comment_text(row.comment), indent)
+            result += remark(" ".join(row.comment.split()), indent)
         if not row.text:
             if row.comment is None:
                 result.append("")
@@ -54,8 +54,3 @@ def lines(items: Iterable[Row], depth: int = 0) -> list[str]:
 def remark(text: str, indent: str) -> list[str]:
     """A comment on as many lines as it needs."""
     return comment(textwrap.wrap(text, LINE_LENGTH - len(indent) - 6, break_long_words=False) or [""], indent)
-
-
-def comment_text(text: str) -> str:
-    """Text that may stand in a comment of C, on one line."""
-    return " ".join(text.replace("*/", "* /").replace("/*", "/ *").split())

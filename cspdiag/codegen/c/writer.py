@@ -15,6 +15,7 @@ from cspdiag.codegen.c.members import SELF, Member, Members
 from cspdiag.codegen.c.names import Names, PackageNames, identifier, snake_case
 from cspdiag.codegen.c.routines import Handler, Place, Routine, Waiting
 from cspdiag.codegen.c.rows import Row, block, rows
+from cspdiag.codegen.c.text import quoted
 from cspdiag.model.types import Type
 from cspdiag.network.actions import Action, InterruptOn, ParallelSteps, RunInstance, Step
 from cspdiag.network.expressions import Expression
@@ -219,8 +220,8 @@ class Writer:
 
     def fault(self, where: str) -> Row:
         """Raises the fault that has been noted, if there is one."""
-        inside = "" if self.inner is None else f'_INSIDE("{self.inner}", '
-        return Row(f'CSP_FAULT{inside or "("}"{where}", {self.failing()});')
+        inside = "" if self.inner is None else f"_INSIDE({quoted(self.inner)}, "
+        return Row(f"CSP_FAULT{inside or '('}{quoted(where)}, {self.failing()});")
 
     def condition(self, expression: Expression, step: Step) -> tuple[list[Row], str]:
         """What must be done first, and the condition."""

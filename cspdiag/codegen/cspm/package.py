@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from cspdiag.analyses.transitions.system import INTERNAL, System
 from cspdiag.codegen.identifiers import distinct
 from cspdiag.codegen.models import system_of
+from cspdiag.codegen.plain_text import one_line
 from cspdiag.network.ir import Network
 
 
@@ -29,16 +30,16 @@ def _lines(system: System, source: str) -> Iterator[str]:
     events = distinct((str(event) for event in system.events), "e_")
     names = distinct((component.name for component in system.components), "P_")
     internal = [f"i_{index}" for index in range(len(system.components))]
-    yield f"-- {source}: {len(system.components)} components, {len(system.events)} events"
+    yield f"-- {one_line(source)}: {len(system.components)} components, {len(system.events)} events"
     yield ""
     for event, name in zip(system.events, events, strict=True):
-        yield f"channel {name} -- {event}"
+        yield f"channel {name} -- {one_line(str(event))}"
     for name, component in zip(internal, system.components, strict=True):
-        yield f"channel {name} -- an internal step of {component.name}"
+        yield f"channel {name} -- an internal step of {one_line(component.name)}"
     yield "channel ended -- all processes have ended"
     for index, component in enumerate(system.components):
         yield ""
-        yield f"-- {component.name}"
+        yield f"-- {one_line(component.name)}"
         for state, edges in enumerate(component.edges):
             offered = [
                 f"{internal[index] if event == INTERNAL else events[event]} -> {names[index]}_{after}"

@@ -16,7 +16,7 @@ from cspdiag.codegen.optimized_python.storage import never_ends
 from cspdiag.codegen.python_code import Argument, Atom, Call, Code, Comprehension, Starred
 from cspdiag.codegen.python_rolling import LEAST, statements_template
 from cspdiag.codegen.python_statements import Block, Line, Statement, lines
-from cspdiag.codegen.python_types import quoted
+from cspdiag.codegen.python_text import quoted
 from cspdiag.network.actions import (
     Action,
     AssignValue,

@@ -24,8 +24,9 @@ from cspdiag.codegen.python_layout import LINE_LENGTH
 from cspdiag.codegen.python_modules import ClassModule
 from cspdiag.codegen.python_names import PackageNames
 from cspdiag.codegen.python_rolling import rolled_list
-from cspdiag.codegen.python_statements import Block, Line, Statement, assign, docstring, lines, signature
-from cspdiag.codegen.python_types import annotation, quoted
+from cspdiag.codegen.python_statements import Block, Line, Statement, assign, lines, signature
+from cspdiag.codegen.python_text import docstring, quoted
+from cspdiag.codegen.python_types import annotation
 from cspdiag.network.actions import ChannelEnd, End, ParallelSteps, PortEnd
 from cspdiag.network.ir import (
     CreatedChoice,

@@ -12,6 +12,7 @@ from itertools import product
 from cspdiag.analyses.transitions.system import INTERNAL, Component, System
 from cspdiag.codegen.identifiers import distinct
 from cspdiag.codegen.models import system_of
+from cspdiag.codegen.plain_text import one_line
 from cspdiag.network.ir import Network
 
 Command = tuple[int, tuple[tuple[int, int, int], ...]]
@@ -94,4 +95,4 @@ def _type(states: int) -> str:
 
 
 def _comment(text: str) -> str:
-    return text.replace("*/", "* /").replace("\n", " ")
+    return one_line(text).replace("*/", "* /")
