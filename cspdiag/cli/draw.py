@@ -184,6 +184,8 @@ def _draw(arguments: Namespace, pictures: Pictures) -> None:
         sys.stdout.buffer.write(data)
         return
     name = arguments.output or f"{next(iter(scenes))}.{format_}"
+    if arguments.output is None:
+        _refuse_link(Path(name))
     _write(Path(name), data)
     sys.stderr.write(f"wrote {name}\n")
 
@@ -259,10 +261,19 @@ def _rendered(scenes: Sequence[Scene], format_: str, arguments: Namespace) -> by
 
 def _write_folder(folder: Path, files: Mapping[str, bytes], format_: str) -> None:
     folder.mkdir(exist_ok=True)
-    for name, data in files.items():
-        _write(folder / f"{name}.{format_}", data)
+    places = {folder / f"{name}.{format_}": data for name, data in files.items()}
+    for place in places:
+        _refuse_link(place)
+    for place, data in places.items():
+        _write(place, data)
     pictures = "1 picture" if len(files) == 1 else f"{len(files)} pictures"
     sys.stderr.write(f"wrote {pictures} to {folder}\n")
+
+
+def _refuse_link(path: Path) -> None:
+    """A file that the user has named may be a link; one that has its name from the program is not written elsewhere."""
+    if path.is_symlink():
+        raise UsageError(f"{path} is a symbolic link: remove it, or name the file with -o")
 
 
 def _write(path: Path, data: bytes) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from hashlib import sha256
 
@@ -27,13 +27,16 @@ def write_package(folder: str, files: Mapping[str, str], *, force: bool) -> None
 
     All files are written beside the folder first and then moved to their places. Files of an earlier generation that are no
     longer generated are removed; files that were never generated stay. Raises UsageError, having written nothing, where
-    a file was changed or put there by hand, unless ``force``; OSError where a file cannot be written.
+    a file was changed or put there by hand, unless ``force``, and where the folder or one in it is a symbolic link, so that files would be
+    written or removed elsewhere; OSError where a file cannot be written.
     """
-    recorded = _recorded(folder)
+    folder = folder.rstrip(os.sep)
+    recorded = _recorded(folder, force=force)
+    _refuse_links(folder, (*files, *recorded))
     if not force:
         _refuse_changes(folder, files, recorded)
-    staging = f"{folder.rstrip(os.sep)}.{os.getpid()}.tmp"
     complete = {**files, MANIFEST: _manifest(files)}
+    staging = _new_staging(folder)
     try:
         for path, text in complete.items():
             _write(os.path.join(staging, path), text)
@@ -53,15 +56,36 @@ def write_new_folder(folder: str, files: Mapping[str, str]) -> None:
 
     Raises UsageError where there is something already, OSError where a file cannot be written; then nothing is left.
     """
-    if os.path.lexists(folder) and not (os.path.isdir(folder) and not os.listdir(folder)):
+    if os.path.lexists(folder) and (os.path.islink(folder) or not os.path.isdir(folder) or os.listdir(folder)):
         raise UsageError(f"{folder} exists already")
-    staging = f"{folder}.{os.getpid()}.tmp"
+    staging = _new_staging(folder)
     try:
         for path, text in files.items():
             _write(os.path.join(staging, path), text)
         os.replace(staging, folder)
     finally:
         _remove_tree(staging)
+
+
+def _new_staging(folder: str) -> str:
+    """A new folder beside ``folder``; nobody can have put another, or a link, in its place."""
+    from secrets import token_hex
+
+    staging = f"{folder}.{token_hex(8)}.tmp"
+    os.makedirs(os.path.dirname(staging) or os.curdir, exist_ok=True)
+    os.mkdir(staging)
+    return staging
+
+
+def _refuse_links(folder: str, paths: Iterable[str]) -> None:
+    parents = {""}
+    for path in paths:
+        parts = path.split("/")[:-1]
+        parents.update("/".join(parts[: count + 1]) for count in range(len(parts)))
+    for parent in sorted(parents):
+        place = os.path.join(folder, parent) if parent else folder
+        if os.path.islink(place):
+            raise UsageError(f"{place} is a symbolic link: remove it, nothing is written or removed through it")
 
 
 def _write(path: str, text: str) -> None:
@@ -88,16 +112,29 @@ def _manifest(files: Mapping[str, str]) -> str:
     return "".join(f"{_digest(text)}  {path}\n" for path, text in sorted(files.items()))
 
 
-def _recorded(folder: str) -> dict[str, str]:
+def _recorded(folder: str, *, force: bool) -> dict[str, str]:
+    """What the manifest has. Raises UsageError for one that cspdiag has not written; with ``force`` that is none."""
+    place = os.path.join(folder, MANIFEST)
     try:
-        with open(os.path.join(folder, MANIFEST), encoding="utf-8") as file:
+        with open(place, encoding="utf-8") as file:
             pairs = [line.rstrip("\n").partition("  ") for line in file]
     except FileNotFoundError:
         return {}
-    # A manifest is a file like any other: a path in it that leads elsewhere is none of ours.
-    return {
-        path: digest for digest, _, path in pairs if path and not os.path.isabs(path) and ".." not in path.split("/")
-    }
+    except UnicodeDecodeError:
+        pairs = [("", "", "")]
+    foreign = next((path for _, _, path in pairs if not _is_inside(path)), None)
+    if foreign is None and not os.path.islink(place):
+        return {path: digest for digest, _, path in pairs}
+    if force:
+        return {}
+    what = f"it names {foreign!r}" if foreign else "it is a link" if os.path.islink(place) else "it is no list of files"
+    raise UsageError(f"{place} was not written by cspdiag: {what} (--force does without it)")
+
+
+def _is_inside(path: str) -> bool:
+    """Whether a path leads to a file below the folder that it is joined to, links aside."""
+    parts = path.replace("\\", "/").split("/")
+    return not os.path.isabs(path) and not os.path.splitdrive(path)[0] and not {"", ".", ".."} & set(parts)
 
 
 def _refuse_changes(folder: str, files: Mapping[str, str], recorded: Mapping[str, str]) -> None:

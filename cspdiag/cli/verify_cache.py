@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from cspdiag import __version__
+from cspdiag.caches import cache_folder
 from cspdiag.diagnostics.span import SourceFile
 from cspdiag.sources import read_source
 
@@ -29,7 +30,7 @@ class Cache:
     """What ``verify`` said with certain options about a file; what cannot be read or written is as if it were not there."""
 
     def __init__(self, options: str) -> None:
-        self._path = _folder() / f"{sha256(f'{_installed()} {options}'.encode()).hexdigest()}.json"
+        self._name = f"{sha256(f'{_installed()} {options}'.encode()).hexdigest()}.json"
         self._read: dict[str, str] = {}
 
     def read(self, path: str) -> SourceFile:
@@ -41,7 +42,7 @@ class Cache:
     def look(self) -> Printed | None:
         """What was said about the same files before."""
         try:
-            entry = json.loads(self._path.read_text(encoding="utf-8"))
+            entry = json.loads(self._path().read_text(encoding="utf-8"))
             unchanged = all(_digest(read_source(path).text) == digest for path, digest in entry["files"].items())
             return Printed(entry["code"], entry["stdout"], entry["stderr"]) if unchanged else None
         except (OSError, ValueError, KeyError, TypeError, AttributeError):
@@ -50,20 +51,18 @@ class Cache:
     def keep(self, printed: Printed) -> None:
         """Remember what was said about the files that were read."""
         entry = {"files": self._read, **printed._asdict()}
-        temporary = self._path.with_name(f"{self._path.name}.{os.getpid()}.tmp")
-        try:
-            self._path.parent.mkdir(parents=True, exist_ok=True)
-            temporary.write_text(json.dumps(entry), encoding="utf-8")
-            os.replace(temporary, self._path)
-        except OSError:
-            with suppress(OSError):
+        with suppress(OSError):
+            path = self._path()
+            temporary = path.with_name(f"{path.name}.{os.getpid()}.tmp")
+            path.parent.mkdir(exist_ok=True)
+            try:
+                temporary.write_text(json.dumps(entry), encoding="utf-8")
+                os.replace(temporary, path)
+            except OSError:
                 temporary.unlink()
 
-
-def _folder() -> Path:
-    """See the XDG Base Directory Specification."""
-    base = os.environ.get("XDG_CACHE_HOME", "")
-    return (Path(base) if os.path.isabs(base) else Path.home() / ".cache") / "cspdiag" / "verify"
+    def _path(self) -> Path:
+        return Path(cache_folder(), "verify", self._name)
 
 
 def _installed() -> str:

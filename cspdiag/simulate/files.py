@@ -19,19 +19,24 @@ if TYPE_CHECKING:
 def write_whole(path: Path, data: bytes) -> None:
     """Write a file whole or not at all, by way of a temporary one beside it.
 
-    A symbolic link keeps pointing where it points, a file keeps its permissions. Raises OSError as the file system does.
+    A symbolic link keeps pointing where it points, a file keeps its permissions; a device or a pipe is written to as it is. Raises OSError as
+    the file system does.
     """
     real = os.path.realpath(path)
+    if os.path.exists(path) and not os.path.isfile(path):
+        path.write_bytes(data)
+        return
     temporary = f"{real}.{os.getpid()}.tmp"
-    try:
-        with open(temporary, "xb") as file:
+    with open(temporary, "xb") as file:
+        try:
             file.write(data)
-        with suppress(OSError):
-            os.chmod(temporary, os.stat(real).st_mode & 0o7777)
-        os.replace(temporary, real)
-    finally:
-        with suppress(FileNotFoundError):
+            file.close()
+            with suppress(OSError):
+                os.chmod(temporary, os.stat(real).st_mode & 0o7777)
+            os.replace(temporary, real)
+        except BaseException:
             os.unlink(temporary)
+            raise
 
 
 def readable(value: object, kind: Type | None) -> object:

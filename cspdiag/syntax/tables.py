@@ -13,6 +13,7 @@ import zlib
 from typing import Any, NamedTuple
 
 from cspdiag import resources
+from cspdiag.caches import cache_folder
 
 END = "$END"
 """The terminal after the last token."""
@@ -58,7 +59,10 @@ class Tables(NamedTuple):
 def load() -> Tables:
     """The tables of the grammar, from the cache if it has them."""
     grammar = resources.grammar()
-    path = _cache_path(grammar)
+    try:
+        path = os.path.join(cache_folder(), _cache_name(grammar))
+    except OSError:
+        return build(grammar)
     cached = _read(path, grammar)
     if cached is None:
         cached = build(grammar)
@@ -66,13 +70,9 @@ def load() -> Tables:
     return cached
 
 
-def _cache_path(grammar: str) -> str:
-    if sys.platform == "win32":
-        root = os.environ.get("LOCALAPPDATA") or os.path.expanduser("~/AppData/Local")
-    else:
-        root = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
+def _cache_name(grammar: str) -> str:
     version = f"{sys.implementation.cache_tag}-{_FORMAT}"
-    return os.path.join(root, "cspdiag", f"grammar-{zlib.crc32(grammar.encode()):08x}-{version}.tables")
+    return f"grammar-{zlib.crc32(grammar.encode()):08x}-{version}.tables"
 
 
 def _read(path: str, grammar: str) -> Tables | None:
@@ -94,9 +94,7 @@ def _write(path: str, grammar: str, tables: Tables) -> None:
     rules: Any = [tuple(rule) for rule in tables.rules]
     content = marshal.dumps((grammar, tuple(tables._replace(rules=rules))))
     try:
-        folder = os.path.dirname(path)
-        os.makedirs(folder, exist_ok=True)
-        handle, name = tempfile.mkstemp(dir=folder, prefix=os.path.basename(path))
+        handle, name = tempfile.mkstemp(dir=os.path.dirname(path), prefix=os.path.basename(path))
         with os.fdopen(handle, "wb") as file:
             file.write(content)
         os.replace(name, path)

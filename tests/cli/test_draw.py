@@ -158,3 +158,19 @@ def test_a_file_without_processes_has_no_picture(cspdiag: Command, tmp_path: Pat
     path.write_text("const n = 1\n")
     result = cspdiag("draw", path)
     assert (result.code, result.err) == (1, f"cspdiag: {path} has no process to draw\n")
+
+
+@needs_engine
+@pytest.mark.parametrize("options", [["--process", "Relay"], ["--all", "-o", "pictures"]], ids=["file", "folder"])
+def test_a_picture_that_is_named_by_the_program_is_not_drawn_through_a_link(
+    cspdiag: Command, good: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, options: list[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "other").write_text("of somebody else\n")
+    (tmp_path / "pictures").mkdir()
+    for folder in (tmp_path, tmp_path / "pictures"):
+        (folder / "Relay.svg").symlink_to(tmp_path / "other")
+    done = cspdiag("draw", good, *options)
+    assert done.code == 2
+    assert "symbolic link" in done.err
+    assert (tmp_path / "other").read_text() == "of somebody else\n"

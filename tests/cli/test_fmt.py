@@ -58,3 +58,11 @@ def test_a_program_that_does_not_make_sense_is_formatted_all_the_same(cspdiag: C
 
 def test_standard_input_with_check_prints_nothing(cspdiag: Command) -> None:
     assert cspdiag("fmt", "--check", "-", stdin=UGLY) == (1, "", "would format -\n")
+
+
+def test_a_link_stays_one_and_what_it_points_to_is_formatted(cspdiag: Command, ugly: Path, pretty: str) -> None:
+    link = ugly.with_name("link.csp")
+    link.symlink_to(ugly)
+    assert cspdiag("fmt", link).code == 0
+    assert link.is_symlink()
+    assert ugly.read_text() == pretty

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from hashlib import sha256
 from pathlib import Path
 
 import pytest
@@ -66,17 +67,6 @@ def test_a_file_no_longer_generated_but_changed_by_hand_stays(tmp_path: Path) ->
     assert (tmp_path / "arm/network.py").read_text() == "mine\n"
 
 
-def test_a_manifest_cannot_name_files_elsewhere(tmp_path: Path) -> None:
-    outside = tmp_path / "outside"
-    outside.write_text("mine\n")
-    folder = tmp_path / "arm"
-    write_package(str(folder), FILES, force=False)
-    with (folder / MANIFEST).open("a") as manifest:
-        manifest.write(f"0  ../outside\n0  {outside}\n")
-    write_package(str(folder), FILES, force=False)
-    assert outside.read_text() == "mine\n"
-
-
 def test_a_failure_leaves_what_was_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     folder = tmp_path / "arm"
     write_package(str(folder), FILES, force=False)
@@ -106,3 +96,104 @@ def test_replacing_keeps_the_link_and_the_mode(tmp_path: Path) -> None:
     assert link.is_symlink()
     assert target.read_text() == "new"
     assert target.stat().st_mode & 0o777 == 0o640
+
+
+def assert_untouched(elsewhere: Path) -> None:
+    assert {path.name: path.read_text() for path in elsewhere.iterdir()} == {"network.py": "of somebody else\n"}
+
+
+@pytest.fixture
+def elsewhere(tmp_path: Path) -> Path:
+    folder = tmp_path / "elsewhere"
+    folder.mkdir()
+    (folder / "network.py").write_text("of somebody else\n")
+    return folder
+
+
+@pytest.mark.parametrize("force", [False, True])
+@pytest.mark.parametrize("link", ["arm", "arm/arm"])
+def test_nothing_is_written_or_removed_through_a_link(tmp_path: Path, elsewhere: Path, link: str, force: bool) -> None:
+    folder = tmp_path / "arm"
+    if link != "arm":
+        write_package(str(folder), FILES, force=False)
+        for path in (folder / "arm").iterdir():
+            path.unlink()
+        (tmp_path / link).rmdir()
+    (tmp_path / link).symlink_to(elsewhere)
+    for files in (FILES, {"README.md": "read\n"}):
+        with pytest.raises(UsageError, match=r"symbolic link"):
+            write_package(str(folder), files, force=force)
+    assert_untouched(elsewhere)
+    assert not list(tmp_path.glob("*.tmp"))
+
+
+def test_a_linked_file_of_a_package_is_one_changed_by_hand(tmp_path: Path, elsewhere: Path) -> None:
+    folder = tmp_path / "arm"
+    write_package(str(folder), FILES, force=False)
+    (folder / "arm/network.py").unlink()
+    (folder / "arm/network.py").symlink_to(elsewhere / "network.py")
+    with pytest.raises(UsageError, match="changed by hand"):
+        write_package(str(folder), FILES, force=False)
+    write_package(str(folder), FILES, force=True)
+    assert contents(folder) == FILES
+    assert not (folder / "arm/network.py").is_symlink()
+    assert_untouched(elsewhere)
+
+
+@pytest.mark.parametrize(
+    "named", ["{elsewhere}/network.py", "../elsewhere/network.py", "arm/../../elsewhere/network.py", "a\\..\\b", ""]
+)
+def test_a_manifest_that_names_files_outside_is_not_believed(tmp_path: Path, elsewhere: Path, named: str) -> None:
+    folder = tmp_path / "arm"
+    write_package(str(folder), FILES, force=False)
+    digest = sha256(b"of somebody else\n").hexdigest()
+    with (folder / MANIFEST).open("a") as manifest:
+        manifest.write(f"{digest}  {named.format(elsewhere=elsewhere)}\n")
+    with pytest.raises(UsageError, match="was not written by cspdiag"):
+        write_package(str(folder), FILES, force=False)
+    write_package(str(folder), FILES, force=True)
+    assert_untouched(elsewhere)
+
+
+@pytest.mark.parametrize("make", ["link", "bytes"])
+def test_a_manifest_that_is_none_is_not_believed(tmp_path: Path, make: str) -> None:
+    folder = tmp_path / "arm"
+    write_package(str(folder), FILES, force=False)
+    manifest = folder / MANIFEST
+    if make == "link":
+        manifest.rename(tmp_path / "manifest")
+        manifest.symlink_to(tmp_path / "manifest")
+    else:
+        manifest.write_bytes(b"\xff\xfe")
+    with pytest.raises(UsageError, match="was not written by cspdiag"):
+        write_package(str(folder), FILES, force=False)
+    write_package(str(folder), FILES, force=True)
+    write_package(str(folder), FILES, force=False)
+
+
+def test_a_new_folder_is_not_made_behind_a_link(tmp_path: Path) -> None:
+    (tmp_path / "empty").mkdir()
+    (tmp_path / "new").symlink_to(tmp_path / "empty")
+    with pytest.raises(UsageError, match="exists already"):
+        write_new_folder(str(tmp_path / "new"), FILES)
+    assert os.listdir(tmp_path / "empty") == []
+
+
+def test_a_pipe_is_written_to_and_stays_one(tmp_path: Path) -> None:
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    reading = os.open(pipe, os.O_RDONLY | os.O_NONBLOCK)
+    try:
+        replace_text(str(pipe), "text\n")
+        assert os.read(reading, 100) == b"text\n"
+    finally:
+        os.close(reading)
+    assert pipe.is_fifo()
+
+
+def test_a_file_that_is_in_the_way_of_writing_stays(tmp_path: Path) -> None:
+    other = tmp_path / f"program.csp.{os.getpid()}.tmp"
+    other.write_text("of somebody else\n")
+    with pytest.raises(FileExistsError):
+        replace_text(str(tmp_path / "program.csp"), "text\n")
+    assert other.read_text() == "of somebody else\n"

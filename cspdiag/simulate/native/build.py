@@ -16,6 +16,8 @@ from functools import cache, cached_property
 from hashlib import sha256
 from pathlib import Path
 
+from cspdiag.caches import cache_folder
+
 REQUIRED = ("-std=c99", "-ffp-contract=off")
 """Whatever else is asked for: the values of a program are defined to the last bit."""
 
@@ -65,12 +67,6 @@ def _version(command: tuple[str, ...]) -> str:
     return told.stdout.partition("\n")[0]
 
 
-def cache_folder() -> Path:
-    """Where built files are kept: ``cspdiag`` in XDG_CACHE_HOME, or in ``~/.cache``."""
-    base = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
-    return Path(base) / "cspdiag" / "c"
-
-
 @dataclass(frozen=True)
 class Build:
     """A program to be built from ``files`` (texts by path); ``sources`` are the paths that are compiled and linked."""
@@ -89,7 +85,12 @@ class Build:
     @cached_property
     def cache(self) -> Path:
         """The folder of the cache."""
-        return self.folder if self.folder is not None else cache_folder()
+        if self.folder is not None:
+            return self.folder
+        try:
+            return Path(cache_folder(), "c")
+        except OSError as problem:
+            raise _unusable(problem, problem.filename) from problem
 
     @cached_property
     def _flags(self) -> tuple[str, ...]:
@@ -220,6 +221,10 @@ def _hash(parts: Iterable[str]) -> str:
     return digest.hexdigest()[:40]
 
 
+def _unusable(problem: OSError, folder: str | Path) -> CompilerError:
+    return CompilerError(f"{folder} cannot be written: {problem.strerror}; XDG_CACHE_HOME names another place")
+
+
 class _Scratch:
     """A folder of its own beside the cache, so that files can be moved into it whole."""
 
@@ -233,9 +238,7 @@ class _Scratch:
             self._parent.mkdir(parents=True, exist_ok=True)
             self._path = Path(mkdtemp(prefix=_BUILDING, dir=self._parent))
         except OSError as problem:
-            raise CompilerError(
-                f"{self._parent} cannot be written: {problem.strerror}; XDG_CACHE_HOME names another place"
-            ) from problem
+            raise _unusable(problem, self._parent) from problem
         return self._path
 
     def __exit__(self, *_: object) -> None:
