@@ -137,6 +137,17 @@ def _declaration(program: Program, reference: ast.Reference) -> Span | None:
     return declared_at(symbol) if symbol is not None else None
 
 
+def _advice_on_reset(program: Program, process: ast.ProcessDefinition) -> str:
+    """A process goes on with its variables and laws as they are when it runs again; only its own composition puts them back."""
+    declared = process.communication.declarations if process.communication is not None else ()
+    instances = [item for item in declared if isinstance(item, ast.Instance)]
+    laws = [item for item in instances if isinstance(program.bindings.get(item.definition), ast.SubmodelDefinition)]
+    ways = [f"`reset {item.name.text}`" for item in laws[:1]]
+    ways += [f"`{item.name.text} := ...`" for item in declared if isinstance(item, ast.Variable)][:1]
+    where = f": put them back in the composition of `{process.name.text}` ({', '.join(ways)})" if ways else ""
+    return f"only submodels are reset; a process keeps its variables and the states of its laws from run to run{where}"
+
+
 def _check_reset(program: Program, reference: ast.Reference, report: Report) -> None:
     symbol = _named(program, reference)
     if not isinstance(symbol, ast.Instance):
@@ -148,7 +159,7 @@ def _check_reset(program: Program, reference: ast.Reference, report: Report) -> 
             name=reference.span.text,
             kind=f"an instance of the process `{definition.name.text}`",
             wanted="an instance of a submodel",
-            advice="only submodels have states; a process begins anew each time it runs",
+            advice=_advice_on_reset(program, definition),
             declared=symbol.name.span,
         )
         report.add(refused)

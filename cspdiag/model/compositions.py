@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from typing import assert_never
+from typing import Literal, assert_never
 
 from cspdiag.model.coercion import Purpose
 from cspdiag.model.declared_types import size_of
 from cspdiag.model.diagnostics_names import UnknownName, WrongKind
 from cspdiag.model.expressions import Typer
-from cspdiag.model.program import BuiltinSymbol
-from cspdiag.model.references import check_instance_index, end_of_channel, find, refuse_kind
+from cspdiag.model.program import BuiltinSymbol, PortSymbol
+from cspdiag.model.references import check_instance_index, end_of_channel, find, ports_of, refuse_kind
 from cspdiag.model.scopes import check_replicator
 from cspdiag.model.symbols import BUILTIN_EXCEPTIONS, declared_at, described
 from cspdiag.model.types import INT, TIME
@@ -20,9 +20,9 @@ def resolve_composition(typer: Typer, composition: ast.Composition) -> None:
     """Bind every name of a composition and type its expressions; the parser bounds the depth."""
     match composition:
         case ast.Run():
-            _instance(typer, composition.instance)
+            _instance(typer, composition.instance, "run")
         case ast.Reset():
-            _instance(typer, composition.instance)
+            _instance(typer, composition.instance, "reset")
         case ast.Read():
             end_of_channel(typer, composition.channel, "port")
             end_of_channel(typer, composition.target, "variable")
@@ -112,7 +112,7 @@ def _purpose(typer: Typer, reference: ast.Reference, wanted: str) -> Purpose:
     )
 
 
-def _instance(typer: Typer, reference: ast.Reference) -> None:
+def _instance(typer: Typer, reference: ast.Reference, verb: Literal["run", "reset"]) -> None:
     """What is run or reset: an instance, without a port."""
     symbol = find(typer, reference, "instance", (ast.Instance,))
     for index in (*reference.indexes, *reference.member_indexes):
@@ -123,18 +123,36 @@ def _instance(typer: Typer, reference: ast.Reference) -> None:
         advice = "a port is read by `? x` and written by `! value`" if "port" in described(symbol) else None
         refuse_kind(typer, reference, symbol, "instance", advice)
     elif reference.member is not None:
-        advice = f"run the instance: `{reference.name.text}`"
-        refused = WrongKind(
-            reference.span,
-            name=reference.span.text,
-            kind="a port of an instance",
-            wanted="an instance",
-            advice=advice,
-            declared=None,
-        )
-        typer.context.refuse(refused, reference)
+        _refuse_member(typer, reference, symbol, verb)
     else:
         check_instance_index(typer, reference, symbol)
+
+
+def _refuse_member(typer: Typer, reference: ast.Reference, instance: ast.Instance, verb: str) -> None:
+    """Something of an instance is run or reset: one of its ports, or what is inside and concerns only its own composition."""
+    assert reference.member is not None
+    definition = typer.context.program.bindings.get(instance.definition)
+    scope = ports_of(typer, instance)
+    member = None if scope is None else scope.ports.get(reference.member.text) or scope.names.get(reference.member.text)
+    kind = f"a name that `{instance.definition.text}` does not have"
+    advice = f"{verb} the instance: `{reference.name.text}`"
+    if verb == "reset" and isinstance(definition, ast.ProcessDefinition):
+        advice = "`reset name` puts back the states of a submodel of this process"
+    if isinstance(member, PortSymbol):
+        kind = "a port of an instance"
+    elif isinstance(member, ast.Instance):
+        kind = f"inside `{reference.name.text}`"
+        if verb == "reset" and isinstance(definition, ast.ProcessDefinition):
+            advice = f"only the composition of `{definition.name.text}` resets it: `reset {reference.member.text}`"
+    refused = WrongKind(
+        reference.span,
+        name=reference.span.text,
+        kind=kind,
+        wanted="an instance of this process" if isinstance(member, ast.Instance) else "an instance",
+        advice=advice,
+        declared=member.name.span if isinstance(member, ast.Instance) else None,
+    )
+    typer.context.refuse(refused, reference)
 
 
 def bind_exception(typer: Typer, name: ast.Identifier) -> None:
