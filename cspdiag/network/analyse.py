@@ -18,6 +18,7 @@ from cspdiag.network.diagnostics_periods import SampleUnknown
 from cspdiag.network.elaborate import Elaboration
 from cspdiag.network.guards import check_guards
 from cspdiag.network.kinds import Asked, asked_kinds, check_outermost, infer_kinds
+from cspdiag.network.missed_samples import MissedSamples
 from cspdiag.network.period_origins import PeriodOrigins
 from cspdiag.network.periods import Rates, check_event_ports, net_rates
 from cspdiag.network.rate_boundaries import RateBoundaries
@@ -88,6 +89,12 @@ class Analysis:
             check_guards(placed, self.report)
             check_progress(placed, waiting, self.report)
             self._check_samples(placed)
+        if not self.report.has_errors and any(
+            kind == "sampled" for placed in self.contexts.placed for kind, _ in placed.facts.values()
+        ):
+            missed = MissedSamples(self.report)
+            for placed in self._inside_out_in_context():
+                missed.process(placed)
         if len({period for placed in self.contexts.placed for period in placed.samples.values()}) > 1:
             boundaries = RateBoundaries(self.report)
             for placed in self._inside_out_in_context():

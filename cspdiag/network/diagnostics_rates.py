@@ -114,3 +114,127 @@ class FasterLawWaits(Diagnostic):
             Label(self.sampled_span, f"`{self.law}` takes a sample every {duration(self.period)}"),
             Label(self.slower_span, f"`{self.slower}` takes a sample every {duration(self.slower_period)}"),
         )
+
+
+@record
+class SamplesMissed(Diagnostic):
+    """A process does something between two reads of a sampled input that takes longer than its samples come.
+
+    From the first read of a sampled input on, and until the process ends, each sample is taken before the next one comes. One that is overwritten
+    before is a missed deadline: the next read raises `Timeout`. So a process that follows samples must not wait for anything else that takes a period
+    or longer: a delay, an input that is sampled more slowly, or an event, which may come at any time or never.
+
+    An alternative waits for whatever comes first, and keeps the slower value in a variable. What belongs to one mode only stands in a
+    process of its own: it follows the samples while it runs, and begins with the next one when it runs again. And what
+    comes at another rate can be read by a process in parallel.
+
+    Refused::
+
+        process Main {
+          in  start  : int
+          in  angle  : double @ 1 ms
+          out motor  : double @ 1 ms
+          communication {
+            var pressed : int    = 0
+            var now     : double = 0
+          }
+          composition {
+            mu (
+              start ? pressed ;
+              (mu (angle ? now ; motor ! 1 - now) until now > 1) ;
+              motor ! 0
+            )
+          }
+        }
+
+    Mended::
+
+        process Turn {
+          in  angle  : double @ 1 ms
+          out motor  : double @ 1 ms
+          communication {
+            var now : double = 0
+          }
+          composition {
+            (mu (angle ? now ; motor ! 1 - now) until now > 1) ;
+            motor ! 0
+          }
+        }
+
+        process Main {
+          in  start  : int
+          in  angle  : double @ 1 ms
+          out motor  : double @ 1 ms
+          communication {
+            turn        : Turn
+            var pressed : int = 0
+            angle      -> turn.angle
+            turn.motor -> motor
+          }
+          composition {
+            mu (start ? pressed ; turn)
+          }
+        }
+    """
+
+    code = "W0707"
+    title = "process that misses samples"
+    severity = "warning"
+
+    port: str
+    period: int
+    read: Span
+    earlier: Span
+    event: str | None
+    """The event that is waited for, if any."""
+    waits: int
+    """The least time that passes, in nanoseconds."""
+    slower: str | None
+    """The input of which the samples are waited for, in a loop."""
+    reads: int
+    """How many samples of ``port`` a turn of the loop takes at most."""
+
+    is_certain: bool
+    """Whether samples are missed, not only if the loop has many turns."""
+
+    @property
+    def message(self) -> str:
+        every = f"`{self.port}`, which comes every {duration(self.period)}"
+        if self.event is not None:
+            return f"between two reads of {every}, this waits for the event `{self.event}`: if that takes longer, samples are missed"
+        taken = "one sample" if self.reads == 1 else f"{self.reads} samples"
+        turn = f"each turn of the loop waits {duration(self.waits)}"
+        if self.slower is not None:
+            return f"{turn} for `{self.slower}` and takes {taken} of {every}: {self._missed}"
+        if self.waits >= 2 * self.period and self.reads == 1:
+            return f"between two reads of {every}, this waits {duration(self.waits)}: samples are missed"
+        if self.waits > self.reads * self.period:
+            return f"{turn} and takes {taken} of {every}: {self._missed}"
+        return f"{turn} and takes {taken} of {every}: as soon as anything else takes time, samples are missed"
+
+    @property
+    def _missed(self) -> str:
+        return "the others are missed" if self.is_certain else "after a few turns, samples are missed"
+
+    @property
+    def help(self) -> str | None:
+        if self.slower is not None:
+            return (
+                f"let an alternative read whichever comes, `mu ({self.slower} ? x -> ... []> {self.port} -> ...)`, "
+                "or a process of its own read the slower one in parallel"
+            )
+        if self.event is not None:
+            return (
+                f"read both in one alternative, `{self.event} ? x -> ... []> {self.port} -> ...`, or put what reads `{self.port}` into a "
+                "process of its own, which follows the samples only while it runs"
+            )
+        return (
+            f"count samples of `{self.port}` instead, wait in a process in parallel, or put what reads `{self.port}` into a process of "
+            "its own, which follows the samples only while it runs"
+        )
+
+    @property
+    def labels(self) -> tuple[Label, ...]:
+        if self.read == self.earlier:
+            return (Label(self.read, f"reads `{self.port}`"),)
+        return (Label(self.earlier, f"reads `{self.port}`"), Label(self.read, f"reads `{self.port}` again"))
