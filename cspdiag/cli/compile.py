@@ -8,8 +8,9 @@ from argparse import ArgumentParser, Namespace
 from typing import TYPE_CHECKING
 
 from cspdiag.cli.failure import FINE, UNSUCCESSFUL, NoResultError, UsageError
-from cspdiag.cli.terminal import show_diagnostics
+from cspdiag.cli.terminal import say, show_diagnostics
 from cspdiag.diagnostics.report import Report
+from cspdiag.diagnostics.snippet import printable
 from cspdiag.pipeline import build, check, generate
 from cspdiag.settings import SettingError, split_settings
 from cspdiag.sources import read_source
@@ -65,7 +66,7 @@ def _emit_tree(arguments: Namespace) -> int:
     show_diagnostics(report.diagnostics, arguments.color)
     if tree is None or report.has_errors:
         return UNSUCCESSFUL
-    sys.stdout.write(show_tree(tree))
+    sys.stdout.write(printable(show_tree(tree)))
     return FINE
 
 
@@ -76,7 +77,7 @@ def _emit_model(arguments: Namespace) -> int:
     show_diagnostics(checked.report.diagnostics, arguments.color)
     if checked.program is None or checked.report.has_errors:
         return UNSUCCESSFUL
-    sys.stdout.write(show_model(checked.program))
+    sys.stdout.write(printable(show_model(checked.program)))
     return FINE
 
 
@@ -92,9 +93,9 @@ def _emit_network(arguments: Namespace) -> int:
         *before, last = PASSES
         network = optimize(network, before)
         explained = [f"// {line}\n" for line in explain_fusion(network)]
-        sys.stdout.write("".join([dump(optimize(network, (last,))), "\n", *explained]))
+        sys.stdout.write(printable("".join([dump(optimize(network, (last,))), "\n", *explained])))
     else:
-        sys.stdout.write(dump(network))
+        sys.stdout.write(printable(dump(network)))
     return FINE
 
 
@@ -107,7 +108,7 @@ def _emit_transitions(arguments: Namespace) -> int:
     from cspdiag.analyses.transitions.explore import TransitionError
 
     try:
-        sys.stdout.write(dump(transition_system(network)))
+        sys.stdout.write(printable(dump(transition_system(network))))
     except TransitionError as problem:
         raise NoResultError(str(problem)) from None
     return FINE
@@ -131,11 +132,11 @@ def _generate(arguments: Namespace) -> int:
     except target_errors() as problem:
         raise NoResultError(str(problem)) from None
     write_package(folder, files, force=arguments.force)
-    sys.stderr.write(f"wrote {folder}\n")
+    say(f"wrote {folder}")
     if arguments.target == "c":
         from cspdiag.simulate.native.memory import report_or_reason
 
-        sys.stderr.write(f"{report_or_reason(network, files, arguments.level)}\n")
+        say(f"{report_or_reason(network, files, arguments.level)}")
     return FINE
 
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from cspdiag.cli.failure import UsageError
+from cspdiag.cli.terminal import say
 
 if TYPE_CHECKING:
     from cspdiag.draw.deadlock import Deadlock
@@ -42,6 +42,6 @@ def write_picture(path: Path, deadlock: Deadlock, program: Program | None) -> No
     try:
         scene = draw_deadlock(deadlock, program)
     except (MissingToolError, LayoutError) as problem:
-        sys.stderr.write(f"cspdiag: {path} has no communication diagram: {problem}\n")
+        say(f"cspdiag: {path} has no communication diagram: {problem}")
         scene = draw_deadlock(deadlock)
     write_whole(path, rendered([scene], path.suffix.removeprefix(".")))

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from cspdiag.cli.failure import FINE, UNSUCCESSFUL, NoResultError, UsageError
 from cspdiag.cli.revisions import reader_of, split_name
-from cspdiag.cli.terminal import show_diagnostics, wants_colour
+from cspdiag.cli.terminal import say, show_diagnostics, wants_colour
 from cspdiag.pipeline import check
 
 if TYPE_CHECKING:
@@ -119,4 +119,4 @@ def _draw(arguments: Namespace, found: Difference) -> None:
     except LayoutError as problem:
         raise NoResultError(str(problem)) from None
     write_whole(arguments.output, data)
-    sys.stderr.write(f"wrote {arguments.output}\n")
+    say(f"wrote {arguments.output}")

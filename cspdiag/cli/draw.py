@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from cspdiag.cli.failure import FINE, UNSUCCESSFUL, NoResultError, UsageError
-from cspdiag.cli.terminal import show_diagnostics
+from cspdiag.cli.terminal import say, show_diagnostics
 from cspdiag.pipeline import check
 from cspdiag.sources import STANDARD_INPUT, read_source
 
@@ -159,7 +159,7 @@ def _write_book(arguments: Namespace, pictures: Pictures) -> None:
         sys.stdout.buffer.write(page)
         return
     _write(Path(arguments.book), page)
-    sys.stderr.write(f"wrote {arguments.book}\n")
+    say(f"wrote {arguments.book}")
 
 
 def _draw(arguments: Namespace, pictures: Pictures) -> None:
@@ -187,7 +187,7 @@ def _draw(arguments: Namespace, pictures: Pictures) -> None:
     if arguments.output is None:
         _refuse_link(Path(name))
     _write(Path(name), data)
-    sys.stderr.write(f"wrote {name}\n")
+    say(f"wrote {name}")
 
 
 def _chosen(arguments: Namespace, pictures: Pictures) -> list[Drawn]:
@@ -267,7 +267,7 @@ def _write_folder(folder: Path, files: Mapping[str, bytes], format_: str) -> Non
     for place, data in places.items():
         _write(place, data)
     pictures = "1 picture" if len(files) == 1 else f"{len(files)} pictures"
-    sys.stderr.write(f"wrote {pictures} to {folder}\n")
+    say(f"wrote {pictures} to {folder}")
 
 
 def _refuse_link(path: Path) -> None:

@@ -7,8 +7,9 @@ from argparse import ArgumentParser, Namespace
 
 from cspdiag.cli.failure import FINE, UNSUCCESSFUL
 from cspdiag.cli.output import replace_text
-from cspdiag.cli.terminal import show_diagnostics
+from cspdiag.cli.terminal import say, show_diagnostics
 from cspdiag.diagnostics.report import Report
+from cspdiag.diagnostics.snippet import printable
 from cspdiag.diagnostics.span import SourceFile
 from cspdiag.sources import STANDARD_INPUT, read_source
 from cspdiag.syntax.formatter import format_tree
@@ -57,19 +58,20 @@ def formatted(source: SourceFile, report: Report) -> str | None:
 
 def _change(source: SourceFile, text: str, arguments: Namespace) -> None:
     if arguments.check:
-        sys.stderr.write(f"would format {source.name}\n")
+        say(f"would format {source.name}")
     elif not arguments.diff and source.name != STANDARD_INPUT:
         replace_text(source.name, text)
-        sys.stderr.write(f"formatted {source.name}\n")
+        say(f"formatted {source.name}")
 
 
 def _difference(source: SourceFile, text: str) -> str:
     from difflib import unified_diff
 
+    name = " ".join(printable(source.name).split("\n"))
     lines = unified_diff(
         source.text.splitlines(keepends=True),
         text.splitlines(keepends=True),
-        source.name,
-        f"{source.name} (formatted)",
+        name,
+        f"{name} (formatted)",
     )
     return "".join(line if line.endswith("\n") else f"{line}\n\\ No newline at end of file\n" for line in lines)

@@ -97,8 +97,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return end.code if isinstance(end.code, int) else FINE
     except Exception as problem:
         from cspdiag.cli.internal import describe
+        from cspdiag.diagnostics.snippet import printable
 
-        sys.stderr.write(describe(problem, given))
+        sys.stderr.write(printable(describe(problem, given)))
         return INTERNAL_ERROR
     return code
 

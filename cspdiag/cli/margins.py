@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from cspdiag.cli.failure import FINE, UNSUCCESSFUL, NoResultError, UsageError
-from cspdiag.cli.terminal import show_diagnostics
+from cspdiag.cli.terminal import say, show_diagnostics
+from cspdiag.diagnostics.snippet import printable
 from cspdiag.sources import read_source
 
 if TYPE_CHECKING:
@@ -228,6 +229,6 @@ def _tell(arguments: Namespace, report: LoopReport, periods: Mapping[str, tuple[
         return
     from cspdiag.analyses.margins.render_text import table
 
-    sys.stdout.write(table(report, periods))
+    sys.stdout.write(printable(table(report, periods)))
     if arguments.plot is not None and report.loops:
-        sys.stderr.write(f"wrote {arguments.plot}\n")
+        say(f"wrote {arguments.plot}")

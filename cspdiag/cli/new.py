@@ -5,11 +5,11 @@ from __future__ import annotations
 import keyword
 import os
 import re
-import sys
 from argparse import ArgumentParser, Namespace
 
 from cspdiag.cli.failure import FINE, UsageError
 from cspdiag.cli.output import write_new_folder
+from cspdiag.cli.terminal import say
 from cspdiag.resources import template_folder
 
 EXAMPLE = "cspdiag new gimbal && cd gimbal && cspdiag run gimbal.csp --for 3s"
@@ -33,7 +33,7 @@ def run(arguments: Namespace) -> int:
     """Write the project into a new folder of its name."""
     folder = arguments.name.rstrip(os.sep)
     write_new_folder(folder, project(os.path.basename(folder)))
-    sys.stderr.write(f"wrote {folder}: a controller, its environment, a test; README.md tells how to go on\n")
+    say(f"wrote {folder}: a controller, its environment, a test; README.md tells how to go on")
     return FINE
 
 

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import sys
 from argparse import Namespace
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from cspdiag.cli.failure import FINE, UNSUCCESSFUL, NoResultError, UsageError
-from cspdiag.cli.terminal import show_diagnostics
+from cspdiag.cli.terminal import say, show_diagnostics
 from cspdiag.sources import read_source
 
 if TYPE_CHECKING:
@@ -40,7 +39,7 @@ def run(arguments: Namespace) -> int:
     except (BodyError, LimitError, target_errors()) as problem:
         raise NoResultError(str(problem)) from None
     if not arguments.quiet:
-        sys.stderr.write("".join(f"{line}\n" for line in _told(network, trace, result)))
+        say("\n".join(_told(network, trace, result)))
     return FINE if result.succeeded else UNSUCCESSFUL
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from cspdiag.cli.failure import FINE, INTERRUPTED, UNSUCCESSFUL, NoResultError, UsageError
-from cspdiag.cli.terminal import show_diagnostics
+from cspdiag.cli.terminal import say, show_diagnostics
 from cspdiag.sources import read_source
 
 if TYPE_CHECKING:
@@ -235,17 +235,17 @@ def _conclude(arguments: Namespace, result: Run, program: Program | None) -> int
     write(arguments.trace, result.to_trace)
     write(arguments.plot, result.plot)
     if result.outcome.deadlock is not None:
-        sys.stderr.write(f"{result.outcome.deadlock.text}\n")
+        say(f"{result.outcome.deadlock.text}")
         write(arguments.draw_deadlock, lambda path: _draw_deadlock(path, result, program))
     if not arguments.quiet:
-        sys.stderr.write(f"{result.summary()}\n")
+        say(f"{result.summary()}")
         if written:
-            sys.stderr.write(f"  wrote {', '.join(written)}\n")
+            say(f"  wrote {', '.join(written)}")
         if arguments.draw_deadlock is not None and result.outcome.deadlock is None:
-            sys.stderr.write(f"  no deadlock: {arguments.draw_deadlock} was not written\n")
+            say(f"  no deadlock: {arguments.draw_deadlock} was not written")
     else:
         for error in filter(None, (result.outcome.error, *result.outcome.release_errors)):
-            sys.stderr.write(f"cspdiag: {described(error)}\n")
+            say(f"cspdiag: {described(error)}")
     match result.outcome.ended:
         case "terminated" | "time limit":
             return UNSUCCESSFUL if result.outcome.release_errors else FINE

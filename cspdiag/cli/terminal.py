@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from typing import TextIO
 
 from cspdiag.diagnostics.diagnostic import Diagnostic
+from cspdiag.diagnostics.snippet import printable
 
 
 def wants_colour(choice: str, stream: TextIO) -> bool:
@@ -23,3 +24,8 @@ def show_diagnostics(diagnostics: Sequence[Diagnostic], color: str) -> None:
         from cspdiag.diagnostics.render_text import render
 
         sys.stderr.write(render(diagnostics, colour=wants_colour(color, sys.stderr)))
+
+
+def say(text: str) -> None:
+    """Write a line, or several, to standard error: what is in them from outside, such as names of files, steers no terminal."""
+    sys.stderr.write(f"{printable(text)}\n")

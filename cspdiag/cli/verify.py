@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from cspdiag.cli.diagnostic_formats import FORMATS, told_diagnostics
 from cspdiag.cli.failure import FINE, UNSUCCESSFUL, NoResultError, UsageError
 from cspdiag.cli.output import replace_text
-from cspdiag.cli.terminal import wants_colour
+from cspdiag.cli.terminal import say, wants_colour
 
 if TYPE_CHECKING:
     from cspdiag.analyses.verification.answer import Answer
@@ -170,7 +170,7 @@ def _write_trace(arguments: Namespace, answers: Sequence[Answer]) -> None:
         return
     refuted = next((answer for answer in answers if answer.counterexample is not None), None)
     if refuted is None:
-        sys.stderr.write(f"cspdiag: nothing was refuted, so {arguments.trace_out} was not written\n")
+        say(f"cspdiag: nothing was refuted, so {arguments.trace_out} was not written")
     else:
         replace_text(str(arguments.trace_out), trace_of(refuted, _settings(arguments)))
 
@@ -184,7 +184,7 @@ def _draw(arguments: Namespace, answers: Sequence[Answer], asked: Asked) -> None
     found = (answer.counterexample for answer in answers if answer.counterexample is not None)
     deadlock = next(filter(None, map(deadlock_shown_by, found)), None)
     if deadlock is None:
-        sys.stderr.write(f"cspdiag: no processes wait for ever, so {arguments.draw} was not written\n")
+        say(f"cspdiag: no processes wait for ever, so {arguments.draw} was not written")
     else:
         write_picture(arguments.draw, deadlock, asked.checked.program)
 

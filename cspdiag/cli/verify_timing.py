@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING, Literal, cast
 
 from cspdiag.cli.failure import FINE, UNSUCCESSFUL, UsageError
 from cspdiag.cli.output import replace_text
-from cspdiag.cli.terminal import show_diagnostics
+from cspdiag.cli.terminal import say, show_diagnostics
 from cspdiag.cli.verify import refused, told
+from cspdiag.diagnostics.snippet import printable
 from cspdiag.sources import read_source
 
 if TYPE_CHECKING:
@@ -60,7 +61,7 @@ def _draw(arguments: Namespace, report: TimingReport) -> None:
         return
     if report.missing:
         reason = "not all execution times are known"
-        sys.stderr.write(f"cspdiag: {reason}, so {arguments.gantt} was not written\n")
+        say(f"cspdiag: {reason}, so {arguments.gantt} was not written")
         return
     from cspdiag.analyses.timing.gantt import gantt_svg
 
@@ -78,7 +79,7 @@ def _tell(arguments: Namespace, built: Built, report: TimingReport, seconds: flo
             from cspdiag.analyses.timing.render_text import table
 
             show_diagnostics(built.checked.report.diagnostics, arguments.color)
-            sys.stdout.write("" if arguments.quiet and report.is_schedulable else table(report))
+            sys.stdout.write("" if arguments.quiet and report.is_schedulable else printable(table(report)))
         case _:
             from cspdiag.analyses.verification.question import schedulability_of
             from cspdiag.analyses.verification.schedulable import answer_of

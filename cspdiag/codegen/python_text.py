@@ -39,4 +39,7 @@ def _docstring(text: str) -> tuple[str, str]:
 def _escaped(character: str) -> str:
     if character == "\n" or character.isprintable():
         return character
+    if "\ud800" <= character <= "\udfff":
+        # A string may hold half a character, the docstring of a class may not.
+        return "\N{REPLACEMENT CHARACTER}"
     return character.encode("unicode_escape").decode("ascii")

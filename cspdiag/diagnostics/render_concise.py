@@ -15,5 +15,5 @@ def render(diagnostics: Sequence[Diagnostic]) -> str:
 
 def _line(diagnostic: Diagnostic) -> str:
     span = diagnostic.span
-    message = " ".join(printable(diagnostic.message).split("\n"))
-    return f"{printable(span.file)}:{span.line}:{span.column}: {diagnostic.severity}[{diagnostic.code}] {message}"
+    message, file = (" ".join(printable(text).split("\n")) for text in (diagnostic.message, span.file))
+    return f"{file}:{span.line}:{span.column}: {diagnostic.severity}[{diagnostic.code}] {message}"

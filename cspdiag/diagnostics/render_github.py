@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from cspdiag.diagnostics.diagnostic import Diagnostic
+from cspdiag.diagnostics.snippet import printable
 
 
 def render(diagnostics: Sequence[Diagnostic]) -> str:
@@ -28,7 +29,7 @@ def _command(diagnostic: Diagnostic) -> str:
 
 
 def _escape(text: str) -> str:
-    return text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A")
+    return printable(text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A"))
 
 
 def _escape_property(text: str) -> str:

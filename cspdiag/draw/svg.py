@@ -33,7 +33,10 @@ from cspdiag.draw.scene import (
 from cspdiag.draw.scene_geometry import every
 from cspdiag.draw.text_metrics import runs_width
 
-_UNPRINTABLE = re.compile(r"[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+_UNSEEN = re.compile(
+    r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u2028\u2029\u202a-\u202e\u2066-\u2069\ufeff\ud800-\udfff\ufffe\uffff]"
+)
+"""What XML cannot have or nobody can see: control characters, half characters, marks that change the direction of writing."""
 
 
 def render_svg(scene: Scene, scheme: Scheme = Scheme.AUTO) -> str:
@@ -111,9 +114,13 @@ def _inks(item: Item) -> list[Ink]:
     return [ink for ink in used if ink is not None]
 
 
+def visible(text: str) -> str:
+    """A text for pages and pictures, where each character that cannot be shown is seen to be one."""
+    return _UNSEEN.sub("\N{REPLACEMENT CHARACTER}", text)
+
+
 def _escaped(text: str) -> str:
-    cleaned = _UNPRINTABLE.sub("\N{REPLACEMENT CHARACTER}", text)
-    return cleaned.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;").replace('"', "&quot;")
+    return visible(text).replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;").replace('"', "&quot;")
 
 
 def _number(value: float) -> str:

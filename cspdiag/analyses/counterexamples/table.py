@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from cspdiag.analyses.counterexamples.counterexample import Counterexample, Party, Step
 from cspdiag.analyses.counterexamples.rounds import Repeated, repeated
+from cspdiag.diagnostics.snippet import printable
 
 _KINDS = {"sample": "sample", "miss": "missed", "exception": "raise", "failure": "raise", "ready": "ready"}
 
@@ -24,7 +25,7 @@ def table(found: Counterexample, width: int = 120) -> str:
     files = {party.span.file for step in (*steps, *cycle) for party in step.parties if party.span is not None}
     rows = list(_rows((*steps, *cycle), names, found.process, told_files=len(files) > 1))
     lines = _aligned([["", "", *names], *rows])
-    legend = [f"lines of {file}" for file in files] if len(files) == 1 else []
+    legend = [f"lines of {printable(file)}" for file in files] if len(files) == 1 else []
     if max(map(len, lines)) > width:
         lines = _aligned([["", "", *(f"({number})" for number in range(1, len(names) + 1))], *rows])
         legend = [f"({number}) {name}" for number, name in enumerate(names, start=1)] + legend
@@ -74,7 +75,7 @@ def _cell(step: Step, party: Party, told_file: bool) -> str:
 def _place(party: Party, told_file: bool) -> str:
     if party.span is None:
         return ""
-    return f" {party.span.file.rpartition('/')[2]}:{party.span.line}" if told_file else str(party.span.line)
+    return f" {printable(party.span.file).rpartition('/')[2]}:{party.span.line}" if told_file else str(party.span.line)
 
 
 def _direction(step: Step, party: Party) -> str:

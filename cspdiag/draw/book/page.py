@@ -9,8 +9,13 @@ from cspdiag import __version__
 from cspdiag.draw.book.chapters import anchor, chapters, declarations
 from cspdiag.draw.palette import MONO, SANS, Scheme
 from cspdiag.draw.pictures import Pictures
-from cspdiag.draw.svg import custom_properties, ink_rules
+from cspdiag.draw.svg import custom_properties, ink_rules, visible
 from cspdiag.resources import template_folder
+
+
+def _visible(value: object) -> object:
+    """Text from outside as it can be shown; markup is made here, and as it should be."""
+    return visible(value) if type(value) is str else value
 
 
 def book(pictures: Pictures) -> str:
@@ -27,6 +32,7 @@ def book(pictures: Pictures) -> str:
         lstrip_blocks=True,
         keep_trailing_newline=True,
         autoescape=True,
+        finalize=_visible,
     )
     told = chapters(pictures)
     links = {chapter.name: f"#{anchor(chapter.name)}" for chapter in told}
