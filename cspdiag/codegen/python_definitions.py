@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from cspdiag.codegen.python_imports import Imports
-from cspdiag.codegen.python_names import PackageNames, identifier
+from cspdiag.codegen.python_names import PackageNames
 from cspdiag.codegen.python_statements import assign, lines
 from cspdiag.codegen.python_text import remark
-from cspdiag.codegen.python_types import annotation, enum_member, literal
+from cspdiag.codegen.python_types import annotation, enum_members, field_names, literal
 from cspdiag.network.ir import Network
 
 
@@ -41,7 +41,7 @@ def enum_views(network: Network, names: PackageNames) -> list[Definition]:
         Definition(
             names.types[enum.name],
             f"The enum {enum.name}.",
-            [f"{enum_member(name)} = {index}" for index, name in enumerate(enum.literals)],
+            [f"{member} = {index}" for index, member in enumerate(enum_members(enum).values())],
         )
         for enum in network.enums
     ]
@@ -55,7 +55,7 @@ def struct_views(network: Network, names: PackageNames) -> tuple[list[str], list
         Definition(
             names.types[struct.name],
             f"The struct {struct.name}.",
-            [f"{identifier(name)}: {annotation(type_, imports)}" for name, type_ in struct.fields],
+            [f"{field_names(struct)[name]}: {annotation(type_, imports)}" for name, type_ in struct.fields],
         )
         for struct in network.structs
     ]

@@ -29,8 +29,7 @@ from cspdiag.codegen.python_code import (
     tuple_of,
 )
 from cspdiag.codegen.python_imports import Imports
-from cspdiag.codegen.python_names import identifier
-from cspdiag.codegen.python_types import literal
+from cspdiag.codegen.python_types import field_names, literal
 from cspdiag.codegen.ranges import needs_check
 from cspdiag.diagnostics.record import replaced
 from cspdiag.model.types import BoolType, IntType, RealType, StructType, TimeType, Type
@@ -114,7 +113,8 @@ class Printer:
             case Conversion(operand=operand):
                 return self._conversion(expression.type, operand)
             case FieldValue(operand=operand, field=field):
-                return Postfix(at_least(self.print(operand), PRIMARY), f".{identifier(field)}")
+                assert isinstance(operand.type, StructType)
+                return Postfix(at_least(self.print(operand), PRIMARY), f".{field_names(operand.type)[field]}")
             case ElementValue(operand=operand, index=index):
                 if isinstance(index, LiteralValue):
                     return Postfix(at_least(self.print(operand), PRIMARY), f"[{index.value}]")
@@ -122,7 +122,8 @@ class Printer:
             case StructValue(values=values):
                 assert isinstance(expression.type, StructType)
                 fields = zip(expression.type.fields, values, strict=True)
-                named = {identifier(name): self.print(value) for (name, _), value in fields}
+                names = field_names(expression.type)
+                named = {names[name]: self.print(value) for (name, _), value in fields}
                 return call(self.imports.type_(expression.type.name), **named)
             case ArrayElements(values=values):
                 return tuple_of(self.print(value) for value in values)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping
+from functools import cache
 
 from cspdiag.network.ir import Network, ProcessClass
 
@@ -92,13 +93,25 @@ class Names:
         return name
 
 
+@cache
+def member_names(texts: tuple[str, ...], taken: frozenset[str]) -> Mapping[str, str]:
+    """Names of the members of one class, none of which begins with an underscore: a tuple with names refuses such, an enumeration has its own."""
+    names = Names(taken)
+    plain = {text: text.lstrip("_") or "unnamed" for text in texts}
+    wanted = {text: f"n{rest}" if rest[0].isdigit() else rest for text, rest in plain.items()}
+    # Those that can keep their names come first.
+    ordered = sorted(texts, key=lambda text: identifier(wanted[text]) != text)
+    given = {text: names.fresh(wanted[text]) for text in ordered}
+    return {text: given[text] for text in texts}
+
+
 class PackageNames:
     """The names that the modules of one package share: classes, their modules, types, constants and exceptions."""
 
     def __init__(self, network: Network) -> None:
         self.package = network.name
         self._folder = network.source.rpartition("/")[0]
-        definitions = Names({"Timeout", "Fault"})
+        definitions = Names({"Timeout", "Fault", "IntEnum", "NamedTuple"})
         modules = Names(MODULES)
         self.classes: Mapping[str, str] = {entry.name: definitions[entry.name] for entry in network.classes}
         self.types: Mapping[str, str] = {

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from typing import assert_never
 
 from cspdiag.codegen.python_code import PRIMARY, PRODUCT, SIGN, Atom, Chain, Code, call, tuple_of
 from cspdiag.codegen.python_imports import Imports
-from cspdiag.codegen.python_names import identifier
+from cspdiag.codegen.python_names import member_names
 from cspdiag.codegen.python_text import quoted
 from cspdiag.diagnostics import Span
 from cspdiag.model.arithmetic import single
@@ -44,6 +45,7 @@ _MEMBERS_OF_INT = frozenset(
         "mro",
     ]
 )
+_MEMBERS_OF_TUPLE = frozenset(["count", "index"])
 
 
 def annotation(type_: Type, imports: Imports) -> str:
@@ -104,11 +106,12 @@ def literal(value: Value, type_: Type, imports: Imports, span: Span | None = Non
             return Atom(quoted(str(value)))
         case EnumType():
             assert isinstance(value, int)
-            return Atom(f"{imports.type_(type_.name)}.{enum_member(type_.literals[value])}")
+            return Atom(f"{imports.type_(type_.name)}.{enum_members(type_)[type_.literals[value]]}")
         case StructType():
             assert isinstance(value, tuple)
             fields = zip(type_.fields, value, strict=True)
-            named = {identifier(name): literal(part, field, imports) for (name, field), part in fields}
+            names = field_names(type_)
+            named = {names[name]: literal(part, field, imports) for (name, field), part in fields}
             return call(imports.type_(type_.name), **named)
         case ArrayType():
             assert isinstance(value, tuple)
@@ -149,7 +152,11 @@ def duration(nanoseconds: int, imports: Imports) -> Code:
     return Chain(PRODUCT, number(repr(nanoseconds)), (("*", Atom(imports.runtime("ns"))),))
 
 
-def enum_member(name: str) -> str:
-    """The member of an ``IntEnum`` for a literal of an enum."""
-    plain = identifier(name)
-    return f"{plain}_" if plain in _MEMBERS_OF_INT or plain.startswith("_") else plain
+def enum_members(type_: EnumType) -> Mapping[str, str]:
+    """The members of an ``IntEnum`` for the literals of an enum."""
+    return member_names(type_.literals, _MEMBERS_OF_INT)
+
+
+def field_names(type_: StructType) -> Mapping[str, str]:
+    """The fields of a ``NamedTuple`` for those of a struct."""
+    return member_names(tuple(name for name, _ in type_.fields), _MEMBERS_OF_TUPLE)

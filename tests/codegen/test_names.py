@@ -8,7 +8,16 @@ import keyword
 import pytest
 
 from cspdiag import runtime
-from cspdiag.codegen.python_names import BUILTINS, KEYWORDS, MEMBERS, Names, identifier, indexed, snake_case
+from cspdiag.codegen.python_names import (
+    BUILTINS,
+    KEYWORDS,
+    MEMBERS,
+    Names,
+    identifier,
+    indexed,
+    member_names,
+    snake_case,
+)
 from cspdiag.runtime import Process, Submodel
 
 
@@ -51,3 +60,17 @@ def test_names_with_indexes_are_places_in_lists() -> None:
 def test_the_runtime_exports_what_generated_code_imports() -> None:
     wanted = "int64 uint8 float32 quotient remainder power nearest limit sign quantize deadzone element replaced sin"
     assert [name for name in wanted.split() if not hasattr(runtime, name)] == []
+
+
+def test_members_keep_apart_and_begin_with_no_underscore() -> None:
+    given = member_names(("_x", "sum", "x", "sum_", "count", "__init__", "_1", "__"), frozenset({"count"}))
+    assert dict(given) == {
+        "_x": "x_",
+        "sum": "sum_2",
+        "x": "x",
+        "sum_": "sum_",
+        "count": "count_",
+        "__init__": "init__",
+        "_1": "n1",
+        "__": "unnamed",
+    }

@@ -93,3 +93,9 @@ def test_a_package_runs_by_itself(tmp_path: Path) -> None:
     done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert "ended by itself" in done.stdout
+
+
+def test_types_whose_names_python_has_for_other_things_have_values() -> None:
+    _, trace, _ = ran("members")
+    assert [tuple(value) for value in values(trace, "Process.s")] == [(1.0, 2, 3, 4, 5, 6, 7, 8)]
+    assert values(trace, "Process._x") == [0.0, 0.0]
