@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from contextlib import nullcontext
 from dataclasses import replace
 from itertools import islice
@@ -13,6 +13,7 @@ from cspdiag import pipeline
 from cspdiag.analyses.proofs.verdict import LimitError, Limits, Method
 from cspdiag.analyses.transitions import transition_system
 from cspdiag.analyses.transitions.explore import TransitionError
+from cspdiag.analyses.transitions.told_apart import Apart, AsSpecification
 from cspdiag.analyses.verification.answer import Answer
 from cspdiag.analyses.verification.prove import Enforced, answered, not_replayed, prove
 from cspdiag.analyses.verification.question import Question
@@ -20,6 +21,7 @@ from cspdiag.analyses.verification.question import Question
 if TYPE_CHECKING:
     from cspdiag.analyses.counterexamples.counterexample import Counterexample
     from cspdiag.analyses.transitions.system import System
+    from cspdiag.analyses.transitions.told_apart import ToldApart
     from cspdiag.network.ir import Network
     from cspdiag.simulate.other_counterexamples import Narrowing
     from cspdiag.simulate.replay.result import Judge, Replay
@@ -72,7 +74,7 @@ class Verifier:
         self._spin = spin
         self._settings = settings
         self._enforced = enforced
-        self._systems: dict[tuple[str, frozenset[tuple[str, frozenset[int]]]], System] = {}
+        self._systems: dict[tuple[str, frozenset[tuple[str, Apart]], AsSpecification | None], System] = {}
         self._files: dict[str, dict[str, str]] = {}
 
     def answer(self, question: Question, limits: Limits) -> Answer:
@@ -100,15 +102,17 @@ class Verifier:
             return self._otherwise(answer.counterexample, question, limits) or confirmed
         return self._advised(confirmed)
 
-    def system(self, process: str, told_apart: Mapping[str, Collection[int]] | None = None) -> System:
-        """The transition system of a process of the program; of the inputs ``told_apart`` the values matter whatever depends on them."""
+    def system(
+        self, process: str, told_apart: ToldApart | None = None, specification: AsSpecification | None = None
+    ) -> System:
+        """The transition system of a process of the program. See ``transition_system``."""
         ports = told_apart or {}
-        key = process, frozenset((port, frozenset(boundaries)) for port, boundaries in ports.items())
+        key = process, frozenset(ports.items()), specification
         if key not in self._systems:
             network = self._asked.network(process)
             assert network is not None, "asked for a process with errors"
             try:
-                self._systems[key] = transition_system(network, ports)
+                self._systems[key] = transition_system(network, ports, specification)
             except TransitionError as problem:
                 raise VerificationError(str(problem)) from problem
         return self._systems[key]
@@ -121,11 +125,12 @@ class Verifier:
 
             def narrowed(
                 process: str,
-                told_apart: Mapping[str, Collection[int]] | None = None,
+                told_apart: ToldApart | None = None,
+                specification: AsSpecification | None = None,
                 narrowing: Narrowing = narrowing,
             ) -> System:
-                whole = self.system(process, told_apart)
-                return narrowing(whole) if process == question.process else whole
+                whole = self.system(process, told_apart, specification)
+                return narrowing(whole) if specification is None else whole
 
             if limits.remaining <= 0:
                 break
@@ -212,8 +217,10 @@ class Verifier:
 
     def _judge(self, answer: Answer, network: Network, limits: Limits) -> Judge | None:
         """Who says of a run whether it refines the specification that was asked about."""
-        if answer.question.specification is None:
+        specification = answer.question.specification
+        if specification is None:
             return None
         from cspdiag.simulate.replay.refinement import judge
 
-        return judge(answer.question, self.system(answer.question.specification), network, limits)
+        role = AsSpecification(frozenset(answer.question.free))
+        return judge(answer.question, lambda apart: self.system(specification, apart, role), network, limits)

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
-from tests.verification.small_processes import FIRST, OUTPUTS, Label, State, Statement, steps
+from tests.verification.small_processes import FIRST, Label, State, Statement, steps
 
 MOST_UNSEEN = 300
 """States to which steps lead that nobody sees."""
@@ -17,12 +17,11 @@ Truth: TypeAlias = Literal["refines", "violates", "not known"]
 class Sight:
     """How closely it is looked.
 
-    Inputs have ``numbers``. ``exactly``: numbers that are written have to be the same; else any will do. ``failures``: what is refused counts too. Communications at
+    Inputs have ``numbers``. ``failures``: what is refused counts too. Communications at
     ``hidden`` are not seen.
     """
 
     numbers: tuple[int, ...]
-    exactly: bool
     failures: bool
     hidden: str = ""
 
@@ -30,10 +29,6 @@ class Sight:
         """What can be done in a state."""
         for label, after in steps(state, self.numbers):
             yield None if label is not None and label[0] == self.hidden else label, after
-
-    def seen(self, label: Label) -> Label | tuple[str, None]:
-        """What is seen of a communication."""
-        return label if self.exactly or OUTPUTS.get(label[0]) != "int" else (label[0], None)
 
 
 def refines(body: Statement, specification: Statement, sight: Sight, most: int) -> Truth:
@@ -85,16 +80,11 @@ def _offers(state: State, sight: Sight) -> set[object] | None:
     if not state[0]:
         return {"end"}
     labels = [label for label, _ in sight.steps(state)]
-    return None if None in labels else {sight.seen(label) for label in labels if label is not None}
+    return None if None in labels else {label for label in labels if label is not None}
 
 
 def _after(states: Iterable[State], wanted: Label, sight: Sight) -> list[State]:
-    return [
-        after
-        for state in states
-        for label, after in sight.steps(state)
-        if label is not None and sight.seen(label) == sight.seen(wanted)
-    ]
+    return [after for state in states for label, after in sight.steps(state) if label is not None and label == wanted]
 
 
 def _closed(states: Iterable[State], sight: Sight) -> frozenset[State]:

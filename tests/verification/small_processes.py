@@ -2,20 +2,40 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from random import Random
 from typing import Literal, TypeAlias
 
-Number: TypeAlias = int | bool
+Number: TypeAlias = int | bool | tuple[int, int]
 Environment: TypeAlias = tuple[tuple[str, Number], ...]
 Label: TypeAlias = tuple[str, Number]
 """A port and the value that passes it."""
 
 INPUTS = {"a": "bool", "x": "int"}
 OUTPUTS = {"c": "bool", "y": "int"}
-VARIABLES = {"n": "int", "b": "bool"}
-FIRST: Environment = (("n", 0), ("b", False))
+VARIABLES = {
+    "n": "int = 0",
+    "b": "bool = false",
+    "m": "int = 1",
+    "k": "int[2] = [2, 3]",
+    "p": "Two = Two(f = 4, g = 5)",
+}
+FIRST: Environment = (("n", 0), ("b", False), ("m", 1), ("k", (2, 3)), ("p", (4, 5)))
+HEAD = """struct Two {
+  f : int
+  g : int
+}
+
+submodel Law {
+  in  u : int
+  out v : int
+
+  v = 2 * u + 1
+}
+"""
+"""What the processes need."""
 
 
 @dataclass(frozen=True)
@@ -49,9 +69,9 @@ class Condition:
 
 @dataclass(frozen=True)
 class Do:
-    """One step: ``a ? b``, ``x ? n``, ``c ! e``, ``y ! e``, an assignment, a delay, or nothing."""
+    """One step: ``a ? b``, ``x ? n``, ``c ! e``, ``y ! e``, an assignment, a law from ``n`` to ``m``, a delay, a time-out (as a guard), or nothing."""
 
-    kind: Literal["read", "write", "assign", "wait", "skip"]
+    kind: Literal["read", "write", "assign", "law", "wait", "after", "skip"]
     name: str = ""
     value: str = ""
 
@@ -63,8 +83,12 @@ class Do:
                 return f"{self.name} ! {self.value}"
             case "assign":
                 return f"{self.name} := {self.value}"
+            case "law":
+                return "law"
             case "wait":
                 return "wait 1 ms"
+            case "after":
+                return f"after {self.value} ms"
             case "skip":
                 return "skip"
 
@@ -117,12 +141,28 @@ class Guarded:
 
 @dataclass(frozen=True)
 class Alternative:
-    """The first of its guards that comes."""
+    """The first of its guards that comes; of several that are ready any, or with ``prioritized`` the first in the text."""
 
     branches: tuple[Guarded, ...]
+    prioritized: bool = False
 
     def __str__(self) -> str:
-        return f"({' [] '.join(map(str, self.branches))})"
+        return f"({(' []> ' if self.prioritized else ' [] ').join(map(str, self.branches))})"
+
+    def possible(self, environment: Environment) -> Iterator[Guarded]:
+        """The branches that may be taken: what comes from outside may come at any time, outputs and ``skip`` are always ready."""
+        enabled = [branch for branch in self.branches if branch.when is None or branch.when.holds(environment)]
+        at_once = [branch for branch in enabled if branch.guard.kind in ("write", "skip")]
+        soonest = min((branch.guard.value for branch in enabled if branch.guard.kind == "after"), default="")
+        timed_out = False
+        for branch in enabled:
+            if branch.guard.kind == "after":
+                if at_once or branch.guard.value > soonest or (self.prioritized and timed_out):
+                    continue
+                timed_out = True
+            yield branch
+            if self.prioritized and branch in at_once:
+                return
 
 
 Statement: TypeAlias = Do | Sequence | If | Loop | Alternative
@@ -140,14 +180,18 @@ State: TypeAlias = tuple[Todo, Environment]
 """What is still to be done, the next first, and the variables."""
 
 
-def process(name: str, body: Statement, without: str = "") -> str:
-    """The text of a process, ``without`` one of the ports."""
-    ports = [f"in {port} : {type_}" for port, type_ in INPUTS.items() if port != without]
+def process(name: str, body: Statement, without: str = "", *, sampled: bool = False) -> str:
+    """The text of a process, ``without`` one of the ports; with ``x`` sampled or not."""
+    period = {"x": " @ 1 ms"} if sampled else {}
+    ports = [f"in {port} : {type_}{period.get(port, '')}" for port, type_ in INPUTS.items() if port != without]
     ports += [f"out {port} : {type_}" for port, type_ in OUTPUTS.items() if port != without]
     return (
         f"process {name} {{\n  "
         + "\n  ".join(ports)
-        + "\n  communication {\n    var n : int = 0\n    var b : bool = false\n  }\n"
+        + "\n  communication {\n"
+        + "".join(f"    var {variable} : {type_}\n" for variable, type_ in VARIABLES.items())
+        + ("    law : Law\n    n -> law.u\n    law.v -> m\n" if re.search(r"\blaw\b", str(body)) else "")
+        + "  }\n"
         + f"  composition {{ {body} }}\n}}\n"
     )
 
@@ -174,9 +218,8 @@ def steps(state: State, numbers: tuple[int, ...]) -> Iterator[tuple[Label | None
             ends = loop.until is not None and loop.until.holds(environment)
             yield None, (rest, environment) if ends else ((loop, *rest), environment)
         case Alternative():
-            for branch in first.branches:
-                if branch.when is None or branch.when.holds(environment):
-                    yield from _done(branch.guard, (branch.body, *rest), environment, numbers)
+            for branch in first.possible(environment):
+                yield from _done(branch.guard, (branch.body, *rest), environment, numbers)
 
 
 def _done(
@@ -191,17 +234,35 @@ def _done(
             yield (step.name, _value(step.value, environment)), (rest, environment)
         case "assign":
             yield None, (rest, _with(environment, step.name, _value(step.value, environment)))
-        case "wait" | "skip":
+        case "law":
+            yield None, (rest, _with(environment, "m", _value("2 * n + 1", environment)))
+        case "wait" | "after" | "skip":
             yield None, (rest, environment)
 
 
 def _with(environment: Environment, name: str, value: Number) -> Environment:
-    return tuple((known, value if known == name else old) for known, old in environment)
+    variable, _, index = name.partition("[")
+    if index:
+        old = dict(environment)[variable]
+        assert isinstance(old, tuple)
+        at, new = int(index[0]), int(value)  # type: ignore[arg-type]
+        value = (new, old[1]) if at == 0 else (old[0], new)
+    return tuple((known, value if known == variable else old) for known, old in environment)
 
 
 def _value(text: str, environment: Environment) -> Number:
     values = dict(environment)
-    match text.split():
+    match text.replace("Two(f = n, g = m)", "two").split():
+        case ["two"]:
+            return values["n"], values["m"]  # type: ignore[return-value]
+        case ["2", "*", "n", "+", "1"]:
+            return 2 * int(values["n"]) + 1  # type: ignore[arg-type]
+        case ["k[0]"] | ["k[1]"]:
+            return values["k"][int(text[2])]  # type: ignore[index]
+        case ["p.f"]:
+            return values["p"][0]  # type: ignore[index]
+        case ["p.g"]:
+            return values["p"][1]  # type: ignore[index]
         case ["true"] | ["false"]:
             return text == "true"
         case ["not", "b"]:
@@ -209,9 +270,9 @@ def _value(text: str, environment: Environment) -> Number:
         case [name] if name in values:
             return values[name]
         case ["n", "+", number]:
-            return values["n"] + int(number)
+            return int(values["n"]) + int(number)  # type: ignore[arg-type]
         case ["n", "-", number]:
-            return values["n"] - int(number)
+            return int(values["n"]) - int(number)  # type: ignore[arg-type]
         case _:
             return int(text)
 
@@ -233,7 +294,8 @@ def erased(body: Statement, port: str) -> Statement:
                     Guarded(branch.when, Do("skip") if branch.guard.name == port else branch.guard, inside)
                     for branch in branches
                     for inside in (erased(branch.body, port),)
-                )
+                ),
+                body.prioritized,
             )
 
 
@@ -268,10 +330,12 @@ class Drawing:
                 used = {branch.guard.name for branch in branches}
                 free = [port for port in self._ports if port not in used]
                 if free and self._random.random() < 0.3:
-                    return Alternative((*branches, self._branch(self._random.choice(free), 1)))
+                    return Alternative((*branches, self._branch(self._random.choice(free), 1)), body.prioritized)
+                if self._random.random() < 0.2:
+                    return Alternative(branches, not body.prioritized)
                 branch = branches[at]
                 new = Guarded(branch.when, branch.guard, self.changed(branch.body))
-                return Alternative((*branches[:at], new, *branches[at + 1 :]))
+                return Alternative((*branches[:at], new, *branches[at + 1 :]), body.prioritized)
             case Do():
                 return body if self._random.random() < 0.5 else self._do()
 
@@ -286,7 +350,8 @@ class Drawing:
                 return If(self.test(), self.statement(depth - 1), self.statement(depth - 1))
             case "alternative":
                 ports = self._random.sample(self._ports, self._random.randint(2, 3))
-                return Alternative(tuple(self._branch(port, depth - 1) for port in ports))
+                branches = [self._branch(port, depth - 1) for port in ports]
+                return Alternative(tuple(branches), self._random.random() < 0.3)
             case "loop":
                 return Loop(self._waiting(self.statement(depth - 1)), self.test())
         return self._do()
@@ -296,19 +361,41 @@ class Drawing:
         operator = self._random.choice(("==", "==", "!=", "<", ">=", "b", "not b"))
         return Condition(operator, self._random.choice(self._numbers))  # type: ignore[arg-type]
 
+    def refined(self, body: Statement) -> Statement:
+        """What does no more than ``body``: some of its free choices are made, some of its values written otherwise."""
+        match body:
+            case Sequence(steps=parts):
+                return Sequence(tuple(map(self.refined, parts)))
+            case If():
+                return If(body.test, self.refined(body.then), self.refined(body.otherwise))
+            case Loop():
+                return Loop(self.refined(body.body), body.until)
+            case Alternative(branches=branches):
+                kept = [Guarded(branch.when, branch.guard, self.refined(branch.body)) for branch in branches]
+                return Alternative(tuple(kept), body.prioritized or self._random.random() < 0.3)
+            case Do(kind="write", name="y", value=value) if value.lstrip("-").isdigit() and self._random.random() < 0.5:
+                return Sequence((Do("assign", "k[0]", value), Do("write", "y", "k[0]")))
+        return Sequence((Do("skip"), body)) if self._random.random() < 0.2 else body
+
     def _waiting(self, rest: Statement) -> Statement:
         first = self._random.choice((Do("wait"), *(self._at(port) for port in INPUTS if port in self._ports)))
         return Sequence((first, rest))
 
     def _branch(self, port: str, depth: int) -> Guarded:
-        guard = Do("skip") if self._random.random() < 0.1 else self._at(port)
+        guard = Do("skip") if self._random.random() < 0.15 else self._at(port)
+        if self._random.random() < 0.15:
+            guard = Do("after", "", self._random.choice("12"))
         return Guarded(self.test() if self._random.random() < 0.3 else None, guard, self.statement(depth))
 
     def _do(self) -> Do:
         if self._random.random() < 0.3:
             number = self._random.choice(self._numbers)
             value = self._random.choice(("n + 1", "n + 1", "n - 1", str(number)))
-            return self._random.choice((Do("assign", "n", value), Do("assign", "b", "not b"), Do("wait"), Do("skip")))
+            values = {"n": (value, "m", "k[1]"), "m": ("n", "k[0]", "p.g", str(number)), "k[0]": ("n", "m")}
+            values |= {"k[1]": ("m",), "p": ("Two(f = n, g = m)",), "b": ("not b",)}
+            name = self._random.choice(("n", "n", "m", "k[0]", "k[1]", "p", "b"))
+            assigned = Do("assign", name, self._random.choice(values[name]))
+            return self._random.choice((assigned, assigned, Do("law"), Do("wait"), Do("skip")))
         return self._at(self._random.choice(self._ports))
 
     def _at(self, port: str) -> Do:
@@ -320,4 +407,8 @@ class Drawing:
                 return Do("read", "x", "n")
             case "c":
                 return Do("write", "c", self._random.choice(("true", "false", "b", "not b")))
-        return Do("write", "y", self._random.choice(("n", "0", str(self._random.choice(self._numbers)))))
+        return Do(
+            "write",
+            "y",
+            self._random.choice(("n", "n", "m", "k[0]", "p.f", "n + 1", str(self._random.choice(self._numbers)))),
+        )

@@ -35,20 +35,25 @@ def violation(
     for label in trace:
         reached = walk.closure(walk.after(states, label), limits)
         if not reached:
-            return done_too_much(label, _allowed(walk, states))
+            return done_too_much(label, _allowed(walk, states, labels))
         states = reached
     resting = [walk.offers(state) for state in states if walk.is_stable(state)]
     if rest.ended:
-        return None if any(END in offered for offered in resting) else ended_too_soon(_allowed(walk, states))
+        return None if any(END in offered for offered in resting) else ended_too_soon(_allowed(walk, states, labels))
     acceptances = smallest(resting)
     if not failures or rest.offers is None or _offers_enough(rest.offers, acceptances):
         return None
     return refused_too_much(rest.offers, acceptances)
 
 
-def _allowed(walk: Walk, states: Iterable[State]) -> frozenset[Label]:
-    """What may come next."""
-    return frozenset(label for state in states for label in walk.offers(state))
+def _allowed(walk: Walk, states: Iterable[State], labels: Labels) -> frozenset[Label]:
+    """What may come next: of inputs not only the values of this run."""
+    apart = labels.specification.apart
+    return frozenset(
+        (port, None) if port in apart and apart[port].values else (port, value)
+        for state in states
+        for port, value in walk.offers(state)
+    )
 
 
 def _offers_enough(offers: frozenset[Label], acceptances: Sequence[frozenset[Label]]) -> bool:

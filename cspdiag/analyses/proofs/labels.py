@@ -57,6 +57,11 @@ def covers(one: Label, other: Label) -> bool:
     return one[0] == other[0] and one[1] in (None, other[1])
 
 
+def is_open(label: Label) -> bool:
+    """Whether the value is none that is known: a range of numbers, or what was handed on."""
+    return label[1] is not None and (".." in label[1] or label[1].startswith("("))
+
+
 def words(label: Label) -> str:
     """The label for people."""
     if label == END:

@@ -23,10 +23,11 @@ _BYTES_PER_STATE = 400
 
 @dataclass(frozen=True)
 class Node:
-    """What a specification allows after some traces. ``after`` says where each label leads; a label that is missing is not allowed."""
+    """What a specification allows after some traces. ``after`` says where each label leads; a label that is missing is not allowed. ``offered`` are all labels that may come next."""
 
     after: dict[Label, int]
     acceptances: tuple[frozenset[Label], ...]
+    offered: frozenset[Label] = frozenset()
 
 
 def normal_form(
@@ -56,7 +57,9 @@ def normal_form(
         resting = [walk.offers(state) for state in states if walk.is_stable(state)]
         if any(END in offered for offered in resting):
             after[END] = numbers[states]
-        nodes.append(Node(after, smallest(resting)))
+        nodes.append(
+            Node(after, smallest(resting), frozenset(label for state in states for label in walk.offers(state)))
+        )
     return tuple(nodes)
 
 

@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from cspdiag.analyses.proofs.breadth_first import Exploration, explore, trace_to
-from cspdiag.analyses.proofs.labels import END, Label, Labels
+from cspdiag.analyses.proofs.labels import END, Label, Labels, is_open
 from cspdiag.analyses.proofs.livelock import livelock_free
 from cspdiag.analyses.proofs.normal_form import Node, normal_form
 from cspdiag.analyses.proofs.packed_conditions import Deadlocks
@@ -23,7 +23,7 @@ from cspdiag.analyses.proofs.reduction import is_large, seen_from_outside
 from cspdiag.analyses.proofs.refinement_words import done_too_much, ended_too_soon, refused_too_much
 from cspdiag.analyses.proofs.traces import end_of
 from cspdiag.analyses.proofs.verdict import LimitError, Limits, Move, Proved, Refuted, Unknown, Verdict
-from cspdiag.analyses.transitions.system import Component, System
+from cspdiag.analyses.transitions.system import INTERNAL, Component, System
 
 
 def refines_in_traces(system: System, specification: System, limits: Limits, hidden: Collection[str] = ()) -> Verdict:
@@ -40,6 +40,7 @@ def _refines(
     system: System, specification: System, limits: Limits, hidden: Collection[str], *, failures: bool
 ) -> Verdict:
     labels = Labels(specification, hidden)
+    system = _up_to_missed_samples(system)
     answer: Verdict | None = None
     try:
         specification = _made_small(specification, labels, limits)
@@ -56,9 +57,46 @@ def _refines(
         return Unknown("breadth-first", f"{found}{stop}")
     if search.found is not None:
         return _violation(search, seen, nodes, system)
+    if (undecided := _undecided(nodes, labels)) is not None:
+        return Unknown("breadth-first", undecided)
     model = "stable failure" if failures else "trace"
     reason = f"every {model} in the {search.states} reachable states is one of the specification"
     return Proved("breadth-first", reason + _caveat(specification, limits, failures), search.states)
+
+
+def _up_to_missed_samples(system: System) -> System:
+    """The process, which after a missed sample that nobody catches neither ends nor rests: what is said of it is said of its runs up to there."""
+    components = tuple(
+        replace(
+            component,
+            edges=tuple(
+                ((INTERNAL, state),) if state in component.failed else edges
+                for state, edges in enumerate(component.edges)
+            ),
+            terminal=component.terminal - component.failed,
+        )
+        if component.failed
+        else component
+        for component in system.components
+    )
+    return replace(system, components=components)
+
+
+def _undecided(nodes: tuple[Node, ...], labels: Labels) -> str | None:
+    """Why it is not known what the specification allows: where it writes one of several values that it has read, those that stand for each do not tell which.
+
+    Where it writes at most one value at a time, they do: of a run of the process whose inputs are all different, one value is written wrongly, and the run with the one that stands for each
+    instead of it, and with others elsewhere, goes the same way in both (Lazic and Roscoe, "Data independence with predicate symbols", 1999).
+    """
+    for node in nodes:
+        written: dict[str, list[Label]] = {}
+        for label in node.offered:
+            if label[0] not in labels.specification.apart:
+                written.setdefault(label[0], []).append(label)
+        for name, found in written.items():
+            if len(found) > 1 and any(map(is_open, found)):
+                return f"which of several values the specification writes to `{name}` is not followed"
+    return None
 
 
 def _made_small(specification: System, labels: Labels, limits: Limits) -> System:
@@ -84,6 +122,8 @@ def _of_outside(
         return None
     if search.found is not None:
         return _violation(search, seen, nodes, small)
+    if _undecided(nodes, labels) is not None:
+        return None
     reason = f"put together two by two and made minimal, the processes have {search.states} states, and do only what the specification does"
     return Proved("minimization", reason + _caveat(specification, limits, failures), search.states)
 

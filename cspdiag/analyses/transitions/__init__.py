@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from cspdiag.analyses.transitions.system import System
+    from cspdiag.analyses.transitions.told_apart import AsSpecification, ToldApart
     from cspdiag.network.ir import Network
 
 
-def transition_system(network: Network, told_apart: Mapping[str, Collection[int]] | None = None) -> System:
+def transition_system(
+    network: Network, told_apart: ToldApart | None = None, specification: AsSpecification | None = None
+) -> System:
     """The transition system of a network in the most general environment: any value, any event at any time, samples at their ticks.
 
     The network is one that was lowered and not optimized; its outermost process may be any. ``told_apart`` are ports of it whose values matter even where no condition of
-    its own depends on them, as far as they are known; numbers of inputs are cut before the given ones as well. Raises
+    its own depends on them, as far as they are known. As a ``specification`` it is taken at its word: what it writes is followed, it never misses a sample, and where the system does more
+    than it does itself, that is among the abstractions. Raises
     ``cspdiag.analyses.transitions.explore.TransitionError`` for a program that has too many states in one of its processes, or too many ways to communicate on one channel.
     """
     from cspdiag.analyses.transitions.assembly import Assembly
@@ -26,4 +29,4 @@ def transition_system(network: Network, told_apart: Mapping[str, Collection[int]
 
     with room_to_recurse():
         program = Program(network)
-        return Assembly(Strands(World(program, Facts(program, told_apart or {})))).system()
+        return Assembly(Strands(World(program, Facts(program, told_apart or {}, specification)))).system()

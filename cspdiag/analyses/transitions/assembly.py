@@ -17,6 +17,8 @@ from cspdiag.analyses.transitions.places import Places
 from cspdiag.analyses.transitions.ranges import Range
 from cspdiag.analyses.transitions.ranges import text as range_text
 from cspdiag.analyses.transitions.shape import Shape
+from cspdiag.analyses.transitions.specifications import taken_for_more
+from cspdiag.analyses.transitions.spots import MISSED_A_SAMPLE
 from cspdiag.analyses.transitions.system import (
     INTERNAL,
     Abstraction,
@@ -29,7 +31,7 @@ from cspdiag.analyses.transitions.system import (
 from cspdiag.analyses.transitions.template import ALONE, INTERNAL_LABEL, Label, Template, is_late
 from cspdiag.analyses.transitions.thread import resolve
 from cspdiag.analyses.transitions.threads import ParallelKey, Strand, Strands, parallel_key
-from cspdiag.analyses.transitions.values import UNKNOWN, Known
+from cspdiag.analyses.transitions.values import ANY, UNKNOWN, Given, Known
 from cspdiag.network.dump_expression import value_text
 
 Use: TypeAlias = tuple[Strand, Label]
@@ -64,6 +66,9 @@ class Assembly:
         """All components and events."""
         for strand in self.threads:
             self.abstractions.update(strand.template.abstractions)
+        world = self.strands.world
+        if world.facts.specification is not None:
+            self.abstractions.update(dict.fromkeys(taken_for_more(world)))
         shapes = self._shaped()
         for strand, shape in zip(self.threads, shapes, strict=True):
             for label in shape.labels:
@@ -76,8 +81,8 @@ class Assembly:
         for key in self._forks:
             self._composition(key, shapes)
         components = [self._component(strand, shape) for strand, shape in zip(self.threads, shapes, strict=True)]
-        boundaries = self.strands.world.input_boundaries
-        return System((*components, *self.extra), tuple(self.events), tuple(self.abstractions), boundaries)
+        apart = self.strands.world.inputs
+        return System((*components, *self.extra), tuple(self.events), tuple(self.abstractions), apart)
 
     def _shaped(self) -> list[Shape]:
         """The machines of all threads, without what lies before the start of a parallel that is the first thing its parent does."""
@@ -110,6 +115,7 @@ class Assembly:
             tuple(edges),
             shape.terminal,
             places=Places(shape.spots, strand),
+            failed=frozenset(state for state in shape.terminal if shape.spots[state].words == MISSED_A_SAMPLE),
             path=strand.occurrence.path,
         )
 
@@ -137,9 +143,7 @@ class Assembly:
         *,
         visible: bool = False,
     ) -> int:
-        text = range_text(value, type_) if isinstance(value, Range) else None
-        if value is not UNKNOWN and text is None:
-            text = value_text(value, type_)  # type: ignore[arg-type]
+        text = _text(value, type_)
         self.events.append(Event(channel, parties, kind, text, visible))
         return len(self.events) - 1
 
@@ -393,3 +397,15 @@ class Assembly:
             event = self._event(f"{branch.name}: {label[3]}", (parent.number, branch.number), kind)
             self._for(parent, label, event)
             self._for(branch, throw, event)
+
+
+def _text(value: Known, kind: Any) -> str | None:
+    """A value as far as it is told apart; zero is one value with either sign."""
+    match value:
+        case Range():
+            return range_text(value, kind)
+        case Given():
+            return None if value == ANY else str(value)
+        case float():
+            return value_text(value + 0.0, kind)
+    return None if value is UNKNOWN else value_text(value, kind)  # type: ignore[arg-type]

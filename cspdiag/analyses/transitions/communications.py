@@ -11,7 +11,7 @@ from cspdiag.analyses.transitions.occurrences import PATIENT
 from cspdiag.analyses.transitions.program import Node
 from cspdiag.analyses.transitions.template import INTERNAL_LABEL, Label, Reference
 from cspdiag.analyses.transitions.thread import Configuration, Context, Stack, Thread, reading_end
-from cspdiag.analyses.transitions.values import UNKNOWN, Known
+from cspdiag.analyses.transitions.values import ANY, UNKNOWN, Known
 from cspdiag.network.actions import (
     AfterEvent,
     Branch,
@@ -62,7 +62,7 @@ class Communications:
             found: list[tuple[Label, Known | str, Configuration]] = [
                 (("sample", reference, value), value, begun) for value in medium.given
             ]
-            if self.thread.begun(c, context, where) and self._timeouts():
+            if self.thread.begun(c, context, where) and self._may_miss():
                 found.append((("miss", reference), MISSED, begun))
             return found
         if medium.kind == "event":
@@ -81,7 +81,10 @@ class Communications:
                     c = self.thread.beginning(c, context, reading_end(context, end))
         return c
 
-    def _timeouts(self) -> bool:
+    def _may_miss(self) -> bool:
+        """Whether a missed sample raises Timeout; a specification never misses one."""
+        if self.thread.facts.specification is not None:
+            return False
         environments = self.thread.facts.program.network.environments
         return not environments or any(environment.on_miss == "timeout" for environment in environments)
 
@@ -98,6 +101,7 @@ class Communications:
                 reference = context.reference(event.sink)
                 if self.thread.medium(reference).kind in ("var", "discard"):
                     return [(INTERNAL_LABEL, self.follower.stored(on, reference, value))]
+                on = self.follower.spent(on) if value == ANY else on
                 found = [(self.written(reference, value, "guarded"), on)]
                 if self.thread.medium(reference).kind in ("sync", "any", "broadcast"):
                     found.append((("bind", reference), on._replace(stack=(("put", reference, value, body), on.stack))))

@@ -5,11 +5,13 @@ from __future__ import annotations
 from itertools import product
 
 from cspdiag.analyses.transitions.facts import FAULT
+from cspdiag.analyses.transitions.occurrences import Medium
 from cspdiag.analyses.transitions.program import Node
 from cspdiag.analyses.transitions.ranges import Range
 from cspdiag.analyses.transitions.template import Reference
 from cspdiag.analyses.transitions.thread import Configuration, Context, Frame, NeedsLoad, Restart, Stack, Thread
 from cspdiag.analyses.transitions.values import (
+    ANY,
     UNKNOWN,
     Known,
     replaced_element,
@@ -26,6 +28,7 @@ from cspdiag.network.actions import (
     ReadyEvent,
     Target,
 )
+from cspdiag.network.dump_expression import expression_text
 from cspdiag.network.expressions import Expression, LiteralValue, PresentTime
 
 RISK = ("risk",)
@@ -187,9 +190,34 @@ class Computing:
             return configuration._replace(stack=(("split", choices), configuration.stack))
         (value,) = parts
         if self.thread.is_shared(reference):
+            value = UNKNOWN if value == ANY else value
             self.thread.wrote(reference, value)
             return configuration._replace(stack=(("store", reference, value), configuration.stack))
         return self.thread.with_slot(configuration, reference, value)
+
+    def _shown(self, c: Configuration, context: Context, medium: Medium, expression: Expression) -> Known:
+        """What a specification, or who is held against one, writes to an output. What is computed from numbers that are not told apart may be any number."""
+        value = UNKNOWN if isinstance(expression, PresentTime) else self.evaluate(c, context, expression)
+        if value is not UNKNOWN and not (isinstance(value, Range) and not value.copied):
+            return value
+        if _has_real(expression.type):
+            self.risk(c, expression.span)  # NaN and infinity are no values of outputs.
+        what = "of a control law" if isinstance(expression, PresentTime) else f"of `{expression_text(expression)}`"
+        self.not_shown(context, medium, what, expression.span)
+        return UNKNOWN
+
+    def not_shown(self, context: Context, medium: Medium, of: str, span: Span | None) -> None:
+        """A value that a specification writes is not followed, and so is not any value."""
+        if self.thread.facts.specification is not None:
+            output = medium.name.rpartition(".")[2]
+            where = context.definition.name
+            self.thread.abstracted(f"the value {of} that `{where}` writes to `{output}` is not followed", span)
+
+    def spent(self, c: Configuration) -> Configuration:
+        """After a value that a specification chooses was written: written again it would have to be the same one."""
+        if ANY not in c.variables:
+            return c
+        return c._replace(variables=tuple(UNKNOWN if value == ANY else value for value in c.variables))
 
     def offered(self, c: Configuration, context: Context, branch: Branch) -> Known:
         """What an output guard writes; it is evaluated when the alternative begins."""
@@ -203,10 +231,12 @@ class Computing:
 
     def communicated(self, c: Configuration, context: Context, reference: Reference, expression: Expression) -> Known:
         """The value of an expression that is written to a medium, if values of that medium are followed."""
-        if self.thread.medium(reference).relevant and not isinstance(expression, PresentTime):
+        medium = self.thread.medium(reference)
+        if medium.relevant and medium.kind == "output":
+            return self._shown(c, context, medium, expression)
+        if medium.relevant and not isinstance(expression, PresentTime):
             value = self.evaluate(c, context, expression)
-            # A specification that writes a number of a range may write another one.
-            return UNKNOWN if isinstance(value, Range) and self.thread.medium(reference).kind == "output" else value
+            return UNKNOWN if value == ANY else value
         self.compute_risk(c, context, expression)
         if self.thread.medium(reference).kind != "output":
             return UNKNOWN

@@ -136,6 +136,23 @@ def _handed_on(one: Class) -> Iterator[tuple[Item, set[Item]]]:
                 yield outer, {inner}
 
 
+def handed_to(program: Program, outputs: Collection[str]) -> frozenset[Item]:
+    """Everything in a program whose values may be handed on unchanged to one of some outputs of the outermost process."""
+    origins: defaultdict[Item, set[Item]] = defaultdict(set)
+    for one in program.classes.values():
+        if isinstance(one.definition, ProcessClass):
+            for item, handed_on in _handed_on(one):
+                origins[item] |= handed_on
+    pending: list[Item] = [("port", program.top.name, output.split("[", 1)[0]) for output in outputs]
+    found: set[Item] = set()
+    while pending:
+        item = pending.pop()
+        if item not in found:
+            found.add(item)
+            pending.extend(origins[item])
+    return frozenset(found)
+
+
 def _copied(expression: Expression, one: Class) -> set[Item]:
     match expression:
         case VariableValue():

@@ -7,13 +7,13 @@ Only their values are followed.
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Iterator
 
-from cspdiag.analyses.transitions.cuts import boundaries
+from cspdiag.analyses.transitions.cuts import boundaries, handed_to
 from cspdiag.analyses.transitions.faults import Faults
 from cspdiag.analyses.transitions.items import Item, all_items_in, items_in, items_of
 from cspdiag.analyses.transitions.program import Class, Node, Program
-from cspdiag.analyses.transitions.ranges import limits_of
+from cspdiag.analyses.transitions.told_apart import Apart, AsSpecification, ToldApart
 from cspdiag.analyses.transitions.values import values_of_type
 from cspdiag.network.actions import (
     AssignValue,
@@ -41,17 +41,23 @@ from cspdiag.network.walk import parts
 
 FAULT = "Fault"
 TIMEOUT = "Timeout"
-NOTHING: Mapping[str, Collection[int]] = {}
+NOTHING: ToldApart = {}
 """No port is told apart."""
 
 
 class Facts:
-    """What follows from the classes of a program alone, and from the ports whose values are to be ``told_apart``, each with the boundaries of its numbers."""
+    """What follows from the classes of a program alone, from how the values at its ports are to be ``told_apart``, and from its being a ``specification``."""
 
-    def __init__(self, program: Program, told_apart: Mapping[str, Collection[int]] = NOTHING) -> None:
+    def __init__(
+        self, program: Program, told_apart: ToldApart = NOTHING, specification: AsSpecification | None = None
+    ) -> None:
         self.program = program
-        self.boundaries = boundaries(program, told_apart)
-        self.relevant = _relevant(program, told_apart)
+        self.specification = specification
+        self._told_apart = told_apart
+        self.boundaries = boundaries(program, {port: apart.cuts for port, apart in told_apart.items()})
+        outputs = {port.name for port in program.network.external_ports if port.direction == "out"}
+        self.relevant = _relevant(program, {*told_apart, *(outputs if specification is not None else ())})
+        self._copied = handed_to(program, outputs) if specification is not None else frozenset()
         self.sampled = _sampled_ports(program)
         self.faults = Faults(program.network)
         self._escaping: dict[Node, frozenset[str]] = {}
@@ -61,6 +67,17 @@ class Facts:
             if isinstance(one.definition, ProcessClass)
             for part in parts(one.definition.body)
         )
+
+    def apart(self, port: str) -> Apart:
+        """How the values at an input of the outermost process are told apart."""
+        item: Item = ("port", self.program.network.top, _base(port))
+        told = self._told_apart.get(port, Apart())
+        copied = told.copied or item in self._copied
+        return Apart(self.boundaries.get(item, frozenset()), copied, told.values)
+
+    def is_free(self, port: str) -> bool:
+        """Whether a specification chooses itself what comes at an input."""
+        return self.specification is not None and _base(port) in self.specification.free
 
     def parameters(self, one: Class) -> tuple[str, ...]:
         """The parameters of a class that decide a condition."""
@@ -142,7 +159,7 @@ def _base(port: str) -> str:
     return port.split("[", 1)[0]
 
 
-def _relevant(program: Program, told_apart: Collection[str]) -> frozenset[Item]:
+def _relevant(program: Program, told_apart: set[str]) -> frozenset[Item]:
     flows: defaultdict[Item, set[Item]] = defaultdict(set)
     seeds: set[Item] = set()
     for one in program.classes.values():
@@ -153,8 +170,7 @@ def _relevant(program: Program, told_apart: Collection[str]) -> frozenset[Item]:
                 seeds |= items_in(condition, one)
     for port in program.network.external_ports:
         has_few = values_of_type(port.type) is not None
-        is_told = port.name in told_apart and (has_few or limits_of(port.type) is not None)
-        if is_told or (has_few and port.direction == "out"):
+        if port.name in told_apart or (has_few and port.direction == "out"):
             seeds.add(("port", program.network.top, _base(port.name)))
     found: set[Item] = set()
     pending = list(seeds)

@@ -11,6 +11,7 @@ from cspdiag.analyses.transitions.occurrences import PATIENT
 from cspdiag.analyses.transitions.program import Node
 from cspdiag.analyses.transitions.thread import Configuration, Context, NeedsLoad, Restart, Stack, reading_end
 from cspdiag.analyses.transitions.values import (
+    ANY,
     UNKNOWN,
     EvaluationFault,
 )
@@ -22,6 +23,7 @@ from cspdiag.network.actions import (
     IfElse,
     InputEvent,
     InterruptOn,
+    OutputEvent,
     ParallelSteps,
     RaiseException,
     ReadValue,
@@ -159,6 +161,7 @@ class Follower(LawSteps):
             value = self.communicated(c, context, reference, action.value)
             puts = tuple(("put", reference, part, node) for part in self.thread.pieces(reference, value))
             put = puts[0] if len(puts) == 1 else ("split", puts)
+            c = self.spent(c) if value == ANY else c
             return c._replace(stack=(put, rest), loaded=())
         if kind == "var" and self.thread.medium(reference).relevant:
             value = self.evaluate(c, context, action.value)
@@ -299,6 +302,9 @@ class Follower(LawSteps):
         assert isinstance(node.action, InterruptOn)
         value = self.offered(c, context, node.action.branch)
         event = node.action.branch.event
+        if value == ANY and isinstance(event, OutputEvent):
+            value = UNKNOWN
+            self.not_shown(context, self.thread.medium(context.reference(event.sink)), "that is chosen", event.span)
         if isinstance(event, ReadyEvent | InputEvent):
             reference = context.reference(event.source)
             if self.thread.medium(reference).kind == "sampled":

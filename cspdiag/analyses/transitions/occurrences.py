@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from functools import cached_property
 from typing import Literal, TypeAlias
 
 from cspdiag.analyses.transitions.facts import Facts
 from cspdiag.analyses.transitions.items import Item
 from cspdiag.analyses.transitions.program import Class, Program
-from cspdiag.analyses.transitions.ranges import Cell, Range, cell_of, cells, pieces
+from cspdiag.analyses.transitions.ranges import Cell, Range, cell_of, cells, limits_of, pieces, with_examples
+from cspdiag.analyses.transitions.told_apart import Apart
 from cspdiag.analyses.transitions.values import (
+    ANY,
+    GIVEN,
     MOST_VALUES,
     UNKNOWN,
     EvaluationFault,
@@ -51,6 +55,7 @@ class Medium:
         relevant: bool = False,
         boundaries: Iterable[int] = (),
         span: Span | None = None,
+        given: tuple[Known, ...] = (),
     ) -> None:
         self.name = name
         self.span = span
@@ -58,6 +63,8 @@ class Medium:
         self.type = type_
         self.relevant = relevant
         self.cells: tuple[Cell, ...] = cells(type_, boundaries) if relevant else ()
+        self.given: tuple[Known, ...] = given or (UNKNOWN,)
+        """What the environment may give, as far as it is told apart."""
         self.coarse = False
         self.period: int | None = None
         self.is_contended = kind == "any"
@@ -96,13 +103,10 @@ class Medium:
         """A value, or the parts of a range that are told apart here."""
         if not isinstance(value, Range):
             return (value,)
-        return pieces(value, self.cells) or (UNKNOWN,)
-
-    @property
-    def given(self) -> tuple[Known, ...]:
-        """What the environment may give, as far as it is told apart."""
-        values = values_of_type(self.type) if self.relevant and self.type is not None else None
-        return values or self.cells or (UNKNOWN,)
+        parts = pieces(value, self.cells)
+        if value.copied and len(parts) < 2:
+            return (value,)
+        return parts or (UNKNOWN,)
 
     @property
     def domain(self) -> tuple[Known, ...] | None:
@@ -219,19 +223,43 @@ class World:
         self.facts = facts
         network = program.network
         media: dict[tuple[str, int | None], Medium] = {}
-        self.input_boundaries: dict[str, frozenset[int]] = {}
+        self.inputs: dict[str, Apart] = {}
+        """How the values of inputs that matter are told apart."""
         for port in network.external_ports:
             base = port.name.split("[", 1)[0]
             index = port.index
             kind: MediumKind = "output" if port.direction == "out" else "event" if port.period is None else "sampled"
             item: Item = ("port", network.top, base)
-            cut = facts.boundaries.get(item, frozenset())
+            apart = facts.apart(port.name)
             name, relevant = f"{network.top}.{port.name}", item in facts.relevant
-            medium = Medium(name, kind, port.type, relevant=relevant, boundaries=cut, span=port.span)
+            given: tuple[Known, ...] = ()
             if port.direction == "in" and relevant:
-                self.input_boundaries[port.name] = cut
+                self.inputs[port.name] = apart
+                given = _given(port.type, apart, free=facts.is_free(port.name))
+            medium = Medium(
+                name, kind, port.type, relevant=relevant, boundaries=apart.cuts, span=port.span, given=given
+            )
             medium.period = port.period
             medium.is_contended = port.kind == "any"
             media[base, index] = medium
         arguments: dict[str, Known] = dict(network.arguments)
         self.top = Occurrence(self, network.top, program.top, arguments, media)
+
+
+def _given(kind: Type, apart: Apart, *, free: bool) -> tuple[Known, ...]:
+    """What the environment may give at an input whose values matter, or at a ``free`` one its specification."""
+    few = values_of_type(kind)
+    if few is not None:
+        return few
+    if apart.values:
+        return apart.values
+    told = cells(kind, apart.cuts)
+    if not apart.copied:
+        return told
+    if free:
+        return told or (ANY,)
+    if limits_of(kind) is None:
+        return GIVEN
+    every = with_examples(told, kind)
+    ranges = (replace(entry, copied=True) for entry in every if isinstance(entry, Range))
+    return (*(entry for entry in every if not isinstance(entry, Range)), *ranges)

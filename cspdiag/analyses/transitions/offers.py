@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from cspdiag.analyses.transitions.communications import MISSED, Communications, Move, assigning
 from cspdiag.analyses.transitions.computing import RISK
 from cspdiag.analyses.transitions.facts import FAULT, TIMEOUT
 from cspdiag.analyses.transitions.follow import POINTS, Follower
 from cspdiag.analyses.transitions.joining import LawParallels, fork_edges, join_edges
+from cspdiag.analyses.transitions.law_steps import constant_output
+from cspdiag.analyses.transitions.occurrences import PATIENT
 from cspdiag.analyses.transitions.program import Node
+from cspdiag.analyses.transitions.specifications import is_time_out
 from cspdiag.analyses.transitions.template import INTERNAL_LABEL, LATE, Label, Reference
 from cspdiag.analyses.transitions.thread import Configuration, Context, Frame, Stack, Thread, reading_end
 from cspdiag.analyses.transitions.values import UNKNOWN, Known
 from cspdiag.network.actions import (
+    Branch,
     ChannelEnd,
     Choice,
     InputEvent,
@@ -21,11 +27,13 @@ from cspdiag.network.actions import (
     PortEnd,
     ReadValue,
     ReadyEvent,
+    SkipEvent,
     StopStep,
     WaitStep,
 )
 from cspdiag.network.dump_expression import expression_text
 from cspdiag.network.expressions import Expression
+from cspdiag.network.ir import Connection
 
 _AT_ONCE = 4
 """With more communications at once than that, each has a component of its own instead of all orders in one."""
@@ -142,11 +150,36 @@ class Offers(Communications):
         assert isinstance(node.action, Choice)
         found: list[Move] = []
         held = c._replace(stack=rest)
+        decided = self._as_far_as_taken(context, node.action, decided)
         for branch, body, enabled in zip(node.action.branches, node.children, decided, strict=True):
             if enabled is not None:
                 others = [other for other in node.action.branches if other is not branch]
                 found += self.guarded(self.watched(held, context, others), context, branch, body, enabled[0])
         return found
+
+    def _as_far_as_taken(self, context: Context, choice: Choice, decided: tuple[Any, ...]) -> tuple[Any, ...]:
+        """The guards without those that are never taken, because another one is always ready: time-outs, and with priority all that come after it."""
+        always = [
+            number
+            for number, (branch, entry) in enumerate(zip(choice.branches, decided, strict=True))
+            if entry is not None and self._is_always_ready(context, branch)
+        ]
+        if not always:
+            return decided
+        return tuple(
+            None if is_time_out(branch) or (choice.prioritized and number > always[0]) else entry
+            for number, (branch, entry) in enumerate(zip(choice.branches, decided, strict=True))
+        )
+
+    def _is_always_ready(self, context: Context, branch: Branch) -> bool:
+        match branch.event:
+            case SkipEvent():
+                return True
+            case OutputEvent(sink=sink):
+                return self.thread.medium(context.reference(sink)).kind in ("output", "var", "discard", "overwrite")
+            case InputEvent(source=source) | ReadyEvent(source=source):
+                return self.thread.medium(context.reference(source)).kind not in PATIENT
+        return False
 
     def _picking(self, c: Configuration, frame: Frame, rest: Stack) -> list[Move]:
         """An alternative with conditions that may hold or not: none of them does, or one.
@@ -283,10 +316,23 @@ class Offers(Communications):
         found: list[Move] = []
         for position in (*chain[:1], *free):
             left = (("writing", context, instance, node, tuple(i for i in remaining if i != position)), rest)
-            reference = outputs[position][1]
+            connection, reference = outputs[position]
             after = self.delivering(reference, node, c._replace(stack=left))
-            found.append((self.written(reference, UNKNOWN), after))
+            found.append((self.written(reference, self._computed(context, connection, instance, reference)), after))
         return found
+
+    def _computed(self, context: Context, connection: Connection, instance: str, reference: Reference) -> Known:
+        """What a control law writes, as far as it is followed."""
+        medium = self.thread.medium(reference)
+        if medium.kind != "output" or not medium.relevant:
+            return UNKNOWN
+        law = self.thread.law(context, instance)
+        assert law is not None
+        value = constant_output(law, connection.port)
+        if value is UNKNOWN:
+            span = context.definition.instances[instance].span
+            self.follower.not_shown(context, medium, f"of the control law `{instance}`", span)
+        return value
 
     def _open(self, c: Configuration, frame: Frame) -> list[Move]:
         _, context, condition, then, otherwise = frame

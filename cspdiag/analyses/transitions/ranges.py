@@ -17,10 +17,11 @@ from cspdiag.network.dump_expression import value_text
 
 @dataclass(frozen=True, order=True, slots=True)
 class Range:
-    """One of at least two whole numbers, from ``low`` to ``high``, both among them."""
+    """One of at least two whole numbers, from ``low`` to ``high``, both among them; ``copied`` if it is what the environment gave, handed on."""
 
     low: int
     high: int
+    copied: bool = False
 
 
 Cell: TypeAlias = "int | Range"
@@ -61,6 +62,29 @@ def cells(kind: Type | None, boundaries: Iterable[int]) -> tuple[Cell, ...]:
         return ()
     ends = [*(start - 1 for start in starts[1:]), high]
     return tuple(map(cell, starts, ends))
+
+
+def with_examples(among: Sequence[Cell], kind: Type | None) -> tuple[Cell, ...]:
+    """Of each range one number apart from the others of it, which stands for each: what hands all on alike does with any what it does with this one.
+
+    All numbers of the type are one range if there is nothing ``among`` them. (Wolper, "Expressing interesting properties of programs in propositional temporal logic", 1986.)
+    """
+    limits = limits_of(kind)
+    if limits is None:
+        return tuple(among)
+    found: list[Cell] = []
+    for entry in among or (cell(*limits),):
+        low, high = bounds(entry)
+        if low == high:
+            found.append(entry)
+        elif low != limits[0]:
+            found += [low, cell(low + 1, high)]
+        elif high != limits[1]:
+            found += [cell(low, high - 1), high]
+        else:
+            middle = 0 if low < 0 else low
+            found += [cell(low, middle - 1)] * (low < middle) + [middle, cell(middle + 1, high)]
+    return tuple(found)
 
 
 def pieces(value: Cell, among: Sequence[Cell]) -> tuple[Cell, ...]:
@@ -123,9 +147,3 @@ def text(value: Range, kind: Type) -> str:
     low = "" if value.low == least else value_text(value.low, kind)
     high = "" if value.high == most else value_text(value.high, kind)
     return f"{low}..{high}"
-
-
-def told(value: int, kind: Type, boundaries: Iterable[int]) -> str:
-    """As a system in which the numbers of a type are cut before ``boundaries`` writes one of them, or the range in which it is."""
-    found = cell_of(value, cells(kind, boundaries))
-    return text(found, kind) if isinstance(found, Range) else value_text(value, kind)

@@ -20,6 +20,9 @@ from cspdiag.network.actions import (
     WaitStep,
 )
 
+MISSED_A_SAMPLE = "raises Timeout"
+"""Where a missed sample has ended the outermost process."""
+
 
 def spot(thread: Thread, configuration: Configuration) -> Spot:
     """What the thread does in a configuration."""

@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Literal, TypeAlias
 
+from cspdiag.analyses.transitions.told_apart import Apart
 from cspdiag.diagnostics import Span
 
 INTERNAL = -1
@@ -77,7 +78,7 @@ class Component:
     """One state machine: a sequential process, a branch of a parallel composition, a channel with memory, or a tracked variable.
 
     ``edges[state]`` are the edges out of a state; ``terminal`` the states in which it has ended. ``places`` describes states to people, and may lack some.
-    ``process`` says whether it is a process that can be stuck: a channel or a variable is not. ``path`` is the instance's path from the outermost process.
+    ``failed`` are those of the terminal states in which a missed sample has ended it. ``process`` says whether it is a process that can be stuck: a channel or a variable is not. ``path`` is the instance's path from the outermost process.
     """
 
     name: str
@@ -87,6 +88,7 @@ class Component:
     places: Mapping[int, Place] = field(default_factory=dict)
     process: bool = True
     path: str = ""
+    failed: frozenset[int] = frozenset()
 
 
 @dataclass(frozen=True)
@@ -103,13 +105,13 @@ class System:
 
     A party without an edge for an event never takes part: the event never happens. Such is ``nobody``, the partner on a channel that no process uses from the other
     side. In ``terminal`` are also the states in which a process waits for its branches, or to be started: what is stuck then is another component.
-    ``boundaries`` are the numbers before which those of inputs are cut, by port.
+    ``apart`` says how the values of inputs are told apart, by port.
     """
 
     components: tuple[Component, ...]
     events: tuple[Event, ...]
     abstractions: tuple[Abstraction, ...] = ()
-    boundaries: Mapping[str, frozenset[int]] = field(default_factory=dict)
+    apart: Mapping[str, Apart] = field(default_factory=dict)
 
     @cached_property
     def initial(self) -> tuple[int, ...]:

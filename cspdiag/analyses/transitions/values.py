@@ -7,8 +7,9 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from itertools import product
-from typing import Any, Final, TypeAlias
+from typing import Any, Final, Literal, TypeAlias
 
 from cspdiag.analyses.transitions.ranges import Range, computed
 from cspdiag.analyses.transitions.ranges import compared as compared_ranges
@@ -43,8 +44,22 @@ class Unknown:
 
 
 UNKNOWN: Final = Unknown()
-Known: TypeAlias = "Value | Range | Unknown"
-"""A value, the range in which it is, or that it is not known."""
+
+
+@dataclass(frozen=True, order=True, slots=True)
+class Given:
+    """A value of an input that was handed on, and of which nothing else is known: the ``one`` that stands for each, ``another``, or ``any`` that a specification chooses."""
+
+    which: Literal["one", "another", "any"]
+
+    def __str__(self) -> str:
+        return f"({self.which} value)"
+
+
+GIVEN: Final = (Given("one"), Given("another"))
+ANY: Final = Given("any")
+Known: TypeAlias = "Value | Range | Given | Unknown"
+"""A value, the range in which it is, that it was handed on, or that it is not known."""
 
 Variables: TypeAlias = Callable[[str], Known]
 """The present value of a variable of the class."""
@@ -81,7 +96,7 @@ class _Evaluation:
                 return self._binary(expression)
             case UnaryOperation():
                 operand = self.value(expression.operand)
-                if operand is UNKNOWN:
+                if _is_opaque(operand):
                     return UNKNOWN
                 if isinstance(operand, Range):
                     return _ranged(computed("-", 0, operand, expression.type))
@@ -107,7 +122,7 @@ class _Evaluation:
                 assert isinstance(expression.operand.type, StructType)
                 whole = self.value(expression.operand)
                 names = [name for name, _ in expression.operand.type.fields]
-                return UNKNOWN if whole is UNKNOWN else whole[names.index(expression.field)]
+                return UNKNOWN if _is_opaque(whole) else whole[names.index(expression.field)]
             case ElementValue():
                 return self._element(expression)
             case StructValue() | ArrayElements():
@@ -117,7 +132,7 @@ class _Evaluation:
 
     def _element(self, expression: ElementValue) -> Any:
         index, whole = self.value(expression.index), self.value(expression.operand)
-        if not _is_exact(index) or whole is UNKNOWN:
+        if not _is_exact(index) or _is_opaque(whole):
             return UNKNOWN
         if index < 0:
             raise IndexError(f"there is no element {index}")
@@ -134,7 +149,7 @@ class _Evaluation:
                 return right if right is not UNKNOWN and right == decisive else UNKNOWN
             return right
         right = self.value(expression.right)
-        if left is UNKNOWN or right is UNKNOWN:
+        if _is_opaque(left) or _is_opaque(right):
             return UNKNOWN
         if isinstance(left, Range) or isinstance(right, Range):
             if expression.operator in _COMPARISONS:
@@ -152,7 +167,11 @@ _COMPARISONS: dict[str, Callable[[Any, Any], bool]] = {
 
 
 def _is_exact(value: Known) -> bool:
-    return value is not UNKNOWN and not isinstance(value, Range)
+    return not isinstance(value, Unknown | Range | Given)
+
+
+def _is_opaque(value: Known) -> bool:
+    return isinstance(value, Unknown | Given)
 
 
 def _ranged(found: Known | None) -> Known:
@@ -169,14 +188,14 @@ def replaced_element(whole: Known, indexes: tuple[Known, ...], value: Known) -> 
     if not indexes:
         return value
     index = indexes[0]
-    if whole is UNKNOWN or not _is_exact(index):
+    if _is_opaque(whole) or not _is_exact(index):
         return UNKNOWN
     assert isinstance(whole, tuple)
     assert isinstance(index, int)
     if not 0 <= index < len(whole):
         raise EvaluationFault(f"there is no element {index}")
     inner = replaced_element(whole[index], indexes[1:], value)
-    return UNKNOWN if isinstance(inner, Unknown | Range) else (*whole[:index], inner, *whole[index + 1 :])
+    return UNKNOWN if isinstance(inner, Unknown | Range | Given) else (*whole[:index], inner, *whole[index + 1 :])
 
 
 def values_of_type(kind: Type) -> tuple[Value, ...] | None:

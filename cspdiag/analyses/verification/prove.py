@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 from typing import Protocol, TypeAlias
@@ -11,6 +11,7 @@ from typing import Protocol, TypeAlias
 from cspdiag.analyses.counterexamples.counterexample import Counterexample, Failure, counterexample
 from cspdiag.analyses.proofs.verdict import LimitError, Limits, Method, Proved, Refuted, Unknown, Verdict
 from cspdiag.analyses.transitions.system import Abstraction, System
+from cspdiag.analyses.transitions.told_apart import Apart, AsSpecification, ToldApart
 from cspdiag.analyses.verification.answer import Answer
 from cspdiag.analyses.verification.question import Question
 
@@ -18,8 +19,10 @@ from cspdiag.analyses.verification.question import Question
 class Systems(Protocol):
     """Has the transition systems of processes as the outermost ones."""
 
-    def __call__(self, process: str, told_apart: Mapping[str, Collection[int]] | None = None) -> System:
-        """That of the process of this name; of the inputs ``told_apart`` the values matter as well. See ``transition_system``."""
+    def __call__(
+        self, process: str, told_apart: ToldApart | None = None, specification: AsSpecification | None = None
+    ) -> System:
+        """That of the process of this name. See ``transition_system``."""
 
 
 Enforced: TypeAlias = Callable[[Limits], AbstractContextManager[object]]
@@ -53,11 +56,12 @@ def _asked(question: Question, systems: Systems) -> tuple[System, System | None]
         return systems(question.process), None
     from cspdiag.analyses.proofs.labels import Labels
 
-    specification = systems(question.specification)
-    ports = Labels(specification, question.hidden).told_apart
-    system = systems(question.process, {port: specification.boundaries.get(port, frozenset()) for port in ports})
-    both = {port: boundaries for port, boundaries in system.boundaries.items() if port in ports}
-    return system, systems(question.specification, both)
+    role = AsSpecification(frozenset(question.free))
+    specification = systems(question.specification, None, role)
+    ports = Labels(specification, question.unseen).told_apart
+    system = systems(question.process, {port: specification.apart.get(port, Apart()) for port in ports})
+    both = {port: apart for port, apart in system.apart.items() if port in ports}
+    return system, systems(question.specification, both, role)
 
 
 def _answer(
@@ -113,7 +117,7 @@ def _refines(question: Question, system: System, specification: System, limits: 
     from cspdiag.analyses.proofs.refinement import refines_in_failures, refines_in_traces
 
     refines = refines_in_failures if question.model == "failures" else refines_in_traces
-    verdict = refines(system, specification, limits, hidden=question.hidden)
+    verdict = refines(system, specification, limits, hidden=question.unseen)
     if isinstance(verdict, Proved) and specification.abstractions:
         return _weakly_proved(question, specification, verdict)
     return _verdict(question, system, verdict, "refinement")
@@ -121,7 +125,10 @@ def _refines(question: Question, system: System, specification: System, limits: 
 
 def _weakly_proved(question: Question, specification: System, proved: Proved) -> Answer:
     """A process does only what its specification may do as far as that is followed, which may be more than it does."""
-    left_open = dict.fromkeys(abstraction.what for abstraction in specification.abstractions)
+    left_open = dict.fromkeys(
+        abstraction.what if abstraction.span is None else f"{abstraction.what} ({abstraction.span})"
+        for abstraction in specification.abstractions
+    )
     reason = (
         f"`{question.process}` does nothing that is known to be forbidden, but what `{question.specification}` forbids depends on what the proof leaves open: "
         + "; ".join(left_open)

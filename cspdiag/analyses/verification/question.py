@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
@@ -19,7 +20,8 @@ EXPECTED: tuple[Property, ...] = ("deadlock free", "livelock free")
 class Question:
     """A property that a process may have.
 
-    ``specification``, ``model`` and ``hidden`` (ports of the process whose events the specification does not see) belong to ``refines``. ``span`` is
+    ``specification``, ``model``, ``hidden`` (ports of the process whose events the specification does not see) and ``free`` (inputs that only the specification has: it
+    chooses itself what comes there) belong to ``refines``. ``span`` is
     the assertion, or the name of the process where nothing was asserted.
     """
 
@@ -29,12 +31,18 @@ class Question:
     specification: str | None = None
     model: Literal["traces", "failures"] = "traces"
     hidden: tuple[str, ...] = ()
+    free: tuple[str, ...] = ()
     asserted: bool = True
 
     @property
     def processes(self) -> tuple[str, ...]:
         """The processes that it speaks of."""
         return (self.process,) if self.specification is None else (self.process, self.specification)
+
+    @property
+    def unseen(self) -> tuple[str, ...]:
+        """The ports that are not compared."""
+        return (*self.hidden, *self.free)
 
     @property
     def text(self) -> str:
@@ -49,7 +57,7 @@ class Question:
 def questions_of(program: Program, process: str | None = None) -> tuple[Question, ...]:
     """The assertions of the main file, or those of them about ``process``."""
     return tuple(
-        _asserted(assertion)
+        _asserted(assertion, program)
         for assertion in program.assertions
         if assertion.span.source is program.main.source and process in (None, assertion.process.text)
     )
@@ -68,7 +76,7 @@ def schedulability_of(program: Program, process: str) -> Question:
     return next(asserted, Question(process, "schedulable", program.definitions[process].name.span, asserted=False))
 
 
-def _asserted(assertion: ast.Assertion) -> Question:
+def _asserted(assertion: ast.Assertion, program: Program) -> Question:
     return Question(
         process=assertion.process.text,
         claim=assertion.property,
@@ -76,4 +84,24 @@ def _asserted(assertion: ast.Assertion) -> Question:
         specification=None if assertion.specification is None else assertion.specification.text,
         model=assertion.model,
         hidden=tuple(port.text for port in assertion.hidden),
+        free=_free(assertion, program),
     )
+
+
+def _free(assertion: ast.Assertion, program: Program) -> tuple[str, ...]:
+    """The inputs that the specification has and the process does not."""
+    if assertion.specification is None:
+        return ()
+    process, specification = (
+        program.definitions.get(name.text) for name in (assertion.process, assertion.specification)
+    )
+    if not isinstance(process, ast.ProcessDefinition) or not isinstance(specification, ast.ProcessDefinition):
+        return ()
+    own = {name for name, _ in _ports(process)}
+    return tuple(name for name, direction in _ports(specification) if direction == "in" and name not in own)
+
+
+def _ports(definition: ast.ProcessDefinition) -> Iterator[tuple[str, str]]:
+    for declared in definition.ports:
+        for declarator in declared.names:
+            yield declarator.name.text, declared.direction

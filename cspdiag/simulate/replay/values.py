@@ -9,6 +9,7 @@ from typing import Any
 
 from cspdiag.analyses.transitions.cuts import COMPARISONS, Arguments
 from cspdiag.analyses.transitions.ranges import limits_of
+from cspdiag.analyses.transitions.values import GIVEN
 from cspdiag.diagnostics import Span
 from cspdiag.diagnostics.record import field_names, is_record
 from cspdiag.model.types import ArrayType, BoolType, EnumType, IntType, RealType, StructType, TimeType, Type
@@ -21,6 +22,8 @@ from cspdiag.settings import parse_duration
 _REALS = (0.0, 1.0, -1.0)
 _OTHER_REALS = (1000.0, -1000.0, 0.001)
 _MOST = 64
+_HANDED_ON = {str(one): part for one, part in zip(GIVEN, (slice(1), slice(1, None)), strict=True)}
+"""Values of which only is told that they are handed on: one, and any other."""
 
 
 class Values:
@@ -38,6 +41,8 @@ class Values:
         found = list(islice(self._all(type_), _MOST))
         if told is None:
             return found
+        if told in _HANDED_ON:
+            return found[_HANDED_ON[told]]
         try:
             return [value for value in found if is_told_as(value, type_, told)] or self._read(type_, told)
         except ValueError:
