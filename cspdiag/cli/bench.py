@@ -6,6 +6,7 @@ import sys
 from argparse import ArgumentParser, Namespace
 
 from cspdiag.cli.failure import FINE
+from cspdiag.cli.written import require_file
 from cspdiag.resources import benchmark_folder
 
 EXAMPLE = "cspdiag bench --only commstime --rounds 5"
@@ -22,6 +23,7 @@ def run(arguments: Namespace) -> int:
     """Run the program that the folder of the benchmarks is; it ends the process by itself where it refuses something."""
     from runpy import run_path
 
+    require_file("--json", arguments.json)
     folder = str(benchmark_folder())
     sys.argv = [folder]
     for name in arguments.only:

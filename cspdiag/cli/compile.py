@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 
 from cspdiag.cli.failure import FINE, UNSUCCESSFUL, NoResultError, UsageError
 from cspdiag.cli.terminal import say, show_diagnostics
+from cspdiag.cli.written import require_folder
+from cspdiag.codegen import TARGETS, target_errors
 from cspdiag.diagnostics.report import Report
 from cspdiag.diagnostics.snippet import printable
 from cspdiag.pipeline import build, check, generate
@@ -28,7 +30,10 @@ def add_arguments(parser: ArgumentParser) -> None:
         "-o", "--output", metavar="DIR", default="build", help="where the package goes (default: build)"
     )
     parser.add_argument(
-        "--target", metavar="TARGET", default="python", help="language of the package (default: python)"
+        "--target",
+        metavar="TARGET",
+        default="python",
+        help=f"language of the package: {', '.join(TARGETS)} (default: python)",
     )
     parser.add_argument("--top", metavar="PROCESS", help="the outermost process (default: that of the environment)")
     parser.add_argument("--environment", metavar="NAME", help="the environment to compile for (default: the first)")
@@ -116,17 +121,16 @@ def _emit_transitions(arguments: Namespace) -> int:
 
 def _generate(arguments: Namespace) -> int:
     from cspdiag.cli.output import write_package
-    from cspdiag.codegen import TARGETS, target_errors
 
     if arguments.target not in TARGETS:
         raise UsageError(f"unknown target {arguments.target!r} (there are: {', '.join(TARGETS)})")
+    require_folder("-o", arguments.output)
     network = _network(arguments)
     if network is None:
         return UNSUCCESSFUL
     folder = os.path.join(arguments.output, network.name)
-    for path in (arguments.output, folder):
-        if os.path.lexists(path) and not os.path.isdir(path):
-            raise UsageError(f"{path} is in the way: it is not a folder")
+    if os.path.lexists(folder) and not os.path.isdir(folder):
+        raise UsageError(f"{folder} is in the way: it is not a folder")
     try:
         files = generate(network, read_source, arguments.target, arguments.level)
     except target_errors() as problem:

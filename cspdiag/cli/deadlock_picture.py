@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from cspdiag.cli.failure import UsageError
 from cspdiag.cli.terminal import say
+from cspdiag.cli.written import require_file
 
 if TYPE_CHECKING:
     from cspdiag.draw.deadlock import Deadlock
@@ -19,12 +20,7 @@ def check_picture(option: str, path: Path) -> None:
     from cspdiag.draw.output import FORMATS, rendered
     from cspdiag.draw.scene import Scene
 
-    if path.suffix.removeprefix(".") not in FORMATS:
-        raise UsageError(f"{option} {path}: the name must end in {' or '.join(f'.{each}' for each in FORMATS)}")
-    if path.is_dir():
-        raise UsageError(f"{option} {path}: is a directory")
-    if not path.parent.is_dir():
-        raise UsageError(f"{option} {path}: there is no folder {path.parent}")
+    require_file(option, path, [f".{each}" for each in FORMATS])
     try:
         rendered([Scene(1, 1, ())], path.suffix.removeprefix("."))
     except MissingToolError as problem:

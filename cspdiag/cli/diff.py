@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from cspdiag.cli.failure import FINE, UNSUCCESSFUL, NoResultError, UsageError
 from cspdiag.cli.revisions import reader_of, split_name
 from cspdiag.cli.terminal import say, show_diagnostics, wants_colour
+from cspdiag.cli.written import require_file
 from cspdiag.pipeline import check
 
 if TYPE_CHECKING:
@@ -50,7 +51,7 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 def run(arguments: Namespace) -> int:
     """Tell and draw the differences: exit code 0 for none, 1 for some, 2 where a version cannot be read."""
-    _check_output(arguments.output)
+    require_file("-o", arguments.output, FORMATS, any_case=True)
     versions = _versions(arguments)
     before, after = (_program(revision, path, arguments) for revision, path in versions)
 
@@ -68,17 +69,6 @@ def run(arguments: Namespace) -> int:
     if arguments.output is not None:
         _draw(arguments, found)
     return UNSUCCESSFUL if found.changes and not arguments.exit_zero else FINE
-
-
-def _check_output(path: Path | None) -> None:
-    if path is None:
-        return
-    if path.suffix.lower() not in FORMATS:
-        raise UsageError(f"-o {path}: the name must end in .svg, .png or .pdf")
-    if path.is_dir():
-        raise UsageError(f"-o {path}: is a directory")
-    if not path.parent.is_dir():
-        raise UsageError(f"-o {path}: there is no folder {path.parent}")
 
 
 def _versions(arguments: Namespace) -> tuple[tuple[str | None, str], tuple[str | None, str]]:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from cspdiag.cli.failure import FINE, UNSUCCESSFUL, NoResultError, UsageError
 from cspdiag.cli.terminal import say, show_diagnostics
+from cspdiag.cli.written import require_file, require_folder
 from cspdiag.pipeline import check
 from cspdiag.sources import STANDARD_INPUT, read_source
 
@@ -138,17 +139,20 @@ def _refuse_senseless(arguments: Namespace) -> None:
         raise UsageError(f"-o {output} contradicts --format {arguments.format}")
     if not _is_folder(arguments) and suffix not in FORMATS and arguments.format is None:
         raise UsageError(f"-o {output}: the name must end in .svg, .png or .pdf, or say --format")
-    folder = os.path.dirname(output)
+    if not _is_folder(arguments):
+        require_file("-o", output)
+        return
+    folder = os.path.dirname(output.rstrip(os.sep))
     if folder and not os.path.isdir(folder):
         raise UsageError(f"-o {output}: there is no folder {folder}")
+    require_folder("-o", output)
 
 
 def _refuse_book(arguments: Namespace) -> None:
     if arguments.output is not None or arguments.format is not None:
         raise UsageError("--book is a page, which -o and --format say nothing about")
-    folder = os.path.dirname(arguments.book)
-    if folder and not os.path.isdir(folder):
-        raise UsageError(f"--book {arguments.book}: there is no folder {folder}")
+    if arguments.book != STANDARD_INPUT:
+        require_file("--book", arguments.book)
 
 
 def _write_book(arguments: Namespace, pictures: Pictures) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from argparse import ArgumentParser, Namespace
 
@@ -13,7 +14,9 @@ EXAMPLE = "cspdiag explain E0301\ncspdiag explain"
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Declare the options."""
-    parser.add_argument("code", nargs="?", metavar="CODE", help="a code such as E0301; without one, all are listed")
+    parser.add_argument(
+        "code", nargs="?", metavar="CODE", help="a code such as E0301, or its number; without one, all are listed"
+    )
     parser.add_argument("--markdown", action="store_true", help="print the whole reference as Markdown")
 
 
@@ -33,9 +36,12 @@ def run(arguments: Namespace) -> int:
 
 def _page(code: str) -> str:
     pages = manual_pages()
-    page = pages.get(code.upper())
-    if page is not None:
-        return page.text
+    # No two have one number, so that the letter and zeros in front say nothing more.
+    number = re.fullmatch(r"[EW]?0*([0-9]{1,4})", code.strip().upper())
+    if number is not None:
+        for known, page in pages.items():
+            if known[1:].lstrip("0") == number[1]:
+                return page.text
     near = [known for known in pages if _differences(known, code.upper()) == 1]
     help_ = f"did you mean {near[0]}?" if near else "cspdiag explain lists them all"
     raise UsageError(f"there is no diagnostic {code!r} ({help_})")

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from cspdiag.cli.failure import FINE, UNSUCCESSFUL, NoResultError, UsageError
 from cspdiag.cli.terminal import say, show_diagnostics
+from cspdiag.cli.written import require_file
 from cspdiag.diagnostics.snippet import printable
 from cspdiag.sources import read_source
 
@@ -86,10 +87,7 @@ def _check_plot(path: Path | None) -> None:
 
     if path is None:
         return
-    if path.suffix not in _KINDS:
-        raise UsageError(f"--plot {path}: the name must end in {' or '.join(_KINDS)}")
-    if path.is_dir() or not path.parent.is_dir():
-        raise UsageError(f"--plot {path}: {'is a directory' if path.is_dir() else f'there is no folder {path.parent}'}")
+    require_file("--plot", path, _KINDS)
     if find_spec("matplotlib") is None:
         raise UsageError('--plot needs matplotlib: pip install "cspdiag[plot]"')
 

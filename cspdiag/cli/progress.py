@@ -1,4 +1,7 @@
-"""The line that is rewritten while a program runs on a terminal: simulated time, speed, and the mode of each part."""
+"""The line that tells while a program runs: simulated time, speed, and the mode of each part.
+
+On a terminal it is rewritten all the time; into a file or a pipe a new one is written once in a while.
+"""
 
 from __future__ import annotations
 
@@ -14,6 +17,7 @@ if TYPE_CHECKING:
     from cspdiag.simulate.recorder import Recorder
 
 _INTERVAL = 0.2
+_INTERVAL_OF_LINES = 10.0
 
 
 class Running(Protocol):
@@ -26,18 +30,22 @@ class Running(Protocol):
 
 
 class Progress:
-    """Rewrites a line on standard error from a thread of its own, so that the run pays nothing for it.
+    """Writes the line to standard error from a thread of its own, so that the run pays nothing for it.
 
-    Used as a context manager around the run; ``attach`` is to be called when the network is there.
+    ``interval`` is in seconds. Used as a context manager around the run; ``attach`` is to be called when the network is there.
     """
 
-    def __init__(self, recorder: Recorder, groups: Sequence[ModeGroup]) -> None:
+    def __init__(self, recorder: Recorder, groups: Sequence[ModeGroup], interval: float | None = None) -> None:
+        self._is_terminal = sys.stderr.isatty()
+        self._interval = interval or (_INTERVAL if self._is_terminal else _INTERVAL_OF_LINES)
         self._recorder = recorder
         self._groups = groups
         self._network: Running | None = None
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._show, name="progress", daemon=True)
         self._begin = time.monotonic()
+        self.written = 0
+        """How often the line was written."""
 
     def attach(self, network: Running) -> None:
         """Tell what runs; its clock begins now."""
@@ -53,14 +61,16 @@ class Progress:
     ) -> None:
         self._ended.set()
         self._thread.join()
-        sys.stderr.write("\r\x1b[K")
-        sys.stderr.flush()
+        if self._is_terminal:
+            sys.stderr.write("\r\x1b[K")
+            sys.stderr.flush()
 
     def _show(self) -> None:
-        while not self._ended.wait(_INTERVAL):
+        while not self._ended.wait(self._interval):
             if self._network is not None:
-                sys.stderr.write(f"\r\x1b[K{self.line()}")
+                sys.stderr.write(f"\r\x1b[K{self.line()}" if self._is_terminal else f"{self.line()}\n")
                 sys.stderr.flush()
+                self.written += 1
 
     def line(self) -> str:
         """The text of the line at this moment."""

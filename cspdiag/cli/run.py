@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import signal
-import sys
 from argparse import ArgumentParser, Namespace
 from collections.abc import Callable
 from contextlib import nullcontext
@@ -12,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from cspdiag.cli.failure import FINE, INTERRUPTED, UNSUCCESSFUL, NoResultError, UsageError
 from cspdiag.cli.terminal import say, show_diagnostics
+from cspdiag.cli.written import require_file
 from cspdiag.sources import read_source
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ EXAMPLE = (
     "cspdiag run models/dining/deadlock.csp --replay trace.json"
 )
 
-_SUFFIXES = {
+_ENDINGS = {
     "record": (".csv", ".npz"),
     "trace": (".json", ".jsonl"),
     "plot": (".svg", ".png", ".pdf"),
@@ -72,8 +72,8 @@ def run(arguments: Namespace) -> int:
         from cspdiag.cli.replay import run as run_replay
 
         return run_replay(arguments)
-    for option in _SUFFIXES:
-        _check_output(option, getattr(arguments, option))
+    for option, endings in _ENDINGS.items():
+        require_file(f"--{option}", getattr(arguments, option), endings)
     if arguments.plot is not None:
         _require_matplotlib()
     if arguments.draw_deadlock is not None:
@@ -90,20 +90,10 @@ def run(arguments: Namespace) -> int:
         raise UsageError(str(problem)) from None
     if built.network is None:
         return UNSUCCESSFUL
+    if until is None and not arguments.quiet:
+        _tell_of_no_end(built.network)
     result = _simulate(arguments, built.network, until)
     return _conclude(arguments, result, built.checked.program)
-
-
-def _check_output(option: str, path: Path | None) -> None:
-    """Refuse an output that could not be written before the run, not after it."""
-    if path is None:
-        return
-    if path.suffix not in _SUFFIXES[option]:
-        raise UsageError(f"--{option} {path}: the name must end in {' or '.join(_SUFFIXES[option])}")
-    if path.is_dir():
-        raise UsageError(f"--{option} {path}: is a directory")
-    if not path.parent.is_dir():
-        raise UsageError(f"--{option} {path}: there is no folder {path.parent}")
 
 
 def _require_matplotlib() -> None:
@@ -125,6 +115,15 @@ def _built(arguments: Namespace) -> Built:
     return built
 
 
+def _tell_of_no_end(network: Network) -> None:
+    """Say that a run without a time limit goes on until somebody ends it, where that is sure."""
+    from cspdiag.network.endless import never_ends
+
+    if network.environments and never_ends(network):
+        name = network.class_named(network.top).definition
+        say(f"cspdiag: {name} never ends by itself: Ctrl-C ends the run, --for 20s would end it at 20 s")
+
+
 def _simulate(arguments: Namespace, network: Network, until: int | None) -> Run:
     from cspdiag.cli.progress import Progress
     from cspdiag.cli.standstill import Standstill
@@ -140,7 +139,7 @@ def _simulate(arguments: Namespace, network: Network, until: int | None) -> Run:
     outputs = (arguments.record, arguments.trace, arguments.plot)
     recorder = Recorder(communications=any(path is not None for path in outputs))
     progress = None
-    if not arguments.quiet and sys.stderr.isatty():
+    if not arguments.quiet:
         progress = Progress(recorder, mode_groups(network))
     standstill = None
     # Against the clock, and in a program of its own, the instant that is known may lag behind.

@@ -13,6 +13,7 @@ from cspdiag.cli.diagnostic_formats import FORMATS, told_diagnostics
 from cspdiag.cli.failure import FINE, UNSUCCESSFUL, NoResultError, UsageError
 from cspdiag.cli.output import replace_text
 from cspdiag.cli.terminal import say, wants_colour
+from cspdiag.cli.written import require_file
 
 if TYPE_CHECKING:
     from cspdiag.analyses.verification.answer import Answer
@@ -85,7 +86,7 @@ def run(arguments: Namespace) -> int:
         return run_timing(arguments)
     from cspdiag.cli.verify_cache import Cache, Printed
 
-    _check_output(arguments.trace_out)
+    require_file("--trace-out", arguments.trace_out)
     if arguments.draw is not None:
         from cspdiag.cli.deadlock_picture import check_picture
 
@@ -116,13 +117,6 @@ def _what_matters(arguments: Namespace) -> dict[str, object]:
     """The options that what is printed depends on."""
     settled = {name: value for name, value in vars(arguments).items() if name not in {"no_cache", "trace_out", "draw"}}
     return {**settled, "color": wants_colour(arguments.color, sys.stderr), "folder": os.getcwd()}
-
-
-def _check_output(path: Path | None) -> None:
-    """Refuse an output that could not be written before the proof, not after it."""
-    if path is not None and (path.is_dir() or not path.parent.is_dir()):
-        reason = "is a directory" if path.is_dir() else f"there is no folder {path.parent}"
-        raise UsageError(f"--trace-out {path}: {reason}")
 
 
 def _ask(arguments: Namespace, read: Reader) -> Asked:

@@ -14,6 +14,7 @@ from cspdiag.cli.failure import FINE, UNSUCCESSFUL, UsageError
 from cspdiag.cli.output import replace_text
 from cspdiag.cli.terminal import say, show_diagnostics
 from cspdiag.cli.verify import refused, told
+from cspdiag.cli.written import require_file
 from cspdiag.diagnostics.snippet import printable
 from cspdiag.sources import read_source
 
@@ -41,9 +42,7 @@ def run_timing(arguments: Namespace) -> int:
 
 def _check_options(arguments: Namespace) -> None:
     """Refuse before the work what could not be done after it."""
-    gantt = arguments.gantt
-    if gantt is not None and (gantt.suffix != ".svg" or gantt.is_dir() or not gantt.parent.is_dir()):
-        raise UsageError(f"--gantt {gantt}: the name of an .svg file in a folder that exists is wanted")
+    require_file("--gantt", arguments.gantt, (".svg",))
     spin = arguments.engine if arguments.engine != "cspdiag" else None
     unused = {
         "--method": arguments.method,

@@ -24,6 +24,7 @@ from cspdiag.model.units import conversion_factor, parse_unit
 _PART = re.compile(r"\.([A-Za-z_][A-Za-z0-9_]*)|\[([0-9]{1,9})\]")
 _QUANTITY = re.compile(r"([+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*(?:<([^<>]*)>|([A-Za-z%].*))?")
 _NANOSECONDS = {"ns": 1, "us": 1_000, "ms": 1_000_000, "s": 1_000_000_000, "min": 60_000_000_000}
+_UNITS_OF_TIME = f"{', '.join(_NANOSECONDS)}, or the period of a frequency in Hz, kHz, MHz"
 _HERTZ = {"Hz": 1, "kHz": 1_000, "MHz": 1_000_000}
 
 
@@ -139,7 +140,7 @@ def _time(text: str) -> int:
     elif unit in _NANOSECONDS:
         nanoseconds = value * _NANOSECONDS[unit]
     else:
-        raise ValueError(f"`{text}` is no time; write it with a unit, such as 10ms")
+        raise ValueError(f"`{text}` is no time; write it with a unit, such as 10ms (there are {_UNITS_OF_TIME})")
     return int(_checked(nanoseconds if math.isinf(nanoseconds) else round(nanoseconds), TimeType(), text))
 
 

@@ -20,23 +20,26 @@ def write_whole(path: Path, data: bytes) -> None:
     """Write a file whole or not at all, by way of a temporary one beside it.
 
     A symbolic link keeps pointing where it points, a file keeps its permissions; a device or a pipe is written to as it is. Raises OSError as
-    the file system does.
+    the file system does, with the name that was given.
     """
     real = os.path.realpath(path)
     if os.path.exists(path) and not os.path.isfile(path):
         path.write_bytes(data)
         return
     temporary = f"{real}.{os.getpid()}.tmp"
-    with open(temporary, "xb") as file:
-        try:
-            file.write(data)
-            file.close()
-            with suppress(OSError):
-                os.chmod(temporary, os.stat(real).st_mode & 0o7777)
-            os.replace(temporary, real)
-        except BaseException:
-            os.unlink(temporary)
-            raise
+    try:
+        with open(temporary, "xb") as file:
+            try:
+                file.write(data)
+                file.close()
+                with suppress(OSError):
+                    os.chmod(temporary, os.stat(real).st_mode & 0o7777)
+                os.replace(temporary, real)
+            except BaseException:
+                os.unlink(temporary)
+                raise
+    except OSError as problem:
+        raise OSError(problem.errno, problem.strerror, str(path)) from None
 
 
 def readable(value: object, kind: Type | None) -> object:

@@ -263,7 +263,7 @@ def test_a_picture_that_could_not_be_written_is_refused_before_the_run(
     assert main(["run", DINING, "--draw-deadlock", str(tmp_path / "deadlock.txt")]) == 2
     assert main(["run", DINING, "--draw-deadlock", str(tmp_path / "none" / "deadlock.svg")]) == 2
     shown = capsys.readouterr().err
-    assert "the name must end in .svg or .png or .pdf" in shown
+    assert "the name must end in .svg, .png or .pdf" in shown
     assert "there is no folder" in shown
     assert "deadlock at" not in shown
 

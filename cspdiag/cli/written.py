@@ -1,0 +1,61 @@
+"""Whether an output can be written is known before the work, and said by the name that the output was given."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from contextlib import suppress
+from typing import TYPE_CHECKING
+
+from cspdiag.cli.failure import UsageError, described
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+
+def require_file(option: str, path: str | Path | None, endings: Sequence[str] = (), *, any_case: bool = False) -> None:
+    """Refuse a file that could not be written; ``option`` is what named it. Of one that is there nothing is changed.
+
+    Its name has one of ``endings``, in capitals too with ``any_case``.
+    """
+    if path is None:
+        return
+    name = os.fspath(path)
+    ending = os.path.splitext(name)[1]
+    if endings and (ending.lower() if any_case else ending) not in endings:
+        raise UsageError(
+            f"{option} {name}: the name must end in {', '.join(endings[:-1])}{' or ' * (len(endings) > 1)}{endings[-1]}"
+        )
+    if os.path.isdir(name):
+        raise UsageError(f"{option} {name}: is a directory")
+    folder = os.path.dirname(name)
+    if folder and not os.path.isdir(folder):
+        raise UsageError(f"{option} {name}: there is no folder {folder}")
+    if os.path.exists(name) and not os.path.isfile(name):
+        if not os.access(name, os.W_OK):
+            raise UsageError(f"{option} {name}: permission denied")
+        return
+    _try_folder(option, name, os.path.dirname(os.path.realpath(name)))
+
+
+def require_folder(option: str, path: str) -> None:
+    """Refuse a folder in which no file could be written; it need not be there, nor what is above it."""
+    name = path.rstrip(os.sep) or path
+    there = os.path.realpath(name)
+    while not os.path.lexists(there):
+        there = os.path.dirname(there)
+    if not os.path.isdir(there):
+        raise UsageError(f"{option} {path}: {there} is in the way: it is not a folder")
+    _try_folder(option, path, there)
+
+
+def _try_folder(option: str, name: str, folder: str) -> None:
+    """Permissions are not all that decides: a file is made and removed again."""
+    trial = os.path.join(folder, f".cspdiag-{os.getpid()}.tmp")
+    try:
+        os.close(os.open(trial, os.O_CREAT | os.O_EXCL | os.O_WRONLY))
+    except OSError as problem:
+        reason = described(OSError(problem.errno, problem.strerror))
+        raise UsageError(f"{option} {name}: no file can be written in {folder} ({reason})") from None
+    with suppress(OSError):
+        os.unlink(trial)

@@ -1,0 +1,124 @@
+"""Outputs that cannot be written are refused before the work, by their own names."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+from cspdiag.cli import written
+from cspdiag.cli.failure import UsageError
+from cspdiag.simulate.files import write_whole
+from tests.cli.conftest import Command
+
+PROGRAM = """
+process Main {
+  in  a : double @ 1 ms
+  out y : double @ 1 ms
+  communication { var x : double = 0 }
+  composition { mu (a ? x ; y ! x ; wait 2 ms) }
+}
+
+submodel Source {
+  out y : double
+  y = time / 1<s>
+}
+
+environment Bench for Main {
+  source : Source
+  source.y -> a
+  y -> _
+}
+"""
+
+
+@pytest.fixture
+def program(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    path = tmp_path / "main.csp"
+    path.write_text(PROGRAM)
+    return path
+
+
+@pytest.mark.parametrize(
+    ("command", "option", "name"),
+    [
+        ("run", "--record", "out.csv"),
+        ("run", "--trace", "out.json"),
+        ("run", "--plot", "out.svg"),
+        ("run", "--draw-deadlock", "out.svg"),
+        ("margins", "--plot", "out.svg"),
+        ("verify", "--trace-out", "out.json"),
+        ("verify", "--draw", "out.svg"),
+        ("verify --timing", "--gantt", "out.svg"),
+        ("draw", "-o", "out.svg"),
+        ("draw", "--book", "out.html"),
+        ("draw --all", "-o", "out/"),
+        ("diff", "-o", "out.svg"),
+        ("compile", "-o", "out"),
+        ("bench", "--json", "out.json"),
+    ],
+)
+def test_an_output_is_refused_by_its_own_name(
+    cspdiag: Command, program: Path, monkeypatch: pytest.MonkeyPatch, command: str, option: str, name: str
+) -> None:
+    """What the file system says of the folder is all that matters; whoever runs the tests may be allowed to do anything."""
+
+    def refuse(path: str, flags: int, mode: int = 0o777) -> int:
+        raise PermissionError(13, "Permission denied", path)
+
+    monkeypatch.setattr(written, "os", _Refusing(refuse))
+    files = [] if command == "bench" else [program]
+    result = cspdiag(*command.split(), option, name, *files)
+    assert result.code == 2
+    assert result.out == ""
+    assert f"{option} {name}: no file can be written in" in result.err
+    assert "permission denied" in result.err
+    assert os.listdir() == ["main.csp"]
+
+
+class _Refusing:
+    """The module ``os``, but for opening files."""
+
+    def __init__(self, refuse: object) -> None:
+        self.open = refuse
+
+    def __getattr__(self, name: str) -> object:
+        return getattr(os, name)
+
+
+def test_what_is_no_place_for_a_file_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "folder.csv").mkdir()
+    (tmp_path / "file").write_text("")
+    for path, reason in (
+        ("folder.csv", "is a directory"),
+        ("nowhere/out.csv", "there is no folder"),
+        ("out.xls", "must end in .csv or .npz"),
+        ("file/out.csv", "there is no folder"),
+    ):
+        with pytest.raises(UsageError, match=reason):
+            written.require_file("--record", tmp_path / path, (".csv", ".npz"))
+    with pytest.raises(UsageError, match="is in the way"):
+        written.require_folder("-o", str(tmp_path / "file/build"))
+    written.require_folder("-o", str(tmp_path / "new/build"))
+    written.require_file("--record", tmp_path / "out.csv", (".csv",))
+    written.require_file("--record", "/dev/null")
+    assert sorted(os.listdir(tmp_path)) == ["file", "folder.csv"]
+
+
+def test_a_file_that_cannot_be_written_later_is_told_by_its_name(tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError) as raised:
+        write_whole(tmp_path / "gone" / "out.csv", b"")
+    assert raised.value.filename == str(tmp_path / "gone" / "out.csv")
+
+
+def test_a_wrong_duration_lists_the_units(cspdiag: Command, program: Path) -> None:
+    result = cspdiag("run", program, "--for", "1h")
+    assert result.code == 2
+    assert "ns, us, ms, s, min" in result.err
+
+
+def test_help_of_compile_lists_the_targets(cspdiag: Command) -> None:
+    shown = " ".join(cspdiag("compile", "--help").out.split())
+    assert "python, c, promela, cspm" in shown
