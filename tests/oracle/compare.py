@@ -1,0 +1,97 @@
+"""One program, what cspdiag answers, and what is right."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from tests.oracle.explore import explore
+from tests.oracle.generate import closed
+from tests.oracle.generate_timed import timed
+from tests.oracle.judged import Judgement, verify
+from tests.oracle.properties import Answer, deadlock_free, livelock_free, only_stopped, schedulable, terminates
+from tests.oracle.text import text
+from tests.oracle.tree import Program
+
+
+@dataclass(frozen=True)
+class Case:
+    seed: int
+
+
+@dataclass
+class Outcome:
+    counted: list[str] = field(default_factory=list)
+    wrong: str = ""
+    text: str = ""
+    program: Program | None = None
+
+
+@dataclass(frozen=True)
+class Comparison:
+    compare: Callable[[Case], Outcome]
+
+
+def contradiction(judgement: Judgement, answer: Answer) -> str:
+    """Why both cannot be right, or nothing."""
+    steps = "\n".join(f"//   {step}" for step in answer.run)
+    if judgement.verdict == "crashed":
+        return "cspdiag fails: " + judgement.text
+    if judgement.verdict == "proved" and answer.holds is False:
+        return f"PROVED ({judgement.text}), but {answer.why}:\n{steps}"
+    if judgement.verdict == "refuted" and answer.holds is True:
+        return f"REFUTED ({judgement.text}), but all {answer.states} states were looked at, and none fails"
+    return ""
+
+
+def judged(program: Program, assertion: str, decide: Callable[[], Answer]) -> Outcome:
+    printed = text(program, assertion)
+    judgement = verify(printed)
+    outcome = Outcome([judgement.verdict], text=printed, program=program)
+    if judgement.verdict == "rejected":
+        outcome.counted.append("rejected " + judgement.text.split("\n")[0])
+        return outcome
+    if judgement.verdict == "unknown":
+        return outcome
+    answer = decide()
+    if answer.holds is None:
+        outcome.counted.append("too large")
+    outcome.wrong = contradiction(judgement, answer)
+    return outcome
+
+
+def _deadlock(program: Program) -> Answer:
+    graph = explore(program)
+    answer = deadlock_free(graph)
+    if answer.holds and only_stopped(graph):
+        answer.holds = None
+    return answer
+
+
+def _terminates(program: Program) -> Answer:
+    return terminates(explore(program))
+
+
+def _livelock(program: Program) -> Answer:
+    return livelock_free(explore(program))
+
+
+def _closed(assertion: str, decide: Callable[[Program], Answer]) -> Comparison:
+    def compare(case: Case) -> Outcome:
+        program = closed(case.seed)
+        return judged(program, assertion, lambda: decide(program))
+
+    return Comparison(compare)
+
+
+def _schedulable(case: Case) -> Outcome:
+    program = timed(case.seed)
+    return judged(program, "schedulable", lambda: schedulable(explore(program, free=False, wcet=True)))
+
+
+COMPARISONS = {
+    "schedulable": Comparison(_schedulable),
+    "deadlock": _closed("deadlock free", _deadlock),
+    "livelock": _closed("livelock free", _livelock),
+    "terminates": _closed("terminates", _terminates),
+}

@@ -1,0 +1,69 @@
+"""The one run of a program in the environment that is printed with it: the trace that every implementation must give."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from tests.oracle.link import link
+from tests.oracle.machine import Machine
+from tests.oracle.policy import Unwitnessed
+from tests.oracle.state import State
+from tests.oracle.tree import Program, Value
+
+Communication = tuple[int, str, Value]
+
+
+class _Listening(Unwitnessed):
+    def __init__(self) -> None:
+        self.made: list[tuple[str, Value, bool]] = []
+
+    def passed(self, channel: str, value: Value, external: bool) -> None:
+        self.made.append((channel, value, external))
+
+
+@dataclass
+class PageRun:
+    trace: list[Communication] = field(default_factory=list)
+    ending: str = ""  # terminated, deadlock, limit, too long, or the name of an exception
+    time: int = 0
+    missed: bool = False
+    timeout: bool = False
+
+
+def page_run(program: Program, until: int, steps: int = 20000) -> PageRun:
+    """Runs up to and including an instant; `too long` where more than so many steps are needed."""
+    listening = _Listening()
+    machine = Machine(link(program), listening)
+    st = machine.start()
+    run = PageRun()
+    for _ in range(steps):
+        if st.ended is not None:
+            run.ending = st.ended
+            break
+        candidates = machine.candidates(st)
+        if candidates:
+            machine.run(st, candidates[0])
+        else:
+            instant = machine.clock.next_instant(st)
+            if instant is None or not _awaited(machine, st):
+                run.ending = "deadlock"
+                break
+            if instant > until:
+                run.ending = "limit"
+                break
+            st.now = instant
+            machine.clock.instant(st)
+        run.trace += [(st.now, channel, value) for channel, value, _ in listening.made]
+        listening.made.clear()
+    else:
+        run.ending = "too long"
+    run.time, run.missed, run.timeout = st.now, st.missed, st.timeout
+    return run
+
+
+def _awaited(machine: Machine, st: State) -> bool:
+    """Whether anything that comes by itself can wake a process, or has still to be handed over."""
+    if st.latches or machine.clock.dues(st):
+        return True
+    inputs = {port.name for port in machine.linked.program.ports if port.input}
+    return any(end in inputs for end in machine.awaited(st))

@@ -1,0 +1,137 @@
+"""What holds of a program: deadlock free, livelock free, terminates, schedulable."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from tests.oracle.explore import Graph, explore
+from tests.oracle.state import Stopped, Tid
+from tests.oracle.stuck import stuck, waits_for_others
+from tests.oracle.tree import Program
+
+
+@dataclass
+class Answer:
+    """`holds` is None where the exploration was too large, and nothing was found in what was seen of it."""
+
+    holds: bool | None
+    run: list[str] = field(default_factory=list)
+    states: int = 0
+    why: str = ""
+
+
+def _found(graph: Graph, index: int, why: str) -> Answer:
+    return Answer(False, graph.path(index), len(graph.states), why)
+
+
+def _none(graph: Graph) -> Answer:
+    return Answer(True if graph.complete else None, states=len(graph.states))
+
+
+def deadlock_free(graph: Graph) -> Answer:
+    for index, st in enumerate(graph.states):
+        found = stuck(graph.linked, st)
+        if found:
+            names = ", ".join(".".join(str(branch) for _, branch in tid) or "root" for tid in found)
+            return _found(graph, index, f"{names} wait for ever at {st.now} ns")
+    answer = _none(graph)
+    if answer.holds and any(_for_ever(graph)):
+        answer.holds, answer.why = None, "somebody waits for ever for a partner that goes on"
+    return answer
+
+
+def _for_ever(graph: Graph) -> list[bool]:
+    """By state: whether somebody waits there for others, and never goes on in any run from there."""
+    before: list[list[int]] = [[] for _ in graph.states]
+    moves: list[set[Tid]] = [set() for _ in graph.states]
+    for index, edges in enumerate(graph.edges):
+        for edge in edges:
+            before[edge.to].append(index)
+            moves[index] |= edge.moved
+    todo = list(range(len(graph.states)))
+    while todo:
+        index = todo.pop()
+        for previous in before[index]:
+            if not moves[index] <= moves[previous]:
+                moves[previous] |= moves[index]
+                todo.append(previous)
+    return [
+        any(waits_for_others(thread) and tid not in moving for tid, thread in st.threads.items())
+        for st, moving in zip(graph.states, moves, strict=True)
+    ]
+
+
+def livelock_free(graph: Graph) -> Answer:
+    """No cycle of steps in which no time passes and nothing passes an external port."""
+    silent = [[edge.to for edge in edges if edge.silent] for edges in graph.edges]
+    index = on_cycle(silent)
+    return _none(graph) if index is None else _found(graph, index, "goes round for ever from here")
+
+
+def terminates(graph: Graph) -> Answer:
+    for index, st in enumerate(graph.states):
+        if st.ended is None and not graph.edges[index] and graph.complete:
+            return _found(graph, index, "nothing happens any more")
+    index_or_none = on_cycle([[edge.to for edge in edges] for edges in graph.edges])
+    return _none(graph) if index_or_none is None else _found(graph, index_or_none, "goes round for ever from here")
+
+
+def only_stopped(graph: Graph) -> bool:
+    """Whether some run halts at `stop` with nobody else waiting, of which the page does not say what it is."""
+    return any(
+        st.ended is None and not edges and any(isinstance(thread.wait, Stopped) for thread in st.threads.values())
+        for st, edges in zip(graph.states, graph.edges, strict=True)
+    )
+
+
+def schedulable(graph: Graph) -> Answer:
+    """No process finds at a read that it has missed a sample; undecided where it merely never reads again."""
+    for index, st in enumerate(graph.states):
+        if st.timeout:
+            return _found(graph, index, f"`Timeout` at {st.now} ns")
+    answer = _none(graph)
+    if any(st.missed for st in graph.states):
+        answer.holds, answer.why = None, "a sample is overwritten untaken by a process that never reads that port again"
+    return answer
+
+
+def on_cycle(edges: list[list[int]]) -> int | None:
+    """A state of a cycle, if there is one: what is left when states without a successor that is left are taken away."""
+    before: list[list[int]] = [[] for _ in edges]
+    count = [len(each) for each in edges]
+    for index, each in enumerate(edges):
+        for to in each:
+            before[to].append(index)
+    free = [index for index, number in enumerate(count) if number == 0]
+    left = set(range(len(edges)))
+    while free:
+        index = free.pop()
+        left.discard(index)
+        for previous in before[index]:
+            count[previous] -= 1
+            if count[previous] == 0:
+                free.append(previous)
+    if not left:
+        return None
+    # Every state that is left leads to another one; so going on from the first ends in a cycle.
+    seen: set[int] = set()
+    at = min(left)
+    while at not in seen:
+        seen.add(at)
+        at = next(to for to in edges[at] if to in left)
+    return at
+
+
+def decide(program: Program, what: str, *, limit: int = 4000, seconds: float = 3) -> Answer:
+    if what == "schedulable":
+        return schedulable(explore(program, free=False, wcet=True, limit=limit, seconds=seconds))
+    graph = explore(program, limit=limit, seconds=seconds)
+    match what:
+        case "deadlock free":
+            return deadlock_free(graph)
+        case "livelock free":
+            return livelock_free(graph)
+        case "terminates":
+            return terminates(graph)
+        case _:
+            raise ValueError(what)

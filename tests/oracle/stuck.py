@@ -1,0 +1,114 @@
+"""Who waits for ever: the greatest set of threads of which every possible partner is in the set, or has ended."""
+
+from __future__ import annotations
+
+from tests.oracle.link import End, Linked
+from tests.oracle.state import Branches, Choice, Frame, Joint, Offer, Op, State, Stopped, Thread, Tid
+
+
+def _later(linked: Linked, frame: Frame) -> tuple[frozenset[End], bool]:
+    """What a frame may still do, and whether it may raise an exception."""
+    node = linked.nodes[frame.node]
+    match frame.kind:
+        case "seq":
+            rest = node.inner[frame.at :]
+            return frozenset().union(*(part.uses for part in rest)), any(part.raises for part in rest)
+        case "catch" | "intr":
+            return node.inner[1].uses, node.inner[1].raises
+        case _:
+            return node.uses, node.raises
+
+
+def future(linked: Linked, thread: Thread) -> tuple[frozenset[End], bool]:
+    """Every end of a channel that a thread, or what it starts, may ever use from now on; and whether it may raise."""
+    ends: frozenset[End] = frozenset()
+    raises = False
+    for frame in thread.stack:
+        more, also = _later(linked, frame)
+        ends, raises = ends | more, raises or also
+    if thread.wait is None and thread.signal[0] in ("exec", "chosen"):
+        number = thread.signal[1]
+        assert isinstance(number, int)
+        ends, raises = ends | linked.nodes[number].uses, raises or linked.nodes[number].raises
+    if thread.wait is None and thread.signal[0] == "raise":
+        raises = True
+    return ends, raises
+
+
+def stuck(linked: Linked, st: State) -> dict[Tid, Thread]:
+    """The threads that never go on, in the state that was reached; without those that only wait at `stop`.
+
+    Nothing is said of those that halt at `stop` and for which nobody waits but their parents. An exception that another process may raise is a way out; a missed sample and a fault are none.
+    """
+    if st.ended is not None:
+        return {}
+    after = {tid: future(linked, thread) for tid, thread in st.threads.items()}
+    found = {
+        tid
+        for tid, thread in st.threads.items()
+        if isinstance(thread.wait, Joint | Choice | Stopped | Branches)
+        and tid not in st.ready
+        and tid != st.running
+        and thread.cancel is None
+    }
+    changed = True
+    while changed:
+        changed = False
+        for tid in sorted(found):
+            if _goes_on(linked, st, tid, found, after):
+                found.discard(tid)
+                changed = True
+    if not any(waits_for_others(st.threads[tid]) for tid in found):
+        return {}
+    return {tid: st.threads[tid] for tid in found}
+
+
+def waits_for_others(thread: Thread) -> bool:
+    """Not at `stop`, and not at an alternative of which no condition held, which is as good as `stop`."""
+    return isinstance(thread.wait, Joint) or (isinstance(thread.wait, Choice) and bool(thread.wait.offers))
+
+
+def _goes_on(
+    linked: Linked, st: State, tid: Tid, found: set[Tid], after: dict[Tid, tuple[frozenset[End], bool]]
+) -> bool:
+    thread = st.threads[tid]
+
+    def partner(channel: str, end: str, branch: int | None = None) -> bool:
+        wanted = (channel, "!" if end == "?" else "?")
+        return any(
+            wanted in ends and other not in found and (branch is None or st.threads[other].branch in (branch, -1))
+            for other, (ends, _) in after.items()
+        )
+
+    def op_possible(op: Op) -> bool:
+        if op.channel in linked.ports:
+            return True
+        if op.end == "!" and linked.channels[op.channel].kind == "broadcast":
+            return all(partner(op.channel, "!", end) for end in op.pending)
+        return partner(op.channel, op.end)
+
+    def offer_possible(offer: Offer) -> bool:
+        if offer.kind in ("after", "skip", "ready") or offer.channel in linked.ports:
+            return True
+        end = "?" if offer.kind == "read" else "!"
+        if end == "!" and linked.channels[offer.channel].kind == "overwrite":
+            return True
+        return partner(offer.channel, end)
+
+    for length in range(len(tid) + 1):
+        for frame in st.threads[tid[:length]].stack:
+            if frame.kind == "intr" and frame.offer is not None and offer_possible(frame.offer):
+                return True
+    for other, (_, raises) in after.items():
+        related = other[: len(tid)] == tid or tid[: len(other)] == other
+        if raises and other not in found and not related:
+            return True
+    match thread.wait:
+        case Joint(ops):
+            return all(op_possible(op) for op in ops if not op.done)
+        case Choice(_, offers):
+            return any(map(offer_possible, offers))
+        case Branches(node, running, _, _):
+            return not any((*tid, (node, branch)) in found for branch in running)
+        case _:
+            return False

@@ -1,0 +1,164 @@
+"""The oracle itself, on small programs of which the answers are worked out by hand from docs/language.md."""
+
+import pytest
+
+from tests.oracle.hunt import hunt
+from tests.oracle.page_run import page_run
+from tests.oracle.properties import decide
+from tests.oracle.tree import (
+    INT,
+    After,
+    Alt,
+    Assign,
+    Bin,
+    Catch,
+    Channel,
+    Comp,
+    Expr,
+    Guarded,
+    Int,
+    Interrupt,
+    Law,
+    Lit,
+    Mu,
+    Par,
+    Port,
+    Program,
+    Raise,
+    Read,
+    Ready,
+    Ref,
+    Run,
+    Seq,
+    Skip,
+    Stop,
+    Target,
+    Variable,
+    Wait,
+    Write,
+)  # fmt: skip
+
+MS = 10**6
+SYNC = (Channel("c", INT, "sync"), Channel("d", INT, "sync"))
+X = Port("x", True, INT, 10 * MS, values=((0, 0), (15 * MS, 1)), domain=(0,))
+O = Port("o", False, INT)  # noqa: E741
+LAW = Law("a", (("x", INT, "x"),), (("y", INT, "v", Ref("x", INT)),), (), 1000, 0)
+
+
+def number(value: int) -> Expr:
+    return Lit(value, INT)
+
+
+def read(channel: str, variable: str = "v") -> Read:
+    return Read(channel, Target(variable, INT))
+
+
+def write(channel: str, value: int) -> Write:
+    return Write(channel, number(value))
+
+
+def program(body: Comp, *, channels: tuple[Channel, ...] = SYNC, laws: tuple[Law, ...] = ()) -> Program:
+    variables = tuple(Variable(name, INT, 0, 0) for name in ("v", "w"))
+    return Program(body, channels=channels, variables=variables, ports=(X, O), laws=laws, exceptions=("Alarm",))
+
+
+def test_a_rendezvous_is_made_when_the_second_party_comes() -> None:
+    body = Par((Seq((Wait(2 * MS), write("c", 7))), Seq((read("c"), Write("o", Ref("v", INT))))))
+    run = page_run(program(body), 20 * MS)
+    assert (run.trace, run.ending) == ([(2 * MS, "c", 7), (2 * MS, "o", 7)], "terminated")
+
+
+def test_a_writer_of_a_broadcast_goes_on_when_every_reader_has_the_value() -> None:
+    channels = (Channel("c", INT, "broadcast"),)
+    body = Par((Seq((write("c", 1), write("o", 5))), read("c"), Seq((Wait(3 * MS), read("c", "w")))))
+    run = page_run(program(body, channels=channels), 20 * MS)
+    assert run.trace == [(0, "c", 1), (3 * MS, "c", 1), (3 * MS, "o", 5)]
+
+
+def test_an_overwriting_channel_drops_its_oldest_value() -> None:
+    channels = (Channel("c", INT, "overwrite", 1),)
+    body = Par((Seq((write("c", 1), write("c", 2))), Seq((Wait(MS), read("c"), Write("o", Ref("v", INT))))))
+    assert page_run(program(body, channels=channels), 20 * MS).trace[-1] == (MS, "o", 2)
+
+
+def test_a_fault_leaves_the_variable_as_it_was() -> None:
+    small = Int("int8")
+    ref = Ref("b", small)
+    body = Catch(Assign(Target("b", small), Bin("+", ref, ref, small)), "Fault", Write("o", number(3)))
+    made = Program(body, variables=(Variable("b", small, 100, 0),), ports=(O,))
+    assert page_run(made, MS).trace == [(0, "o", 3)]
+
+
+def test_an_interrupted_body_ends_at_its_next_communication() -> None:
+    body = Interrupt(Seq((Wait(5 * MS), write("o", 1))), Guarded(After(2 * MS), write("o", 2)))
+    assert page_run(program(body), 20 * MS).trace == [(2 * MS, "o", 2)]
+
+
+def test_an_exception_ends_the_other_branches_at_their_next_communication() -> None:
+    body = Catch(Par((Seq((Wait(MS), Raise("Alarm"))), read("c"))), "Alarm", write("o", 4))
+    assert page_run(program(body), 20 * MS).trace == [(MS, "o", 4)]
+
+
+def test_a_first_read_waits_for_the_next_tick() -> None:
+    body = Seq((Wait(12 * MS), read("x"), Write("o", Ref("v", INT))))
+    assert page_run(program(body), 100 * MS).trace == [(20 * MS, "x", 1), (20 * MS, "o", 1)]
+
+
+@pytest.mark.parametrize("between", [True, False])
+def test_a_wait_between_two_loops_misses_samples(between: bool) -> None:
+    once = Mu(Run("a"), Bin("==", number(0), number(0), INT))
+    made = program(Seq((once, Wait(100 * MS if between else MS), Mu(Run("a")))), laws=(LAW,))
+    assert decide(made, "schedulable").holds is not between
+
+
+def test_a_law_that_computes_for_longer_than_its_period_misses_samples() -> None:
+    made = program(Mu(Run("a")), laws=(Law(**{**vars(LAW), "wcet": 17 * MS}),))
+    assert decide(made, "schedulable").holds is False
+
+
+def test_two_that_read_first_are_deadlocked() -> None:
+    body = Par((Seq((read("c"), write("d", 1))), Seq((read("d", "w"), write("c", 1)))))
+    assert decide(program(body), "deadlock free").holds is False
+
+
+def test_a_pair_that_waits_for_each_other_beside_a_loop_is_a_knot() -> None:
+    stuck = (Mu(Seq((read("c"), write("d", 1)))), Mu(Seq((read("d", "w"), write("c", 1)))))
+    assert decide(program(Par((*stuck, Mu(Wait(MS))))), "deadlock free").holds is False
+
+
+def test_a_partner_that_waits_for_time_comes_back() -> None:
+    """The device reads again after 3 ms, so the panel does not wait for ever."""
+    device = Seq((read("c"), Wait(3 * MS), read("c"), read("c")))
+    late = Guarded(After(2 * MS), Seq((write("c", 0), write("c", 1))))
+    panel = Seq((Alt((Guarded(write("c", 1), write("c", 9)), late)), write("c", 2)))
+    beside = Mu(Wait(MS))
+    assert decide(program(Par((device, panel, beside))), "deadlock free").holds is True
+
+
+def test_who_stops_and_is_waited_for_by_nobody_is_no_knot() -> None:
+    assert decide(program(Par((Stop(), Mu(Wait(MS))))), "deadlock free").holds is True
+
+
+def test_a_pair_that_goes_round_without_time_livelocks() -> None:
+    body = Par((Mu(write("c", 1)), Mu(read("c"))))
+    assert decide(program(body), "livelock free").holds is False
+    assert decide(program(Mu(write("o", 1))), "livelock free").holds is True
+
+
+@pytest.mark.parametrize(("time", "ends"), [(2, True), (3, False)])
+def test_a_program_terminates_if_every_run_ends(time: int, ends: bool) -> None:
+    """With both time-outs due at once, one of the runs takes the second, after which nobody reads."""
+    choice = Alt((Guarded(After(3 * MS), write("c", 1)), Guarded(After(time * MS), Skip())))
+    assert decide(program(Par((choice, Skip()))), "terminates").holds is ends
+
+
+def test_a_guard_that_is_a_port_leaves_the_sample_to_the_law() -> None:
+    body = Mu(Alt((Guarded(After(50 * MS), Skip()), Guarded(Ready("x"), Run("a")))))
+    assert decide(program(body, laws=(LAW,)), "schedulable").holds is True
+
+
+@pytest.mark.parametrize("name", ["terminates"])
+def test_a_slice_of_the_hunt_finds_nothing_wrong(name: str) -> None:
+    report = hunt(name, range(1000, 1010))
+    assert not report.wrong, report.wrong[0][1].wrong
+    assert report.counts["rejected"] < 5

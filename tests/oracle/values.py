@@ -1,0 +1,136 @@
+"""What expressions are worth, by the sections Types and Expressions of the page."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from tests.oracle.tree import (
+    Array,
+    Bin,
+    Bool,
+    Call,
+    Convert,
+    Enum,
+    Expr,
+    Field,
+    If3,
+    Index,
+    Int,
+    Lit,
+    Make,
+    Ref,
+    Struct,
+    Type,
+    Un,
+    Value,
+)  # fmt: skip
+
+
+class FaultError(Exception):
+    """Overflow, a value out of range or a division by zero."""
+
+
+def within(value: int, kind: Type) -> int:
+    assert isinstance(kind, Int)
+    low, high = kind.bounds
+    if not low <= value <= high:
+        raise FaultError(f"{value} is no {kind.name}")
+    return value
+
+
+def _number(value: Value) -> int:
+    assert isinstance(value, int)
+    return value
+
+
+def _arithmetic(op: str, a: int, b: int) -> int:
+    match op:
+        case "+":
+            return a + b
+        case "-":
+            return a - b
+        case "*":
+            return a * b
+        case _:
+            if b == 0:
+                raise FaultError("division by zero")
+            quotient = abs(a) // abs(b) * (1 if (a < 0) == (b < 0) else -1)
+            return quotient if op == "/" else a - b * quotient
+
+
+def evaluate(expr: Expr, variables: Mapping[str, Value]) -> Value:
+    match expr:
+        case Lit(value):
+            return value
+        case Ref(name):
+            return variables[name]
+        case Field(of, position):
+            whole = evaluate(of, variables)
+            assert isinstance(whole, tuple)
+            return whole[position]
+        case Index(of, at):
+            whole = evaluate(of, variables)
+            index = _number(evaluate(at, variables))
+            assert isinstance(whole, tuple)
+            if not 0 <= index < len(whole):
+                raise FaultError("index out of range")
+            return whole[index]
+        case Bin(op, left, right, kind):
+            return _binary(op, left, right, kind, variables)
+        case Un("not", of, _):
+            return not evaluate(of, variables)
+        case Un(op, of, kind):
+            number = _number(evaluate(of, variables))
+            return within(abs(number) if op == "abs" else -number, kind)
+        case Call(name, arguments, _):
+            numbers = [_number(evaluate(argument, variables)) for argument in arguments]
+            if name == "limit":
+                return min(max(numbers[0], numbers[1]), numbers[2])
+            return min(numbers) if name == "min" else max(numbers)
+        case Convert(of, kind):
+            return within(_number(evaluate(of, variables)), kind)
+        case If3(condition, yes, no, _):
+            return evaluate(yes if evaluate(condition, variables) else no, variables)
+        case Make(inner, _):
+            return tuple(evaluate(part, variables) for part in inner)
+
+
+def _binary(op: str, left: Expr, right: Expr, kind: Type, variables: Mapping[str, Value]) -> Value:
+    a = evaluate(left, variables)
+    if op == "and":
+        return bool(a) and bool(evaluate(right, variables))
+    if op == "or":
+        return bool(a) or bool(evaluate(right, variables))
+    b = evaluate(right, variables)
+    match op:
+        case "==":
+            return a == b
+        case "!=":
+            return a != b
+    x, y = _number(a), _number(b)
+    match op:
+        case "<":
+            return x < y
+        case "<=":
+            return x <= y
+        case ">":
+            return x > y
+        case ">=":
+            return x >= y
+        case _:
+            return within(_arithmetic(op, x, y), kind)
+
+
+def zero(kind: Type) -> Value:
+    """What a port or a variable of this type holds before anything was written."""
+    match kind:
+        case Int():
+            return 0
+        case Bool():
+            return False
+        case Enum(name, literals):
+            return f"{name}.{literals[0]}"
+        case Struct(_, fields):
+            return tuple(zero(inner) for _, inner in fields)
+        case Array(element, size):
+            return (zero(element),) * size
