@@ -26,6 +26,7 @@ from cspdiag.codegen.python_code import (
     Postfix,
     Prefix,
     Starred,
+    at_least,
 )
 from cspdiag.codegen.python_statements import Block, Line, Statement, Unpack, lines
 
@@ -179,17 +180,17 @@ def _code(elements: Sequence[Code], counting: Counting) -> Code:
             return Call(function, tuple(Argument(part, a.name, a.starred) for a, part in joined))
         case Postfix():
             same = [element for element in elements if isinstance(element, Postfix)]
-            operand = _code([element.operand for element in same], counting)
+            operand = _operand([element.operand for element in same], counting)
             return Postfix(operand, _text([element.text for element in same], counting))
         case Prefix(text=text):
-            return Prefix(text, _code([e.operand for e in elements if isinstance(e, Prefix)], counting))
+            return Prefix(text, _operand([e.operand for e in elements if isinstance(e, Prefix)], counting))
         case Chain(precedence=precedence, rest=rest):
             rows = [[e.first, *(operand for _, operand in e.rest)] for e in elements if isinstance(e, Chain)]
-            head, *tail = _columns(rows, counting)
+            head, *tail = (_operand(column, counting) for column in _transposed(rows))
             return Chain(precedence, head, tuple((op, part) for (op, _), part in zip(rest, tail, strict=True)))
         case Conditional():
             rows = [[e.then, e.condition, e.otherwise] for e in elements if isinstance(e, Conditional)]
-            then, condition, otherwise = _columns(rows, counting)
+            then, condition, otherwise = (_operand(column, counting) for column in _transposed(rows))
             return Conditional(then, condition, otherwise)
         case Parenthesized():
             return Parenthesized(_code([e.operand for e in elements if isinstance(e, Parenthesized)], counting))
@@ -204,10 +205,19 @@ def _code(elements: Sequence[Code], counting: Counting) -> Code:
     raise _IrregularError
 
 
+def _operand(elements: Sequence[Code], counting: Counting) -> Code:
+    """What stands beside an operator: a sum that takes the place of a number needs parentheses there."""
+    return at_least(_code(elements, counting), elements[0].precedence)
+
+
 def _columns(rows: Sequence[Sequence[Code]], counting: Counting) -> list[Code]:
+    return [_code(column, counting) for column in _transposed(rows)]
+
+
+def _transposed(rows: Sequence[Sequence[Code]]) -> list[tuple[Code, ...]]:
     if len({len(row) for row in rows}) != 1:
         raise _IrregularError
-    return [_code(column, counting) for column in zip(*rows, strict=True)]
+    return list(zip(*rows, strict=True))
 
 
 def _atom(texts: Sequence[str], precedence: int, counting: Counting) -> Atom:

@@ -121,6 +121,21 @@ def test_a_fault_has_the_words_and_the_place_of_the_python_one(level: int) -> No
 
 
 @needs_compiler
+def test_a_channel_that_nobody_uses_is_in_no_record() -> None:
+    text = """process A { out c : int composition { skip } }
+process B { in c : int out d : int composition { d ! 1 } }
+process C { in d : int communication { var v : int } composition { d ? v } }
+process Top {
+  communication { a : A b : B c : C a.c -> c1 : int -> b.c b.d -> c2 : int -> c.d }
+  composition { a || b || c }
+}
+"""
+    reference, done = both(network_of(text), 0)
+    assert [entry[1:3] for entry in done.communications] == [("Top.c2", 1)]
+    assert done.outcome.ended == reference.outcome.ended == "terminated"
+
+
+@needs_compiler
 def test_an_environment_that_fails_ends_the_run() -> None:
     broken = FAULTY.replace("x = time / 1<s>", "x = 1 / (time / 1<s> - 0.02)").replace("n + 10", "n")
     reference, found = both(network_of(broken), 1)

@@ -106,7 +106,9 @@ class StreamReader:
     def _channel(self) -> None:
         number, size = _CHANNEL.unpack(self._bytes(6))
         name = self._text()
-        type_ = self._types[name]
+        type_ = self._types.get(name)
+        if type_ is None:
+            return  # Nobody writes or reads this channel, so no record will name it.
         if layout(type_)[0] != size:
             raise ValueError(f"{name} has values of {size} bytes, and {type_} has {layout(type_)[0]}")
         self._channels[number] = (name, size, decoder(type_))
