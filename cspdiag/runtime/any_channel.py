@@ -97,11 +97,21 @@ class AnyChannel(In[T], Out[T]):
             scheduler.observe(self.name, value, scheduler.current, reader)
 
     def settle_input(self) -> None:
-        """An alternative that would write here has to keep to it, and parks with its value."""
-        if not self._writers:
-            choice, index = self._meeting.writing[0]
-            value = choice.value_offered(index)
+        """An alternative that would write here has to keep to it, and parks with its value, or hands it to a reader that waits already."""
+        if self._writers:
+            return
+        choice, index = self._meeting.writing[0]
+        value = choice.value_offered(index)
+        if not self._readers:
             self.offer(choice.pledge(index), value)
+            return
+        choice.resolve(index, None)
+        reader = self._readers.popleft()
+        reader.received = value
+        scheduler.enqueue(reader)
+        self._somebody_left()
+        if scheduler.observe is not None:
+            scheduler.observe(self.name, value, choice.task, reader)
 
     def choose_output(self, party: Party, value: T, /) -> bool:
         """See ``Out.choose_output``."""
@@ -119,7 +129,7 @@ class AnyChannel(In[T], Out[T]):
 
     def enroll_input(self, choice: Choice, index: int) -> None:
         """See ``In.enroll_input``."""
-        self._meeting.reading.append((choice, index))
+        Meeting.enter(self._meeting.reading, choice, index)
         self._meeting.reader_came()
 
     def dismiss_input(self, choice: Choice) -> None:
@@ -129,7 +139,7 @@ class AnyChannel(In[T], Out[T]):
 
     def enroll_output(self, choice: Choice, index: int) -> None:
         """See ``Out.enroll_output``."""
-        self._meeting.writing.append((choice, index))
+        Meeting.enter(self._meeting.writing, choice, index)
         self._meeting.writer_came()
 
     def dismiss_output(self, choice: Choice) -> None:

@@ -200,7 +200,7 @@ class Channel(In[T], Out[T]):
     def enroll_input(self, choice: Choice, index: int) -> None:
         """See ``In.enroll_input``."""
         meeting = self._alternatives()
-        meeting.reading.append((choice, index))
+        meeting.enter(meeting.reading, choice, index)
         meeting.reader_came()
 
     def dismiss_input(self, choice: Choice) -> None:
@@ -213,7 +213,7 @@ class Channel(In[T], Out[T]):
     def enroll_output(self, choice: Choice, index: int) -> None:
         """See ``Out.enroll_output``."""
         meeting = self._alternatives()
-        meeting.writing.append((choice, index))
+        meeting.enter(meeting.writing, choice, index)
         meeting.writer_came()
 
     def dismiss_output(self, choice: Choice) -> None:

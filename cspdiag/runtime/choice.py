@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
+from itertools import count
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from .durations import shown
@@ -18,6 +19,9 @@ from .selector import Selector, raise_bits
 if TYPE_CHECKING:
     from .process import Process
     from .routine import Part
+
+
+_BEGUN = count(1)
 
 
 class Ready:
@@ -149,6 +153,8 @@ class Choice:
         self.woken = False
         self._values: Mapping[int, Any] = {}
         self.mask = 0
+        self.began = 0
+        """The alternatives that wait are numbered in the order in which they began to."""
         self._enrolled = 0
         self._time_outs: list[_TimeOut] = []
         self.after_guards = tuple((index, guard) for index, guard in enumerate(guards) if isinstance(guard, After))
@@ -204,6 +210,7 @@ class Choice:
         self.task = task
         self.mask = mask
         self.chosen = -1
+        self.began = next(_BEGUN)
         self._values = values
         selector = self.selector
         selector.waiting = self

@@ -7,7 +7,7 @@ from types import coroutine
 from typing import Any
 
 from .alternative import Alternative
-from .choice import Choice, Guard, Input, Output, waits_of_guard
+from .choice import Choice, Guard, Input, Output, Ready, waits_of_guard
 from .composition import Body, Branches
 from .exceptions import Cancelled
 from .routine import CheckedTask, RoutineTask
@@ -112,6 +112,8 @@ def interrupted(body: Body, guard: Guard) -> Generator[None, None, bool]:
         scheduler.current = task
         interruption.body_has_ended = True
         while interruption.pledged is not None:
+            if task.cancelled and interruption.withdraw(task):
+                raise Cancelled
             task.waiting = interruption
             yield
             scheduler.current = task
@@ -130,8 +132,10 @@ def interrupted(body: Body, guard: Guard) -> Generator[None, None, bool]:
 
 
 def _communication(guard: Guard) -> Generator[None, None, Any]:
-    """What the guard reads or writes; it waits if somebody else was faster."""
-    if not isinstance(guard, Input | Output):
+    """What the guard reads or writes, as an alternative of this guard alone; it waits if somebody else was faster."""
+    if not isinstance(guard, Input | Output | Ready):
+        if scheduler.current.cancelled:
+            raise Cancelled
         return None
     alternative = Alternative(guard)
     yield from alternative.select()

@@ -29,6 +29,14 @@ class Meeting:
         self.reading: list[tuple[Choice, int]] = []
         self.writing: list[tuple[Choice, int]] = []
 
+    @staticmethod
+    def enter(waiting: list[tuple[Choice, int]], choice: Choice, index: int) -> None:
+        """Enrols an alternative in the order in which they began to wait; it enrols late where the other side begins to alternate after that."""
+        position = len(waiting)
+        while position > 0 and waiting[position - 1][0].began > choice.began:
+            position -= 1
+        waiting.insert(position, (choice, index))
+
     def writer_came(self) -> None:
         """Input guards become ready."""
         raise_bits(self.inputs)

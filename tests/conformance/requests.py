@@ -144,6 +144,10 @@ class Choose(Request):
         self.always: set[int] = set()
         self.chosen: int | None = None
         self.parked = False
+        self.bound = False
+        """Whether its value waits as that of a writer, for somebody who is going to read it."""
+        self.promised = False
+        """Whether that value was taken."""
         self.interrupt: Interrupt | None = None
 
     @property
@@ -206,9 +210,14 @@ class Choose(Request):
         self._settle(offer.guard)
         offer.guard = None
         offer.medium.arrive(offer)
+        self.bound = True
 
     def offer_done(self, offer: Offer) -> None:
-        self.finish((self.chosen, offer.value))
+        if self.interrupt is not None and self.bound:
+            self.promised = True
+            self.world.make_ready(self.world.start(iter(()), self.task.priority, Promise(self.interrupt)))
+        else:
+            self.finish((self.chosen, offer.value))
 
     def finish(self, result: Any = None) -> None:
         if self.interrupt is None or self.interrupt.body.ended:
@@ -293,6 +302,20 @@ class Parallel(Request):
             self.world.cancel(task)
 
 
+class Promise:
+    """The writer of a value that was promised to a reader before the process of an interrupt ran again: it has a turn of its own."""
+
+    def __init__(self, interrupt: Interrupt) -> None:
+        self.interrupt = interrupt
+
+    def branch_ended(self, task: Task, error: Exception | None) -> None:
+        """Its turn: the process goes on, if it waits for nothing else."""
+        guard, process = self.interrupt.guard, self.interrupt.task
+        guard.done, guard.result = True, (guard.chosen, None)
+        if self.interrupt.body.ended and not process.ended and process not in self.interrupt.world.ready:
+            self.interrupt.world.run_next(process)
+
+
 class Interrupt(Request):
     """A body that is abandoned once ``guard`` is ready; the result is that of the guard, or None if the body has ended by itself.
 
@@ -304,6 +327,8 @@ class Interrupt(Request):
         self.body_steps = body
         self.guard = guard
         self.triggered = False
+        self.alone = False
+        """Whether the body has been abandoned, and the process goes on as an alternative of the guard that begins then."""
 
     @property
     def turn(self) -> tuple[int, int]:
@@ -323,7 +348,7 @@ class Interrupt(Request):
 
     @property
     def branches_run(self) -> bool:
-        return not self.body.ended
+        return not self.body.ended or (self.guard.promised and not self.guard.done)
 
     def may_go_on(self) -> bool:
         return (self.body.ended or not self.triggered) and self.guard.may_go_on()
@@ -342,7 +367,7 @@ class Interrupt(Request):
     def branch_ended(self, task: Task, error: Exception | None) -> None:
         """The body has ended."""
         abandoned = isinstance(error, CancelledError)
-        if (self.guard.done and (error is None or abandoned)) or (
+        if (self.guard.chosen is not None and (error is None or abandoned)) or (
             abandoned and self.triggered and not self.task.cancelled
         ):
             self.world.make_ready(self.task)
@@ -356,8 +381,14 @@ class Interrupt(Request):
             offer.medium.withdraw(offer)
 
     def attempt(self) -> None:
-        if self.body.ended and not self.done:
-            self.guard.attempt()
+        if not self.body.ended or self.done or self.guard.chosen is not None:
+            return
+        if self.guard.parked and not self.alone:
+            self.alone, self.guard.parked = True, False
+            self._withdraw_guard()
+            self.world.begun += 1
+            self.began = self.guard.began = self.world.begun
+        self.guard.attempt()
 
     def outcome(self) -> Any:
         return self.guard.result if self.guard.done else None

@@ -7,7 +7,7 @@ from functools import partial
 from typing import Any, Protocol
 
 from tests.conformance.media import EventInput, ExternalInput, SampledInput, SampledOutput
-from tests.conformance.requests import CancelledError, Interrupt, Parallel, Request, Steps
+from tests.conformance.requests import CancelledError, Interrupt, Parallel, Promise, Request, Steps
 from tests.conformance.traces import Communication, Ending
 
 Resumption = Callable[[], Request]
@@ -31,12 +31,16 @@ class Outside(Protocol):
 class Task:
     """A branch of a parallel, the body of an interrupt, or the whole program: what runs or waits."""
 
-    def __init__(self, steps: Steps, priority: tuple[int, ...], parent: Parallel | Interrupt | None) -> None:
+    def __init__(
+        self, steps: Steps, priority: tuple[int, ...], parent: Parallel | Interrupt | Promise | Canceller | None
+    ) -> None:
         self.steps = steps
         self.priority = priority
         self.parent = parent
         self.request: Request | None = None
         self.cancelled = False
+        self.doomed = False
+        """Whether it was cancelled while it ran, and its canceller has not had its turn."""
         self.ended = False
 
     def rank(self) -> tuple[int, ...]:
@@ -45,6 +49,25 @@ class Task:
         while rank and rank[-1] == 0:
             rank.pop()
         return tuple(rank)
+
+
+class Canceller:
+    """Ends a process that was cancelled while it ran, if it waits when its turn has come."""
+
+    def __init__(self, victim: Task) -> None:
+        self.victim = victim
+
+    def branch_ended(self, task: Task, error: Exception | None) -> None:
+        """Its turn."""
+        victim = self.victim
+        victim.doomed = False
+        request = victim.request
+        if request is None or request.completed or victim in request.world.ready:
+            return
+        request.abandon()
+        if victim in request.world.ready:
+            request.world.ready.remove(victim)
+            request.world.run_next(victim)
 
 
 class Scheduler:
@@ -97,7 +120,9 @@ class Scheduler:
             if isinstance(port, SampledInput):
                 port.process_ended(path)
 
-    def start(self, steps: Steps, priority: tuple[int, ...], parent: Parallel | Interrupt | None) -> Task:
+    def start(
+        self, steps: Steps, priority: tuple[int, ...], parent: Parallel | Interrupt | Promise | Canceller | None
+    ) -> Task:
         """A new branch."""
         return Task(steps, priority, parent)
 
@@ -106,12 +131,19 @@ class Scheduler:
         if task is not self.running and task not in self.ready and not task.ended:
             self.ready.append(task)
 
+    def run_next(self, task: Task) -> None:
+        """Runs in the present turn."""
+        self.ready.insert(0, task)
+
     def cancel(self, task: Task) -> None:
         """The task ends at its next communication, which is the one at which it waits."""
         if task.ended or task.cancelled:
             return
         task.cancelled = True
-        if task.request is not None and not task.request.completed:
+        if task is self.running:
+            task.doomed = True
+            self.ready.append(self.start(iter(()), task.priority, Canceller(task)))
+        elif task.request is not None and not task.request.completed:
             task.request.abandon()
 
     def notice(self) -> None:
@@ -187,7 +219,7 @@ class Scheduler:
         self.notice()
 
     def _answer(self, task: Task, request: Request) -> Resumption | None:
-        if not request.completed and (not task.cancelled or request.branches_run):
+        if not request.completed and (not task.cancelled or task.doomed or request.branches_run):
             return None
         self.waiting.remove(request)
         task.request = None

@@ -103,6 +103,7 @@ bool csp_time_outs_passed(csp_alternative *alternative)
 void csp_begin_waiting(csp_party *party, csp_alternative *alternative)
 {
     alternative->process = party;
+    alternative->began = ++csp.begun;
     alternative->waits = true;
     alternative->solved = false;
     alternative->woken = false;

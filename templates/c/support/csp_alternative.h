@@ -77,6 +77,7 @@ struct csp_alternative {
     csp_word *more_enabled;
     csp_guard *guard;
     csp_party *process; /* while it waits */
+    uint32_t began;     /* alternatives that wait are numbered in the order in which they began to */
     uint16_t count;
     uint16_t after_last; /* as `after`, where there are more words */
     uint16_t chosen;     /* the guard */

@@ -46,8 +46,13 @@ void csp_any_settle(csp_any_channel *channel)
 {
     if (channel->writers.first == NULL) {
         csp_guard *const writing = channel->writing;
-        csp_party *const pledge = csp_pledge(writing);
-        (void)csp_any_write(pledge, channel, writing->slot, writing->size);
+        if (channel->readers.first != NULL) {
+            csp_resolve(writing);
+            csp_any_to_reader(writing->alternative->process, channel, writing->slot, writing->size);
+        } else {
+            csp_party *const pledge = csp_pledge(writing);
+            (void)csp_any_write(pledge, channel, writing->slot, writing->size);
+        }
     }
 }
 

@@ -134,6 +134,18 @@ csp_process *csp_task_of(csp_process *process)
     return outermost;
 }
 
+/* The branches are to be cancelled, from the first; the guard of an interrupt is taken back. */
+static void abandon_branches(csp_process *process, csp_parallel *parallel)
+{
+    const csp_place *const place = csp_place_of(process);
+    if (place->waiting == (uint8_t)CSP_AT_INTERRUPT) {
+        csp_interrupt_retract((csp_interrupt *)csp_object_at(process, place));
+    }
+    parallel->abandoned = true;
+    parallel->run = 0U;
+    parallel->index = 0U;
+}
+
 /* The running process has itself made the guard ready that interrupts it, and may be about to wait in that very communication: the
  * canceller comes in the ready queue before anything that a partner could cause; by then the process waits, or has ended. */
 static csp_party *cancel_waiting(csp_party *party)
@@ -142,7 +154,18 @@ static csp_party *cancel_waiting(csp_party *party)
         (csp_interrupt *)(void *)((char *)party - offsetof(csp_interrupt, canceller));
     csp_process *const victim = interrupt->victim;
     interrupt->victim = NULL;
-    if (((victim->party.flags & (unsigned)CSP_ENDED) != 0U) || !csp_withdraw_process(victim)) {
+    if ((victim->party.flags & (unsigned)CSP_ENDED) != 0U) {
+        return NULL;
+    }
+    csp_parallel *const parallel = csp_parallel_of(victim);
+    if ((parallel != NULL) && (parallel->pending > 0U)) {
+        abandon_branches(victim, parallel);
+        for (csp_process *branch = csp_next_branch(parallel); branch != NULL; branch = csp_next_branch(parallel)) {
+            csp_cancel(branch, NULL);
+        }
+        return NULL;
+    }
+    if (!csp_withdraw_process(victim)) {
         return NULL;
     }
     victim->party.state = csp_place_of(victim)->failed;
@@ -185,13 +208,7 @@ static csp_process *cancel_task(csp_process *task, csp_interrupt *interrupt)
     }
     csp_parallel *const parallel = csp_parallel_of(process);
     if ((parallel != NULL) && (parallel->pending > 0U)) {
-        const csp_place *const place = csp_place_of(process);
-        if (place->waiting == (uint8_t)CSP_AT_INTERRUPT) {
-            csp_interrupt_retract((csp_interrupt *)csp_object_at(process, place));
-        }
-        parallel->abandoned = true;
-        parallel->run = 0U;
-        parallel->index = 0U;
+        abandon_branches(process, parallel);
         return process;
     }
     if (csp_withdraw_process(process)) {

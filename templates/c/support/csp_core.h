@@ -133,6 +133,7 @@ typedef struct csp_kernel {
     csp_queue ready[CSP_LEVELS];
     csp_party *current; /* whose step function runs, or NULL */
     int64_t now;        /* nanoseconds from the start */
+    uint32_t begun;     /* alternatives that have begun to wait, modulo 2^32 */
     csp_error error;    /* of the operation that has just failed */
 } csp_kernel;
 

@@ -22,14 +22,20 @@ void csp_unwatch(csp_guard **watchers, csp_guard *guard)
     }
 }
 
+static bool began_before(const csp_guard *one, const csp_guard *other)
+{
+    return (other->alternative->began - one->alternative->began) < (UINT32_MAX / 2U);
+}
+
+/* In the order in which the alternatives began to wait; they enrol late where the other side begins to alternate after that. */
 static void enroll_at(csp_guard **enrolled, csp_guard *guard)
 {
-    csp_guard **last = enrolled;
-    while (*last != NULL) {
-        last = &(*last)->enrolled;
+    csp_guard **place = enrolled;
+    while ((*place != NULL) && began_before(*place, guard)) {
+        place = &(*place)->enrolled;
     }
-    guard->enrolled = NULL;
-    *last = guard;
+    guard->enrolled = *place;
+    *place = guard;
 }
 
 static void dismiss_from(csp_guard **enrolled, const csp_guard *guard)

@@ -149,9 +149,13 @@ csp_progress csp_interruptible_again(csp_party *party, csp_interrupt *interrupt)
         csp_unwatch_guard(&interrupt->guard);
         interrupt->taken = alternative->solved || (alternative->woken && interrupt->body.cancelled);
         const bool communicates = (interrupt->guard.kind == (uint8_t)CSP_GUARD_INPUT) ||
+                                  (interrupt->guard.kind == (uint8_t)CSP_GUARD_READY) ||
                                   (interrupt->guard.kind == (uint8_t)CSP_GUARD_OUTPUT);
-        if (!interrupt->taken || alternative->solved || !communicates) {
+        if (!interrupt->taken || alternative->solved) {
             return CSP_DONE;
+        }
+        if (!communicates) {
+            return csp_is_cancelled(party) ? csp_refuse(party) : CSP_DONE;
         }
         progress = communicate(party, interrupt);
     }

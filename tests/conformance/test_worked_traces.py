@@ -1,0 +1,43 @@
+"""Programs whose traces were worked out from the language reference: they end in lines ``//> 1 ms Top.channel value`` and ``//> terminated at 1 ms``.
+
+That all other targets do the same as the reference is the matter of ``test_targets``.
+"""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from tests.conformance.kit import parsed
+from tests.conformance.sources import JUST_AFTER, PROGRAMS, read
+from tests.conformance.targets import REFERENCE, TARGETS, Target
+from tests.conformance.traces import Execution
+
+_LINE = re.compile(r"^//> (.*)$", re.MULTILINE)
+
+WORKED = {name: worked for name in PROGRAMS if (worked := _LINE.findall(read(name).text))}
+
+
+def told(execution: Execution) -> list[str]:
+    """An execution as the programs tell it; values as the language writes them."""
+    lines = [f"{_milliseconds(time)} {channel} {_value(value)}" for time, channel, value, *_ in execution.trace]
+    return [*lines, f"{execution.ending.ended} at {_milliseconds(execution.ending.time)}"]
+
+
+def _milliseconds(time: int) -> str:
+    return f"{time / 1e6:g} ms"
+
+
+def _value(value: object) -> str:
+    return str(value).lower() if isinstance(value, bool) else repr(value)
+
+
+@pytest.mark.parametrize("target", [REFERENCE, TARGETS["specification"]], ids=["reference", "specification"])
+@pytest.mark.parametrize("name", WORKED)
+def test_the_trace_is_the_one_that_was_worked_out(name: str, target: Target) -> None:
+    assert told(target.run(parsed(name), None, 100_000_000 + JUST_AFTER)) == WORKED[name]
+
+
+def test_there_are_such_programs() -> None:
+    assert len(WORKED) >= 10
