@@ -6,7 +6,7 @@ that wait, and in the attributes of their processes. A waiting process is the pa
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Container, Iterable, Iterator
 from dataclasses import dataclass
 from gc import get_referents
 from inspect import iscoroutine
@@ -52,19 +52,31 @@ class DeadlockReport:
     time: int
     waiting: tuple[WaitingProcess, ...]
     cycle: tuple[WaitingProcess, ...]
+    others: tuple[WaitingProcess, ...] = ()
+    """Processes that do go on: it is no deadlock then, but those that wait do so for ever."""
 
     @property
     def text(self) -> str:
         """For people, a line a process."""
+        return "\n".join([self._stuck, *self._going_on])
+
+    @property
+    def _going_on(self) -> list[str]:
+        return ["while others go on:"] * bool(self.others) + [f"  {process}" for process in self.others]
+
+    @property
+    def _stuck(self) -> str:
+        kind = "stuck" if self.others else "deadlock"
         if self.cycle:
-            lines = [f"deadlock at {shown(self.time)}: {_many(len(self.cycle))} for each other"]
+            lines = [f"{kind} at {shown(self.time)}: {_many(len(self.cycle))} for each other"]
             following = (*self.cycle[1:], self.cycle[0])
             lines += [
                 f"  {process}, for {partner.path}" for process, partner in zip(self.cycle, following, strict=True)
             ]
             others = [process for process in self.waiting if process not in self.cycle]
             return "\n".join(lines + ["besides:"] * bool(others) + [f"  {process}" for process in others])
-        lines = [f"deadlock at {shown(self.time)}: nothing that a process waits for can come any more"]
+        which = "these processes wait" if self.others else "a process waits"
+        lines = [f"{kind} at {shown(self.time)}: nothing that {which} for can come any more"]
         for process in self.waiting:
             alone = "" if process.partners or not process.channels else "; no other process that still runs uses it"
             lines.append(f"  {process}{alone}")
@@ -75,10 +87,10 @@ def _many(count: int) -> str:
     return "a process waits for itself, not" if count == 1 else f"{count} processes wait"
 
 
-def report_deadlock(root: Task, now: int) -> DeadlockReport:
-    """Why nothing goes on below ``root``."""
+def report_deadlock(root: Task, now: int, stuck: Container[Task] | None = None) -> DeadlockReport:
+    """Why nothing goes on below ``root``, or only what is not among those that are ``stuck``."""
     tasks = list(_leaves(root))
-    uses = [_used_by(task) for task in tasks]
+    uses = [channels_used_by(task) for task in tasks]
     waits = [task.waits() for task in tasks]
     partners = [
         [other for other in range(len(tasks)) if other != index and _identities(wait) & uses[other]]
@@ -96,7 +108,11 @@ def report_deadlock(root: Task, now: int) -> DeadlockReport:
         )
         for index, task in enumerate(tasks)
     )
-    return DeadlockReport(now, processes, tuple(processes[index] for index in find_cycle(partners)))
+    waiting = {index: None for index, task in enumerate(tasks) if stuck is None or task in stuck}
+    partners = [partners[index] if index in waiting else [] for index in range(len(tasks))]
+    cycle = tuple(processes[index] for index in find_cycle(partners))
+    others = tuple(process for index, process in enumerate(processes) if index not in waiting)
+    return DeadlockReport(now, tuple(processes[index] for index in waiting), cycle, others)
 
 
 def _leaves(task: Task) -> Iterator[Task]:
@@ -119,10 +135,10 @@ def _words(waits: Waits) -> str:
 
 
 def _identities(waits: Waits) -> set[int]:
-    return {_identity(end) for _, end in waits if end is not None}
+    return {channel_identity(end) for _, end in waits if end is not None}
 
 
-def _identity(end: Any) -> int:
+def channel_identity(end: Any) -> int:
     """The two sides of a broadcast are different objects."""
     return id(getattr(end, "channel", end))
 
@@ -155,7 +171,7 @@ def _source(task: Task) -> str | None:
     return None if task.process is None else task.process.source
 
 
-def _used_by(task: Task) -> set[int]:
+def channels_used_by(task: Task) -> set[int]:
     """Identities of the channels that the task can reach from where it waits."""
     found: set[int] = set()
     for frame in _frames(task):
@@ -192,7 +208,7 @@ def _collect(values: Iterable[Any], found: set[int]) -> None:
         elif isinstance(value, dict):
             pending += value.values()
         elif isinstance(value, In | Out):
-            found.add(_identity(value))
+            found.add(channel_identity(value))
         else:
             pending += [guard.end for guard in getattr(value, "guards", ()) if hasattr(guard, "end")]
 

@@ -13,6 +13,7 @@ from cspdiag.analyses.transitions.thread import Configuration, Context, Frame, N
 from cspdiag.analyses.transitions.values import (
     ANY,
     UNKNOWN,
+    EvaluationFault,
     Known,
     replaced_element,
     values_of_type,
@@ -173,6 +174,7 @@ class Computing:
             self.risk(configuration, target.indexes[0].span)
         reference = ("channel", context.path, target.channel)
         if not self.thread.medium(reference).relevant:
+            _check_indexes(target, self.thread.medium(reference).type)
             return configuration
         if target.indexes:
             whole = self.thread.value_of(configuration, reference)
@@ -245,6 +247,16 @@ class Computing:
         if _has_real(expression.type):
             self.risk(c, expression.span)  # NaN and infinity are no values of outputs.
         return UNKNOWN
+
+
+def _check_indexes(target: Target, kind: Type | None) -> None:
+    """Raises EvaluationFault where an element is certainly none of an array."""
+    for index in target.indexes:
+        assert isinstance(kind, ArrayType)
+        number = index.value if isinstance(index, LiteralValue) else 0
+        if kind.size is not None and isinstance(number, int) and not 0 <= number < kind.size:
+            raise EvaluationFault(f"there is no element {number}")
+        kind = kind.element
 
 
 def _has_real(kind: Type) -> bool:

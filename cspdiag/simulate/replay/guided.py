@@ -19,6 +19,7 @@ from cspdiag.simulate.replay.guided_run import Run
 from cspdiag.simulate.replay.guided_runtime import guided_runtime
 from cspdiag.simulate.replay.guided_script import Passed, Script, put_off
 from cspdiag.simulate.replay.guided_world import Lines, World
+from cspdiag.simulate.replay.stuck import Partners
 from cspdiag.simulate.replay.trace import Trace
 from cspdiag.simulate.replay.values import Values, numbers_of
 
@@ -56,6 +57,7 @@ class Guided:
         environments = network.environments
         counts = bool(environments) and all(environment.on_miss != "timeout" for environment in environments)
         self._on_miss: Literal["timeout", "count"] = "count" if counts else "timeout"
+        self._partners = Partners(network)
         self._left = MOST_ACTIONS
         self._runs_left = MOST_RUNS
 
@@ -81,7 +83,9 @@ class Guided:
         period = len(entries) - cycle if trace.cycle else 0
         script = (*entries, *(tuple(entries[cycle:]) * MOST_ROUNDS if period else ()))
         visible = frozenset(name for name in self._outside if not trace.hides(name))
-        goal = Goal(trace, self._outside, visible, cycle if trace.cycle else len(script), period, ends, further)
+        goal = Goal(
+            trace, self._outside, visible, cycle if trace.cycle else len(script), period, ends, self._partners, further
+        )
         best: GuidedRun | None = None
         for run in self._runs(script, goal):
             if run.succeeded:
@@ -109,7 +113,7 @@ class Guided:
 
     def at_random(self, trace: Trace) -> GuidedRun | None:
         """A run to a deadlock that follows nothing; None if none was found."""
-        goal = Goal(trace, self._outside, self._outside - trace.hidden, 0, 0, ends=False)
+        goal = Goal(trace, self._outside, self._outside - trace.hidden, 0, 0, ends=False, partners=self._partners)
         runs = (
             self._run((), goal, RandomDecisions(number), strict=False, free=True) for number in range(MOST_AT_RANDOM)
         )

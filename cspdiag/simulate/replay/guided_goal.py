@@ -6,12 +6,11 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from cspdiag.runtime.choice import waits_of_guard
 from cspdiag.runtime.composition import Branches
-from cspdiag.runtime.interrupt import _Body
 from cspdiag.runtime.scheduler import Task
 from cspdiag.simulate.replay.guided_script import Actor, Standing
 from cspdiag.simulate.replay.names import belongs
+from cspdiag.simulate.replay.stuck import Partners, waits_of
 from cspdiag.simulate.replay.task_names import TaskNames, path_of
 from cspdiag.simulate.replay.trace import Trace
 
@@ -20,10 +19,8 @@ STANDSTILLS = frozenset({"deadlock", "knot"})
 Offer: TypeAlias = tuple[str, str]
 """What a waiting process could go on with: ``to read`` or ``to write`` and a channel, or other words and nothing."""
 
-_NEVER = frozenset({"for ever, at stop", "for an alternative of which no guard is enabled"})
 _PART = ": "
 """In the names of events that pass no channel: the end of a parallel, a delay."""
-_OPPOSITE = {"to read": "to write", "to write": "to read"}
 
 
 @dataclass(frozen=True)
@@ -40,6 +37,7 @@ class Goal:
     cycle: int
     period: int
     ends: bool
+    partners: Partners
     further: bool = False
 
     @property
@@ -54,18 +52,23 @@ class Goal:
 
     def missed(self, root: Task) -> str | None:
         """Why nobody is stuck for ever although nobody is ready; None if somebody is, or all are."""
-        waiting = [(path_of(task), frozenset(_offers(task))) for task in _leaves(root)]
-        stuck = [entry for entry in waiting if self.trace.failure == "deadlock" or self._is_stuck(*entry)]
-        if not stuck:
+        waiting = [
+            task
+            for task in _leaves(root)
+            if self.trace.failure == "deadlock" or self._is_stuck(path_of(task), list(_offers(task)))
+        ]
+        if not waiting:
             return "nobody is stuck"
-        moving = {offer for entry in waiting if entry not in stuck for offer in entry[1]}
-        for path, offers in stuck:
-            for words, channel in offers:
-                if words not in _NEVER and (
-                    not channel or channel in self.outside or (_OPPOSITE[words], channel) in moving
-                ):
-                    return f"`{path}` can still go on" + (f" with `{channel}`" if channel else "")
+        stuck = self.stuck(root)
+        for task in waiting:
+            if task not in stuck:
+                channel = next((channel for _, channel in _offers(task) if channel), "")
+                return f"`{path_of(task)}` can still go on" + (f" with `{channel}`" if channel else "")
         return None
+
+    def stuck(self, root: Task) -> list[Task]:
+        """The tasks that never go on."""
+        return self.partners.stuck(root, self.outside)
 
     def is_as_told(self, root: Task) -> bool:
         """Whether those wait who wait in the counterexample, and for the same."""
@@ -108,11 +111,5 @@ def _leaves(root: Task) -> Iterator[Task]:
 
 def _offers(task: Task) -> Iterator[Offer]:
     """What a task waits for, and the guards of the interrupts around it."""
-    for words, end in task.waits():
+    for words, end in waits_of(task):
         yield words, "" if end is None else end.name
-    join = task.join
-    while isinstance(join, Branches):
-        if isinstance(join, _Body):
-            words, end = waits_of_guard(join.interruption.guards[0])
-            yield words, "" if end is None else end.name
-        join = join._parent.join

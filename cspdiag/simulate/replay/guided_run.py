@@ -99,7 +99,8 @@ class Run:
             if self._goal.is_standstill and (self._free or self._script.left or not self._goal.is_as_told(self._root)):
                 divergence, happened = self._lost or self._not_come(), tuple(self._happened)
                 standing = tuple(self._goal.standing(self._root, self._names))
-            deadlock = report_deadlock(self._root, scheduler.now) if self._goal.is_standstill else None
+            if self._goal.is_standstill:
+                deadlock = report_deadlock(self._root, scheduler.now, self._goal.stuck(self._root))
         except AstrayError as problem:
             divergence = self._lost or str(problem)
         finally:
