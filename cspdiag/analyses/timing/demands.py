@@ -1,23 +1,22 @@
-"""What each thread asks of the processor: its jobs, how often each may come, and the partners that a job waits for."""
+"""What each thread asks of the processor: how often each of its jobs may come, and what it causes in others."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from cspdiag.analyses.timing.flow import Place, Thread
-from cspdiag.analyses.timing.jobs import Job, Jobs, UnboundedError, cycles
+from cspdiag.analyses.timing.behaviours import Behaviour
+from cspdiag.analyses.timing.paths import Job
 from cspdiag.analyses.timing.result import Refusal
-from cspdiag.model.durations import duration
-
-ONCE = 2**60
-"""The period of what happens at most once, in nanoseconds: longer than any program runs."""
+from cspdiag.analyses.timing.starts import Starts, round_period
+from cspdiag.analyses.timing.task import ONCE
 
 
 @dataclass(frozen=True, slots=True)
 class Demand:
     """Recurring work of a thread at a level of priority. ``origin`` is the thread whose samples cause it, -1 for none; ``late`` tells that it comes
-    only when that one has communicated.
+    only when that one has communicated. ``behind`` is how much later than at its period a job may come besides, since something was kept for it. For ``held`` the thread
+    itself lets time pass in it, without using the processor.
     """
 
     thread: int
@@ -30,142 +29,53 @@ class Demand:
     late: bool = False
     cause: str = ""
     """What begins the work: of one cause only one job comes in a period."""
+    behind: int = 0
+    held: int = 0
+    meets: int = 0
+    """How many jobs in a period may wait for partners while samples are followed."""
+    shared: frozenset[int] = frozenset()
+    """Other threads whose work this may be instead."""
 
 
-@dataclass(slots=True)
-class Behaviour:
-    """A thread with its jobs; ``waits`` are those that it can come to, ``loop_of`` the cycle that each is part of."""
+@dataclass(frozen=True, slots=True)
+class _Begun:
+    """Communications that a thread makes, ``count`` in a period; ``hops`` threads came before it."""
 
-    number: int
-    thread: Thread
-    level: int
-    jobs: list[Job]
-    waits: frozenset[int]
-    loop_of: dict[int, int]
-    has_samples: bool
-    ways: Jobs
-
-    def at(self, wait: int) -> Iterator[Job]:
-        """The jobs that begin at a wait."""
-        return (job for job in self.jobs if job.wait == wait)
-
-    def idle_waits(self) -> Iterator[tuple[int, Place]]:
-        """The waits at which time may pass whatever others do."""
-        return ((wait, self.thread.places[wait]) for wait in sorted(self.waits) if self.thread.places[wait].is_idle)
-
-    def jobs_on(self, channel: str, *, writes: bool) -> list[Job]:
-        """The jobs that a communication begins."""
-        return [
-            job
-            for job in self.jobs
-            if job.wait in self.waits
-            and job.offer is not None
-            and job.offer.kind == "partner"
-            and (job.offer.channel, job.offer.writes) == (channel, writes)
-        ]
-
-
-def behaviour(number: int, thread: Thread, level: int, refusals: list[Refusal]) -> Behaviour | None:
-    """How a thread goes from wait to wait; None where its work has no bound, which is told."""
-    samples = thread.has_samples()
-    try:
-        ways = Jobs(thread, meets=samples)
-        jobs = ways.all()
-        waits, loops = _loops(jobs)
-        delays = frozenset(wait for loop in loops for wait in _delays_in(thread, loop))
-        if delays:
-            ways = Jobs(thread, delays=delays, meets=samples)
-            jobs = ways.all()
-            waits, loops = _loops(jobs)
-    except UnboundedError as problem:
-        refusals.append(
-            Refusal(thread.path, problem.reason, problem.span, "let each round of the loop wait for a sample")
-        )
-        return None
-    for loop in loops:
-        refusals += _refused(thread, loop)
-    loop_of = {wait: k for k, loop in enumerate(loops) for wait in loop}
-    return Behaviour(number, thread, level, jobs, waits, loop_of, samples, ways)
-
-
-def _loops(jobs: Sequence[Job]) -> tuple[frozenset[int], list[frozenset[int]]]:
-    after: dict[int, frozenset[int]] = {}
-    for job in jobs:
-        after[job.wait] = after.get(job.wait, frozenset()) | job.path.stops
-    waits: set[int] = set()
-    pending = [-1]
-    while pending:
-        for wait in after.get(pending.pop(), ()):
-            if wait not in waits:
-                waits.add(wait)
-                pending.append(wait)
-    return frozenset(waits), cycles({wait: after.get(wait, frozenset()) for wait in waits})
-
-
-def _periods(place: Place) -> frozenset[int]:
-    return frozenset(offer.period for offer in place.offers if offer.kind == "sample")
-
-
-def _delays_in(thread: Thread, loop: frozenset[int]) -> Iterator[int]:
-    """Waits for time within a loop that follows samples: they are part of its work."""
-    if not any(_periods(thread.places[wait]) for wait in loop):
-        return
-    for wait in loop:
-        place = thread.places[wait]
-        if not _periods(place) and any(offer.kind == "delay" for offer in place.offers):
-            yield wait
-
-
-def _refused(thread: Thread, loop: frozenset[int]) -> Iterator[Refusal]:
-    """A loop that follows samples and waits for something else in between misses samples sooner or later."""
-    places = [thread.places[wait] for wait in sorted(loop)]
-    sampled = [place for place in places if _periods(place)]
-    if not sampled:
-        return
-    for place in places:
-        if not _periods(place) and place.is_idle:
-            what = _awaited(place)
-            yield Refusal(
-                place.path, f"between its samples it waits for {what}, without bound", place.span,
-                "wait for it in an alternative together with the sample, or in a parallel process",
-            )  # fmt: skip
-    common = frozenset.intersection(*(_periods(place) for place in sampled))
-    if not common:
-        shortest = min(min(_periods(place)) for place in sampled)
-        longest = max(sampled, key=lambda place: max(_periods(place)))
-        yield Refusal(
-            longest.path, f"one loop waits for samples of {duration(shortest)} and of {duration(max(_periods(longest)))}, so that it misses the faster ones",
-            longest.span, "read the slower input in an alternative with the faster one, or in a parallel process",
-        )  # fmt: skip
-
-
-def _awaited(place: Place) -> str:
-    for offer in place.offers:
-        if offer.kind == "event":
-            return f"the event `{offer.channel.rpartition('.')[2]}`"
-        if offer.kind == "join":
-            return "parallel parts that loop"
-        if offer.kind == "delay":
-            return "time to pass"
-    return "something else"
+    thread: int
+    channel: str
+    writes: bool
+    period: int
+    count: int
+    hops: int
+    behind: int
 
 
 class Demands:
     """The demands of all threads, and those that threads cause in others by communicating with them.
 
-    ``grid`` is the shortest time between two events of one input in nanoseconds, None where nothing tells.
+    ``grid`` is the shortest time between two events of one input in nanoseconds, None where nothing tells. ``capacities`` are the numbers of values that
+    channels hold.
     """
 
-    def __init__(self, behaviours: Sequence[Behaviour], grid: int | None, refusals: list[Refusal]) -> None:
+    def __init__(
+        self,
+        behaviours: Sequence[Behaviour],
+        grid: int | None,
+        capacities: Mapping[str, int],
+        starts: Starts,
+        refusals: list[Refusal],
+    ) -> None:
         self.behaviours = behaviours
         self.grid = grid
         self.own: dict[int, list[Demand]] = {}
+        self._capacities = capacities
+        self._starts = starts
         self._sides: dict[tuple[str, bool], dict[int, Behaviour]] = {}
         for one in behaviours:
             for place in one.thread.places:
                 for offer in place.offers:
                     if offer.kind == "partner":
-                        self._sides.setdefault((offer.channel, offer.writes), {})[one.number] = one
+                        self._sides.setdefault(offer.end, {})[one.number] = one
         self._activated: set[tuple[int, str, bool, int, int]] = set()
         for one in behaviours:
             self.own[one.number] = list(self._of(one, refusals))
@@ -174,12 +84,11 @@ class Demands:
 
     def _of(self, one: Behaviour, refusals: list[Refusal]) -> Iterator[Demand]:
         for job in one.jobs:
-            if job.wait >= 0 and job.wait not in one.waits:
-                continue
             path = job.path
-            if path.work == 0:
+            held = path.delayed if job.is_owed else 0
+            if not (path.work or held or (path.meets and job.is_owed)):
                 continue
-            period = self._period(job)
+            period = self._period(one, job)
             if period is None:
                 continue
             if period == 0:
@@ -190,22 +99,19 @@ class Demands:
                 "" if is_sample else job.offer.channel if job.offer is not None and job.offer.channel else str(job.wait)
             )
             yield Demand(
-                one.number,
-                one.level,
-                period,
-                path.work,
-                path.step,
-                path.delays,
-                one.number if is_sample else -1,
-                False,
-                cause,
-            )
+                one.number, one.level, period, path.work, path.step, path.delays, one.number if is_sample else -1, False, cause,
+                self._behind(one, job, period), held, int(bool(path.meets) and job.is_owed),
+            )  # fmt: skip
 
-    def _period(self, job: Job) -> int | None:
+    def _period(self, one: Behaviour, job: Job) -> int | None:
         """How often a job may come; 0 where that is unknown, None where partners decide."""
-        if job.offer is None or job.offer.kind == "join":
-            return ONCE
+        if job.offer is None:
+            return self._starts.again.get(one.number, ONCE)
         match job.offer.kind:
+            case "join":
+                if job.wait in one.loop_of:
+                    return round_period(one, job.wait, self.grid)
+                return self._starts.again.get(one.number, ONCE)
             case "sample" | "delay":
                 return job.offer.period
             case "event":
@@ -213,36 +119,68 @@ class Demands:
             case _:
                 return None
 
+    def _behind(self, one: Behaviour, job: Job, period: int) -> int:
+        """By how much a job may come later than its period says."""
+        if period == ONCE or job.offer is None or job.offer.kind == "join":
+            return 0 if period == ONCE else period
+        if job.offer.kind == "event":
+            # An event is kept until somebody asks for it.
+            is_asked = one.number in self._starts.at_once and one.is_prompt(job.offer.channel, writes=False)
+            return 0 if is_asked else period
+        return 0
+
     def _spread_from(self, one: Behaviour) -> None:
         """The communications in the jobs of a thread begin jobs in others, and these in others again."""
-        pending: list[tuple[int, str, bool, int, int]] = []
+        pending: list[_Begun] = []
         for job in one.jobs:
-            period = self._period(job)
-            if not period or (job.wait >= 0 and job.wait not in one.waits):
-                continue
-            pending += [(one.number, channel, writes, period, count) for channel, writes, count in begun_by(one, job)]
+            period = self._period(one, job)
+            if period:
+                is_sample = job.offer is not None and job.offer.kind == "sample"
+                # Who follows no samples may have been kept from communicating for any time.
+                behind = 0 if is_sample or period == ONCE else self._behind(one, job, period) + period
+                pending += [
+                    _Begun(one.number, channel, writes, period, count, 0 if is_sample else 1, behind)
+                    for channel, writes, count in begun_by(one, job)
+                ]
         while pending:
-            entry = pending.pop()
-            if entry in self._activated:
+            begun = pending.pop()
+            known = (begun.thread, begun.channel, begun.writes, begun.period, begun.count)
+            if known in self._activated:
                 continue
-            self._activated.add(entry)
-            number, channel, writes, period, count = entry
-            for other in self.taking_part(channel, writes=not writes):
-                if other.number == number:
-                    continue
-                jobs = other.jobs_on(channel, writes=not writes)
-                for job in jobs:
-                    pending += [
-                        (other.number, met, side, period, count * times) for met, side, times in begun_by(other, job)
-                    ]
-                work = max((job.path.work for job in jobs), default=0)
-                if work:
-                    step = max(job.path.step for job in jobs)
-                    # Each who communicates there begins the work once more.
-                    cause = f"{channel} of {number}"
-                    self.own[other.number].append(
-                        Demand(other.number, other.level, period, count * work, step, 0, one.number, True, cause)
-                    )
+            self._activated.add(known)
+            for other in self.taking_part(begun.channel, writes=not begun.writes):
+                if other.number != begun.thread:
+                    pending += self._begin(one, begun, other)
+
+    def _begin(self, one: Behaviour, begun: _Begun, other: Behaviour) -> Iterator[_Begun]:
+        """What communications begin in who takes part in them."""
+        jobs = other.jobs_on(begun.channel, writes=not begun.writes)
+        behind = self._kept(begun, other)
+        work = max((job.path.work for job in jobs), default=0)
+        held = max((job.path.delayed for job in jobs if job.is_owed), default=0)
+        meets = any(job.path.meets and job.is_owed for job in jobs)
+        if work or held or meets:
+            step = max(job.path.step for job in jobs)
+            # Each who communicates there begins the work once more.
+            self.own[other.number].append(
+                Demand(
+                    other.number, other.level, begun.period, begun.count * work, step, begun.count * max(job.path.delays for job in jobs),
+                    one.number, True, f"{begun.channel} of {begun.thread}", behind, begun.count * held, begun.count * meets,
+                )
+            )  # fmt: skip
+        for job in jobs:
+            for met, side, times in begun_by(other, job):
+                yield _Begun(other.number, met, side, begun.period, begun.count * times, begun.hops + 1, behind)
+
+    def _kept(self, begun: _Begun, other: Behaviour) -> int:
+        """By how much communications may be behind when they begin jobs in another thread."""
+        if begun.period == ONCE or other.is_prompt(begun.channel, writes=not begun.writes):
+            return begun.behind
+        kept = self._capacities.get(begun.channel, 0)
+        if begun.hops == 0:
+            # Who follows samples waits until its value is taken, or it lies in the channel.
+            return begun.period * (kept + 1) if kept else 0
+        return begun.period * (len(self.behaviours) + sum(self._capacities.values()) + 2)
 
     def taking_part(self, channel: str, *, writes: bool) -> list[Behaviour]:
         """The threads that may communicate on a channel, on that side."""
@@ -260,6 +198,9 @@ def _unknown_rate(one: Behaviour, job: Job) -> Refusal:
     if job.offer is not None and job.offer.kind == "event":
         what = f"the event `{job.offer.channel.rpartition('.')[2]}`"
         advice = "give the program an environment, whose `step` is the shortest time between two events"
+    elif job.offer is None or job.offer.kind == "join":
+        what = "parallel parts that begin and end again"
+        advice = "let each round around them wait for a sample, an event or a constant time"
     reason = f"it computes after {what}, and how often cannot be seen"
     return Refusal(job.path.heaviest[1] or place.path, reason, place.span, advice)
 
@@ -288,9 +229,11 @@ def merged(alternatives: Iterable[Sequence[Demand]]) -> list[Demand]:
 
 
 def _larger(one: Demand, other: Demand) -> Demand:
+    shared = one.shared | other.shared | ({other.thread} if other.thread != one.thread else set())
     return replace(
-        one, work=max(one.work, other.work), step=max(one.step, other.step), delays=max(one.delays, other.delays)
-    )
+        one, origin=one.origin if one.origin == other.origin or not one.late else -1, shared=shared, work=max(one.work, other.work), step=max(one.step, other.step), delays=max(one.delays, other.delays),
+        behind=max(one.behind, other.behind), held=max(one.held, other.held), meets=max(one.meets, other.meets),
+    )  # fmt: skip
 
 
 def across(groups: Iterable[list[Demand]]) -> list[Demand]:

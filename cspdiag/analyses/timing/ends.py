@@ -7,7 +7,7 @@ from cspdiag.diagnostics import Span
 from cspdiag.network.actions import ChannelEnd, End, Step
 from cspdiag.network.constant_value import constant_value
 from cspdiag.network.expressions import Expression, ParameterValue, SignalValue, Value
-from cspdiag.network.ir import Declared, Net, Network
+from cspdiag.network.ir import Declared, Net, Network, ProcessClass
 
 
 class Ends:
@@ -46,17 +46,36 @@ class Ends:
         return [Offer("partner", target, where.span, net.path, writes=True)]
 
     def delay(self, path: str, duration: Expression, target: int, span: Span) -> list[Offer]:
-        """The shortest time that passes; nothing is known of one that is computed."""
+        """The time that passes, 0 where it is computed; nothing where it never waits."""
+        known = self.constant(path, duration)
+        if known is None or not isinstance(known, int):
+            return [Offer("delay", target, span)]
+        return [Offer("delay", target, span, period=known)] if known > 0 else []
+
+    def constant(self, path: str, expression: Expression) -> Value | None:
+        """The value of an expression of a process, None where it is not constant."""
         arguments = dict(self._arguments[path])
 
         def lookup(part: ParameterValue | SignalValue) -> Value | None:
             return arguments.get(part.name)
 
-        known = constant_value(duration, lookup)
-        length = known if isinstance(known, int) and known > 0 else 0
-        return [Offer("delay", target, span, period=length)]
+        return constant_value(expression, lookup)
 
 
 def never_waits(net: Net) -> bool:
     """Whether writing never waits, though somebody may be waiting to read."""
     return net.external is None and net.kind == "overwrite"
+
+
+def capacities(network: Network) -> dict[str, int]:
+    """How many values each buffer and each channel that overwrites holds, by the path of its net."""
+    channels = {
+        entry.name: [channel for channel in entry.channels if channel.kind in ("buffer", "overwrite")]
+        for entry in network.classes
+        if isinstance(entry, ProcessClass)
+    }
+    return {
+        f"{instance.path}.{channel.name}": channel.capacity or 0
+        for instance in network.instances
+        for channel in channels.get(instance.class_name, ())
+    }

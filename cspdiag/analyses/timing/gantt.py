@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from xml.sax.saxutils import escape
 
-from cspdiag.analyses.timing.demands import ONCE
 from cspdiag.analyses.timing.render_text import time
 from cspdiag.analyses.timing.result import TimingReport
 from cspdiag.analyses.timing.schedule import Schedule, simulate
-from cspdiag.analyses.timing.task import Task
+from cspdiag.analyses.timing.task import ONCE, Task
 
 _LEAST_WIDTH, _LARGEST_WIDTH, _ROW, _TOP, _MARGIN = 900, 4000, 34, 58, 24
 _SPACE = 16

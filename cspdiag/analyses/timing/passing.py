@@ -6,10 +6,12 @@ from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from cspdiag.analyses.timing.demands import Behaviour, begun_by
+from cspdiag.analyses.timing.behaviours import Behaviour
+from cspdiag.analyses.timing.demands import begun_by
+from cspdiag.analyses.timing.ends import capacities
 from cspdiag.analyses.timing.flow import Move
-from cspdiag.analyses.timing.jobs import Job
-from cspdiag.network.ir import ChannelKind, Network, ProcessClass
+from cspdiag.analyses.timing.paths import Job
+from cspdiag.network.ir import ChannelKind, Network
 
 Spot = tuple[int, int]
 """A place of a thread, by their numbers."""
@@ -49,7 +51,7 @@ class Passing:
         self._behaviours = behaviours
         self._stages = stages
         self._kinds = {net.path: net.kind for net in network.nets if net.external is None}
-        self._capacities = _capacities(network)
+        self._capacities = capacities(network)
         self.periods = {net.path: net.period for net in network.nets if net.external is not None}
         self._taking_part: dict[tuple[str, bool], list[Behaviour]] = defaultdict(list)
         for one in behaviours.values():
@@ -148,17 +150,3 @@ class Passing:
                             stage.spots |= spots
                             stage.taken |= spots
                             pending.append((one.number, job))
-
-
-def _capacities(network: Network) -> dict[str, int]:
-    """How many values each buffer holds, by the path of its net."""
-    channels = {
-        entry.name: [channel for channel in entry.channels if channel.kind == "buffer"]
-        for entry in network.classes
-        if isinstance(entry, ProcessClass)
-    }
-    return {
-        f"{instance.path}.{channel.name}": channel.capacity or 0
-        for instance in network.instances
-        for channel in channels.get(instance.class_name, ())
-    }

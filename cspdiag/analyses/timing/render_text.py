@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from cspdiag.analyses.timing.demands import ONCE
 from cspdiag.analyses.timing.flow import Missing
 from cspdiag.analyses.timing.result import LoopTiming, TimingReport
+from cspdiag.analyses.timing.task import ONCE
 from cspdiag.model.durations import rounded
 
 _ROWS_SHOWN = 200

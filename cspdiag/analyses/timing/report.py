@@ -8,17 +8,21 @@ from math import lcm
 
 from cspdiag.analyses.timing import demand as edf
 from cspdiag.analyses.timing.assignment import feasible_order
+from cspdiag.analyses.timing.behaviours import Behaviour, behaviour
 from cspdiag.analyses.timing.chains import chains
-from cspdiag.analyses.timing.demands import ONCE, Behaviour, Demand, Demands, behaviour, merged
+from cspdiag.analyses.timing.demands import Demand, Demands, merged
+from cspdiag.analyses.timing.ends import capacities
 from cspdiag.analyses.timing.flow import Thread
-from cspdiag.analyses.timing.jobs import Job
 from cspdiag.analyses.timing.outputs import Outputs, port_names
 from cspdiag.analyses.timing.partners import Partners, Together
 from cspdiag.analyses.timing.passing import Passing, Stage
+from cspdiag.analyses.timing.paths import Job
 from cspdiag.analyses.timing.response import Response, response_time, response_times
 from cspdiag.analyses.timing.result import Chain, LoopTiming, Refusal, TimingReport
+from cspdiag.analyses.timing.spinning import Spinning
+from cspdiag.analyses.timing.starts import starts_of
 from cspdiag.analyses.timing.surroundings import Surroundings
-from cspdiag.analyses.timing.task import Task
+from cspdiag.analyses.timing.task import ONCE, Task
 from cspdiag.analyses.timing.threads import Threads
 from cspdiag.analyses.timing.witness import find_witness, is_overloaded
 from cspdiag.diagnostics import Span
@@ -52,23 +56,27 @@ def timing_report(network: Network, measured: Mapping[str, int] | None = None) -
     """
     threads = Threads(network, measured or {})
     used = tuple(sorted(set(measured or {}) & set(threads.instances)))
-    refusals: list[Refusal] = []
+    refusals = list(threads.unseen)
     every = list(threads.root.with_forks())
     levels = {priority: k for k, priority in enumerate(sorted({_level(thread) for thread in every}))}
     found = [behaviour(k, thread, levels[_level(thread)], refusals) for k, thread in enumerate(every)]
     behaviours = [one for one in found if one is not None]
     grid = min((environment.step for environment in network.environments), default=None)
-    demands = Demands(behaviours, grid, refusals)
+    demands = Demands(behaviours, grid, capacities(network), starts_of(every, behaviours, grid), refusals)
+    surroundings = Surroundings(every, demands.own)
     order = {path: k for k, path in enumerate(threads.instances)}
     loops = sorted(
-        (loop for one in behaviours for loop in _loops(one, demands, refusals)),
+        (loop for one in behaviours for loop in _loops(one, demands, surroundings, refusals)),
         key=lambda loop: order.get(loop.name, len(order)),
     )
+    if any(thread.has_samples() for thread in every):
+        refusals += Spinning(every).refusals()
     missing = tuple(sorted(threads.missing.values(), key=lambda part: order[part.leaf]))
     if missing:
         # What is unknown counts nothing: the rest of the figures would only mislead.
         loops = []
-    analysis = _Analysis(every, behaviours, demands, loops)
+    waited = {one.number: _waited_between(one, demands, surroundings, refusals) for one in behaviours}
+    analysis = _Analysis(surroundings, behaviours, demands, loops, waited)
     rows = analysis.rows(network, refusals)
     tasks = tuple(analysis.tasks())
     inputs = {f"{network.top}.{name}": k for k, name in enumerate(port_names(network.external_ports))}
@@ -99,11 +107,23 @@ def _level(thread: Thread) -> tuple[int, ...]:
     return priority
 
 
-def _loops(one: Behaviour, demands: Demands, refusals: list[Refusal]) -> Iterator[_Loop]:
-    """The sampled loops of a thread: those waits for samples that it comes back to."""
+def _waited_between(one: Behaviour, demands: Demands, surroundings: Surroundings, refusals: list[Refusal]) -> int:
+    """How much partners compute at most for what a thread does between its samples, which does not wait for the next of them."""
+    longest = 0
+    for job in one.jobs:
+        if job.is_owed and job.path.meets and job.offer is not None and job.offer.kind != "sample":
+            partners = Partners(demands, surroundings, one, 0, one.thread.places[job.wait].span, refusals)
+            longest = max(longest, partners.together(job.path).work - job.path.work)
+    return longest
+
+
+def _loops(one: Behaviour, demands: Demands, surroundings: Surroundings, refusals: list[Refusal]) -> Iterator[_Loop]:
+    """The sampled loops of a thread: those waits for samples that it comes back to, or after which it follows their inputs further."""
     grouped: dict[tuple[str, int], list[Job]] = {}
     for job in one.jobs:
-        if job.offer is not None and job.offer.kind == "sample" and job.wait in one.loop_of:
+        if job.offer is None or job.offer.kind != "sample":
+            continue
+        if job.wait in one.loop_of or job.offer.period in job.path.keeps:
             of_wait = [
                 other for other in one.at(job.wait)
                 if other.offer is not None and other.offer.kind == "sample" and other.offer.period == job.offer.period
@@ -113,7 +133,7 @@ def _loops(one: Behaviour, demands: Demands, refusals: list[Refusal]) -> Iterato
             grouped.setdefault((name, job.offer.period), []).append(job)
     for (name, period), jobs in grouped.items():
         span = one.thread.places[jobs[0].wait].span
-        partners = Partners(demands, one, period, span, refusals)
+        partners = Partners(demands, surroundings, one, period, span, refusals)
         pieces = [partners.together(job.path) for job in jobs]
         together = max(pieces, key=lambda piece: piece.work)
         together.step = max(piece.step for piece in pieces)
@@ -132,16 +152,24 @@ def _loops(one: Behaviour, demands: Demands, refusals: list[Refusal]) -> Iterato
 
 class _Analysis:
     def __init__(
-        self, threads: Sequence[Thread], behaviours: Sequence[Behaviour], demands: Demands, loops: Sequence[_Loop]
+        self,
+        surroundings: Surroundings,
+        behaviours: Sequence[Behaviour],
+        demands: Demands,
+        loops: Sequence[_Loop],
+        waited: Mapping[int, int],
     ) -> None:
         self.behaviours = {one.number: one for one in behaviours}
         self.demands = demands
-        self.surroundings = Surroundings(threads, demands.own)
+        self.surroundings = surroundings
         self.loops = loops
+        self.waited = waited
+        """By thread, how much partners compute for what it does between its samples."""
         self.lateness: dict[int, int] = {}
         """By thread, how late what its samples cause in others may come."""
         self._causing = {part.origin for parts in demands.own.values() for part in parts if part.late}
         self._waiting = {loop.owner.number for loop in loops if loop.delays or len(loop.together.members) > 1}
+        self._waiting |= {number for number, parts in demands.own.items() for part in parts if part.held or part.meets}
         self._tasks: dict[Demand, Task] = {}
         self._together: dict[tuple[int, int], dict[int, Response]] = {}
 
@@ -207,8 +235,9 @@ class _Analysis:
                 found = response_times([self._as_task(part) for part in parts])
                 self._together[group] = {part.thread: response for part, response in zip(parts, found, strict=True)}
             return self._together[group][number]
-        beside = merged([beside]) + self.surroundings.beside(number, loop.together.replaced)
-        return response_time(task, [self._as_task(part) for part in beside])
+        others = [self._as_own(part) for part in merged([beside])]
+        others += [self._as_task(part) for part in self.surroundings.beside(number, loop.together.replaced)]
+        return response_time(task, others)
 
     def _of_partners(self, loop: _Loop) -> list[Job]:
         """The jobs of partners that follow no samples of their own: what they write belongs to the loop."""
@@ -223,7 +252,8 @@ class _Analysis:
         return chains(passing, stages, [loop.name for loop, _ in bounded], Outputs(network).latency)
 
     def _stage(self, loop: _Loop, response: int) -> Stage:
-        stage = Stage(loop.period, response, (loop.owner.number, loop.owner.loop_of[loop.waits[0]]))
+        wait = loop.waits[0]
+        stage = Stage(loop.period, response, (loop.owner.number, loop.owner.loop_of.get(wait, -1 - wait)))
         stage.jobs[loop.owner.number] = list(loop.jobs)
         for number in loop.together.members:
             one = self.behaviours[number]
@@ -254,14 +284,22 @@ class _Analysis:
         jitter = 0
         if part.late:
             jitter = self.lateness.get(part.origin, part.period)
-        elif part.origin == part.thread and part.thread in self._waiting:
+        elif part.origin == part.thread and self._waiting & {part.thread, *part.shared}:
             # Waiting for partners or for time delays the rest of its work.
-            jitter = max(0, self.lateness.get(part.thread, 0) - part.work)
+            latest = max(self.lateness.get(number, 0) for number in (part.thread, *part.shared))
+            jitter = max(0, latest - part.work)
+        jitter += part.behind
         thread = self.behaviours[part.thread].thread
         return Task(
             thread.path, part.period, part.work, part.period, part.level, jitter=jitter, step=part.step,
             final=part.work if part.step == part.work else 0, suspensions=part.delays,
         )  # fmt: skip
+
+    def _as_own(self, part: Demand) -> Task:
+        """What a thread does between its samples, to itself: time that it lets pass is as good as work, and what comes later may be served first."""
+        task = self._as_task(part)
+        held = part.held + part.meets * self.waited[part.thread]
+        return replace(task, work=task.work + held, final=0 if held else task.final, priority=-1)
 
     def _beside_own(self, loop: _Loop) -> list[Demand]:
         """What else the loop's own thread may want to do while the loop does."""
@@ -274,15 +312,8 @@ class _Analysis:
         """Samples of another period that the same loop follows."""
         if part.origin != loop.owner.number or part.late or part.period == loop.period:
             return False
-        owner = loop.owner
-        cycle = owner.loop_of[loop.waits[0]]
-        return any(
-            job.offer is not None
-            and job.offer.kind == "sample"
-            and job.offer.period == part.period
-            and owner.loop_of.get(job.wait) == cycle
-            for job in owner.jobs
-        )
+        places = (loop.owner.thread.places[wait] for wait in loop.owner.waits)
+        return any({part.period, loop.period} <= place.periods() for place in places)
 
     def tasks(self) -> list[Task]:
         """What the whole program demands at most at any time."""

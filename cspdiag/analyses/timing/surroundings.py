@@ -36,6 +36,13 @@ class Surroundings:
         """The parallel that a thread is a branch of: who starts it, and which of its parallels it is. None for the outermost thread."""
         return self._parents.get(number)
 
+    def is_alive(self, one: int, other: int) -> bool:
+        """Whether one thread runs beside another one whenever that runs, unless an exception ends both."""
+        if one in self._line(other):
+            return False
+        group = self._parents.get(one)
+        return any(self._parents.get(number) == group for number in self._line(other))
+
     def together(self, group: tuple[int, int]) -> list[Demand]:
         """What is demanded while a parallel runs: by its branches, and beside it."""
         parent, which = group

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+ONCE = 2**60
+"""The period of what happens at most once, in nanoseconds: longer than any program runs."""
+
 
 @dataclass(frozen=True, slots=True)
 class Task:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass, replace
-from typing import Any, assert_never
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import assert_never
 
-from cspdiag.analyses.timing.ends import Ends, never_waits
-from cspdiag.analyses.timing.flow import Missing, Move, Offer, Place, Thread
+from cspdiag.analyses.timing.ends import never_waits
+from cspdiag.analyses.timing.flow import Move, Offer, Thread
 from cspdiag.analyses.timing.looping import Looping
+from cspdiag.analyses.timing.places import Context, Places, variables_in
+from cspdiag.analyses.timing.result import Refusal
 from cspdiag.network.actions import (
     Action,
     AfterEvent,
@@ -34,55 +36,29 @@ from cspdiag.network.actions import (
     SequentialSteps,
     SkipEvent,
     SkipStep,
-    Step,
     StopStep,
     WaitStep,
     WhileLoop,
     WriteValue,
 )
-from cspdiag.network.expressions import Expression, VariableValue
-from cspdiag.network.ir import Connection, Declared, Network, ProcessClass, SubmodelClass
+from cspdiag.network.expressions import Value
+from cspdiag.network.ir import Connection, Network, ProcessClass, SubmodelClass
 from cspdiag.network.walk import parts
 
 
-@dataclass(frozen=True)
-class _Context:
-    """Where an action stands: its thread and process, what ends it early, and the stated time that replaces those inside."""
-
-    thread: Thread
-    path: str
-    priority: tuple[int, ...]
-    handlers: tuple[tuple[str, int], ...] = ()
-    interrupts: tuple[Offer, ...] = ()
-    stated: int | None = None
-    groups: tuple[int, ...] = ()
-
-
-class Threads:
-    """The threads of a network. ``missing`` are the laws without a worst-case execution time; ``measured`` gives times by path, in nanoseconds,
-    that count instead of stated ones.
-    """
+class Threads(Places):
+    """The threads of a network."""
 
     def __init__(self, network: Network, measured: Mapping[str, int]) -> None:
-        self.network = network
-        self.measured = measured
-        self.classes = {entry.name: entry for entry in network.classes}
-        self.instances = {instance.path: instance for instance in network.instances}
-        self.ends = Ends(network)
-        self.missing: dict[str, Missing] = {}
-        self._groups = 0
+        super().__init__(network, measured)
         self._looping = Looping(network)
-        self.root = Thread(network.top, ())
+        self.root = Thread(network.top, (), is_outermost=True)
         entry = self.classes[self.instances[network.top].class_name]
-        context = _Context(self.root, network.top, ())
-        end = self._place(context, entry)
+        context = Context(self.root, network.top, ())
+        end = self.place(context, entry)
         self.root.entry = self._process(network.top, context, end)
 
-    def _place(self, context: _Context, where: Step | Declared, **fields: Any) -> int:
-        context.thread.places.append(Place(where.span, context.path, **fields))
-        return len(context.thread.places) - 1
-
-    def _process(self, path: str, context: _Context, following: int) -> int:
+    def _process(self, path: str, context: Context, following: int) -> int:
         entry = self.classes[self.instances[path].class_name]
         assert isinstance(entry, ProcessClass)
         inner = replace(context, path=path)
@@ -90,24 +66,24 @@ class Threads:
             return self._written_by_hand(path, entry, inner, following)
         if entry.body is None:
             return following
-        starts = self._place(inner, entry, starts=path)
+        starts = self.place(inner, entry, starts=path)
         context.thread.places[starts].successors = [self._begun(path, entry, inner, following)]
         return starts
 
-    def _begun(self, path: str, entry: ProcessClass, context: _Context, following: int) -> int:
+    def _begun(self, path: str, entry: ProcessClass, context: Context, following: int) -> int:
         inner = context
         assert entry.body is not None
         stated = entry.wcet
         if stated is None or context.stated is not None:
             return self._action(entry.body, inner, following)
         inner = replace(inner, stated=stated)
-        began = self._place(inner, entry, cost=stated, leaf=path)
+        began = self.place(inner, entry, cost=stated, leaf=path)
         context.thread.places[began].successors = [self._action(entry.body, inner, following)]
         return began
 
-    def _written_by_hand(self, path: str, entry: ProcessClass, context: _Context, following: int) -> int:
+    def _written_by_hand(self, path: str, entry: ProcessClass, context: Context, following: int) -> int:
         """It waits for any of its ports, computes, and waits again, until it ends."""
-        cost = self._cost(path, entry, context)
+        cost = self.cost(path, entry, context)
         ports = [(port, k) for port in entry.ports for k in ((None,) if port.size is None else range(port.size))]
         ends = [(self.ends.net(path, PortEnd(port.name, k)), port.direction) for port, k in ports]
         move = Move(
@@ -116,64 +92,27 @@ class Threads:
         )
         outputs = tuple(net.path for net, _ in ends if net is not None and net.external == "out")
         gives = tuple(net.path for net, _ in ends if net is not None and never_waits(net))
-        work = self._place(context, entry, cost=cost, leaf=path, outputs=outputs, gives=gives, move=move)
-        waits = self._place(context, entry)
+        work = self.place(context, entry, cost=cost, leaf=path, outputs=outputs, gives=gives, move=move)
+        waits = self.place(context, entry)
         place = context.thread.places[waits]
         for port, k in ports:
             end = PortEnd(port.name, k)
             if port.direction == "in":
-                place.offers += self.ends.reading(path, end, work, entry)
+                offers = self.ends.reading(path, end, work, entry)
+                place.offers += offers
+                self.unseen += [_unseen(path, port.name, entry) for offer in offers if offer.kind == "sample"]
             else:
                 place.offers += self.ends.writing(path, end, work, entry)
         context.thread.places[work].successors = [waits, following] if place.offers else [following]
-        self._interruptible(place, context)
+        self.interruptible(place, context)
         return waits if place.offers else work
-
-    def _cost(self, path: str, entry: ProcessClass | SubmodelClass, context: _Context) -> int:
-        if context.stated is not None:
-            return 0
-        stated = self.measured.get(path, entry.wcet)
-        if stated is None:
-            kind = "submodel" if isinstance(entry, SubmodelClass) else "process"
-            self.missing.setdefault(path, Missing(path, entry.definition, kind, entry.span))  # type: ignore[arg-type]
-            return 0
-        return stated
-
-    def _waiting(self, context: _Context, where: Step | Declared, offers: list[Offer], following: int) -> int:
-        """A place that waits for one communication; ``following`` where it never waits."""
-        if not offers:
-            return following
-        waits = self._place(context, where)
-        place = context.thread.places[waits]
-        place.offers = [
-            replace(offer, target=self._resumed(context, where, offer.target), groups=context.groups)
-            for offer in offers
-        ]
-        self._interruptible(place, context)
-        return waits
-
-    def _resumed(self, context: _Context, where: Step | Declared, target: int) -> int:
-        """Within a process that states its time, every step takes that long."""
-        if context.stated is None:
-            return target
-        resumed = self._place(context, where, cost=context.stated, leaf=context.path)
-        context.thread.places[resumed].successors = [target]
-        return resumed
-
-    def _interruptible(self, place: Place, context: _Context) -> None:
-        missed = [(offer, self._handler(context, "Timeout")) for offer in place.offers if offer.kind == "sample"]
-        place.offers += [replace(offer, target=target) for offer, target in missed if target is not None]
-        place.offers += context.interrupts
-
-    def _handler(self, context: _Context, exception: str) -> int | None:
-        return next((target for name, target in reversed(context.handlers) if name == exception), None)
 
     def _law(
         self,
         path: str,
         law: SubmodelClass,
         connections: tuple[Connection, ...],
-        context: _Context,
+        context: Context,
         following: int,
         where: Action,
     ) -> int:
@@ -182,15 +121,15 @@ class Threads:
         for connection in reversed(connections):
             if connection.port not in inputs:
                 offers = self.ends.writing(path, PortEnd(connection.port, connection.index), present, where)
-                present = self._waiting(context, where, offers, present)
+                present = self.waiting(context, where, offers, present)
         names = [port.name for port in law.ports if port.direction == "out"]
         nets = [self.ends.net(path, PortEnd(c.port, c.index)) for c in connections if c.port in names]
         outputs = tuple(net.path for net in nets if net is not None and net.external == "out")
         gives = tuple(net.path for net in nets if net is not None and never_waits(net))
-        work = self._place(
-            context, law, cost=self._cost(path, law, context), leaf=path, outputs=outputs, gives=gives, move=self._move(path, connections, inputs)
+        work = self.place(
+            context, law, cost=self.cost(path, law, context), leaf=path, outputs=outputs, gives=gives, move=self.move(path, connections, inputs)
         )  # fmt: skip
-        fault = self._handler(context, "Fault")
+        fault = self.handler(context, "Fault")
         context.thread.places[work].successors = [present] if fault is None else [present, fault]
         present = work
         # The sample comes first: it is what begins the work of a period.
@@ -201,43 +140,37 @@ class Threads:
                 end = PortEnd(connection.port, connection.index, attached.end)
                 reads += self.ends.reading(path, end, 0, where, owner=context.path)
         for offer in sorted(reads, key=lambda offer: ("partner", "event", "sample").index(offer.kind)):
-            present = self._waiting(context, where, [replace(offer, target=present)], present)
+            present = self.waiting(context, where, [replace(offer, target=present)], present)
         return present
 
-    def _move(self, path: str, connections: Iterable[Connection], inputs: Collection[str]) -> Move:
-        """What a law or a process written by hand computes from what."""
-        nets = [(self.ends.net(path, PortEnd(c.port, c.index)), c.port in inputs) for c in connections]
-        reads = frozenset(net.path for net, is_read in nets if net is not None and is_read)
-        return Move(reads, frozenset(net.path for net, is_read in nets if net is not None and not is_read))
-
-    def _action(self, action: Action, context: _Context, following: int) -> int:
+    def _action(self, action: Action, context: Context, following: int) -> int:
         match action:
             case RunInstance():
                 return self._run(action, context, following)
             case ReadValue():
                 moved = self._copied(context, action, following)
-                return self._waiting(
+                return self.waiting(
                     context, action, self.ends.reading(context.path, action.source, moved, action), moved
                 )
             case WriteValue():
                 return self._written(context, action, following)
             case WaitStep():
-                return self._waiting(
+                return self.waiting(
                     context, action, self.ends.delay(context.path, action.duration, following, action.span), following
                 )
             case AssignValue():
                 target = frozenset([f"{context.path}.{action.target.channel}"])
-                move = Move(_variables(context.path, action.value), target)
-                return self._place(context, action, successors=[following], move=move)
+                move = Move(variables_in(context.path, action.value), target)
+                return self.place(context, action, successors=[following, *self.faults(context)], move=move)
             case SkipStep() | ResetInstance():
                 return following
             case StopStep():
-                stops = self._place(context, action)
-                self._interruptible(context.thread.places[stops], context)
+                stops = self.place(context, action, halts=True)
+                self.interruptible(context.thread.places[stops], context)
                 return stops
             case RaiseException():
-                handler = self._handler(context, action.exception)
-                return self._place(context, action) if handler is None else handler
+                handler = self.handler(context, action.exception)
+                return self.place(context, action, raises=True) if handler is None else handler
             case SequentialSteps():
                 for step in reversed(action.steps):
                     following = self._action(step, context, following)
@@ -249,16 +182,22 @@ class Threads:
             case Repeat() | WhileLoop():
                 return self._loop(action, context, following)
             case IfElse():
-                decides = self._place(context, action)
+                known = self.ends.constant(context.path, action.condition)
+                if isinstance(known, bool):
+                    return self._action(action.then if known else action.otherwise, context, following)
+                decides = self.place(context, action)
                 sides = [self._action(side, context, following) for side in (action.then, action.otherwise)]
-                context.thread.places[decides].successors = sides
+                context.thread.places[decides].successors = [*sides, *self.faults(context)]
                 return decides
             case CatchException():
                 handler = self._action(action.handler, context, following)
                 inner = replace(context, handlers=(*context.handlers, (action.exception, handler)))
-                return self._action(action.body, inner, following)
+                begun = self._action(action.body, inner, following)
+                if action.exception != "Fault":
+                    return begun
+                return self.place(context, action, successors=[begun, handler])
             case InterruptOn():
-                offers = self._guard(action.branch, context, following)
+                offers = [replace(offer, is_certain=False) for offer in self._guard(action.branch, context, following)]
                 inner = replace(context, interrupts=(*context.interrupts, *offers))
                 return self._action(action.body, inner, following)
             case Group():
@@ -268,7 +207,7 @@ class Threads:
             case _:
                 assert_never(action)
 
-    def _run(self, action: RunInstance, context: _Context, following: int) -> int:
+    def _run(self, action: RunInstance, context: Context, following: int) -> int:
         path = f"{context.path}.{action.instance}"
         entry = self.classes[self.instances[path].class_name]
         if isinstance(entry, ProcessClass):
@@ -278,30 +217,38 @@ class Threads:
         declared = next(instance for instance in owner.instances if instance.name == action.instance)
         return self._law(path, entry, declared.connections, context, following, action)
 
-    def _loop(self, action: Repeat | WhileLoop, context: _Context, following: int) -> int:
-        again = self._place(context, action)
+    def _loop(self, action: Repeat | WhileLoop, context: Context, following: int) -> int:
+        again = self.place(context, action)
         body = self._action(action.body, context, again)
+        after = [body, *self.faults(context)]
         if isinstance(action, WhileLoop):
-            context.thread.places[again].successors = [body, following]
-            return again
-        context.thread.places[again].successors = [body] if action.until is None else [body, following]
-        return body
+            goes_on = self.ends.constant(context.path, action.condition)
+        else:
+            goes_on = True if action.until is None else _negated(self.ends.constant(context.path, action.until))
+        if goes_on is False:
+            after = [following]
+        elif goes_on is not True:
+            after.append(following)
+        context.thread.places[again].successors = after
+        return again if isinstance(action, WhileLoop) else body
 
-    def _choice(self, action: Choice, context: _Context, following: int) -> int:
-        offers = [offer for branch in action.branches for offer in self._guard(branch, context, following)]
-        ready = [
-            self._guarded(branch, context, following)
-            for branch in action.branches
-            if isinstance(branch.event, SkipEvent) or not self._guard_waits(branch, context)
-        ]
+    def _choice(self, action: Choice, context: Context, following: int) -> int:
+        branches = [branch for branch in action.branches if self.may_hold(branch, context)]
+        offers = [offer for branch in branches for offer in self._guard(branch, context, following)]
+        always = [branch for branch in branches if not self._guard_waits(branch, context)]
+        ready = [self._guarded(branch, context, following) for branch in always]
         if not offers:
-            return self._place(context, action, successors=ready or [following])
-        waits = self._waiting(context, action, offers, following)
+            return self.place(context, action, successors=ready or [following])
+        waits = self.waiting(context, action, offers, following)
         if not ready:
             return waits
-        return self._place(context, action, successors=[*ready, waits])
+        if any(self.must_hold(branch, context) for branch in always):
+            context.thread.places[waits].polls = True
+            context.thread.places[waits].successors = ready
+            return waits
+        return self.place(context, action, successors=[*ready, waits])
 
-    def _guarded(self, branch: Branch, context: _Context, following: int) -> int:
+    def _guarded(self, branch: Branch, context: Context, following: int) -> int:
         """What comes after a guard, with what the guard itself hands on."""
         body = self._action(branch.body, context, following)
         match branch.event:
@@ -312,36 +259,40 @@ class Threads:
             case _:
                 return body
 
-    def _copied(self, context: _Context, action: ReadValue | InputEvent, following: int) -> int:
+    def _copied(self, context: Context, action: ReadValue | InputEvent, following: int) -> int:
         """A value that was read into a variable."""
         net = self.ends.net(context.path, action.source)
         read = frozenset() if net is None else frozenset([net.path])
         move = Move(read, frozenset([f"{context.path}.{action.target.channel}"]))
-        return self._place(context, action, successors=[following], move=move)
+        return self.place(context, action, successors=[following, *self.faults(context)], move=move)
 
-    def _handed_over(self, context: _Context, action: WriteValue | OutputEvent, following: int) -> int:
+    def _handed_over(self, context: Context, action: WriteValue | OutputEvent, following: int) -> int:
         """A value that goes to a channel or an output."""
         net = self.ends.net(context.path, action.sink)
         if net is None:
             return following
-        move = Move(_variables(context.path, action.value), frozenset([net.path]))
+        move = Move(variables_in(context.path, action.value), frozenset([net.path]))
         outputs = (net.path,) if net.external == "out" else ()
         gives = (net.path,) if never_waits(net) else ()
-        return self._place(context, action, successors=[following], outputs=outputs, gives=gives, move=move)
+        return self.place(
+            context, action, successors=[following, *self.faults(context)], outputs=outputs, gives=gives, move=move
+        )
 
-    def _written(self, context: _Context, action: WriteValue, following: int) -> int:
+    def _written(self, context: Context, action: WriteValue, following: int) -> int:
         offers = self.ends.writing(context.path, action.sink, following, action)
-        return self._handed_over(context, action, self._waiting(context, action, offers, following))
+        return self._handed_over(context, action, self.waiting(context, action, offers, following))
 
-    def _guard_waits(self, branch: Branch, context: _Context) -> bool:
+    def _guard_waits(self, branch: Branch, context: Context) -> bool:
         return bool(self._offers(branch, context, 0))
 
-    def _guard(self, branch: Branch, context: _Context, following: int) -> list[Offer]:
+    def _guard(self, branch: Branch, context: Context, following: int) -> list[Offer]:
         if not self._offers(branch, context, 0):
             return []
-        return self._offers(branch, context, self._guarded(branch, context, following))
+        offers = self._offers(branch, context, self._guarded(branch, context, following))
+        certain = self.must_hold(branch, context)
+        return [replace(offer, is_certain=certain) for offer in offers]
 
-    def _offers(self, branch: Branch, context: _Context, target: int) -> list[Offer]:
+    def _offers(self, branch: Branch, context: Context, target: int) -> list[Offer]:
         event = branch.event
         match event:
             case ReadyEvent():
@@ -357,24 +308,32 @@ class Threads:
             case _:
                 assert_never(event)
 
-    def _parallel(self, action: ParallelSteps, context: _Context, following: int) -> int:
+    def _parallel(self, action: ParallelSteps, context: Context, following: int) -> int:
         ranks = [(*context.priority, k) if action.prioritized else context.priority for k in range(len(action.steps))]
         if not any(self._looping.has_loop(step, context.path) for step in action.steps):
-            self._groups += 1
-            inside = replace(context, groups=(*context.groups, self._groups))
+            known = len(context.thread.places)
             for step, rank in zip(reversed(action.steps), reversed(ranks), strict=True):
-                switches = self._place(context, step, successors=[following], breaks=True)
-                following = self._action(step, replace(inside, priority=rank), switches)
-            return following
+                switches = self.place(context, step, successors=[following], breaks=True)
+                following = self._action(step, replace(context, priority=rank), switches)
+            inside = [offer for place in context.thread.places[known:] for offer in place.offers]
+            opens = frozenset((offer.key, offer.period) for offer in inside if offer.kind == "sample")
+            return self.place(context, action, successors=[following], opens=opens)
         started: list[Thread] = []
         for step, rank in zip(action.steps, ranks, strict=True):
             thread = Thread(self._named(step, context.path), rank)
-            inner = _Context(thread, context.path, rank, stated=context.stated)
-            thread.entry = self._action(step, inner, self._place(inner, step))
+            inner = Context(thread, context.path, rank, stated=context.stated)
+            thread.entry = self._action(step, inner, self.place(inner, step))
             started.append(thread)
         context.thread.forks.append(started)
-        joins = self._place(context, action)
-        context.thread.places[joins].offers = [Offer("join", following, action.span)]
+        joins = self.place(context, action)
+        context.thread.joins.append(joins)
+        # What ends a branch ends the others, and goes on where it is caught.
+        below = [thread for branch in started for thread in branch.with_forks()]
+        # The books of processes that are abandoned are closed.
+        opens = frozenset(end for thread in below for end in thread.samples() if end[0][1] == context.path)
+        abandons = [Offer("join", handler, action.span) for _, handler in context.handlers]
+        abandons = [replace(offer, opens=opens) for offer in (*abandons, *context.interrupts)]
+        context.thread.places[joins].offers = [Offer("join", following, action.span), *abandons]
         return joins
 
     def _named(self, step: Action, path: str) -> str:
@@ -388,5 +347,12 @@ class Threads:
                 return f"{path}.{runs[0].instance}" if runs else path
 
 
-def _variables(path: str, value: Expression) -> frozenset[str]:
-    return frozenset(f"{path}.{part.channel}" for part in parts(value) if isinstance(part, VariableValue))
+def _negated(value: Value | None) -> bool | None:
+    return not value if isinstance(value, bool) else None
+
+
+def _unseen(path: str, port: str, entry: ProcessClass) -> Refusal:
+    """Of who reads a sampled input is written by hand."""
+    reason = f"its body is written by hand, and whether it takes each sample of `{port}` cannot be seen"
+    advice = f"read `{port}` in a composition, and let a submodel written by hand compute with it"
+    return Refusal(path, reason, entry.span, advice)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from fractions import Fraction
 
-from cspdiag.analyses.timing.demands import Behaviour
+from cspdiag.analyses.timing.behaviours import Behaviour
 from cspdiag.analyses.timing.flow import Thread
-from cspdiag.analyses.timing.jobs import Job
+from cspdiag.analyses.timing.paths import Job
 from cspdiag.analyses.timing.result import Witness
 from cspdiag.analyses.timing.schedule import simulate
 from cspdiag.analyses.timing.task import Task

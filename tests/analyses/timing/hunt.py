@@ -1,0 +1,92 @@
+"""Holds what is proved of random programs against runs of them: ``python -m tests.analyses.timing.hunt --random 5000`` looks at so many.
+
+Each program that is proved schedulable is run four times on a processor that takes time (nothing, the longest times, and others between), with inputs that change in a
+random way. It is wrong if a sample is missed, or if nothing goes on. Prints what is wrong, how many were proved, and why others were not.
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+import signal
+from collections import Counter
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from types import FrameType
+
+from cspdiag.analyses.timing.report import timing_report
+from tests.analyses.timing.judge import build, missed
+from tests.analyses.timing.shapes import Shapes
+
+LONGEST = 20
+"""Seconds after which time is taken to stand still."""
+
+
+class StandsStillError(BaseException):
+    """A run does not come to an end."""
+
+
+@dataclass
+class Found:
+    """What came of some programs: how many were answered in each way, those that are wrong, and the reasons of those that were not proved."""
+
+    answers: Counter[str] = field(default_factory=Counter)
+    wrong: list[tuple[int, str]] = field(default_factory=list)
+    reasons: Counter[str] = field(default_factory=Counter)
+
+
+def hunt(first: int, count: int) -> Found:
+    """Look at the valid programs of so many seeds, from a first one on."""
+    found = Found()
+    for seed in range(first, first + count):
+        network = build(Shapes(seed).text)
+        if network is None:
+            continue
+        report = timing_report(network)
+        answer = {True: "proved", False: "refuted", None: "unknown"}[report.is_schedulable]
+        found.answers[answer] += 1
+        if answer != "proved":
+            found.reasons[re.sub(r"`[^`]*`", "`…`", report.reason)] += 1
+            continue
+        with _alarm():
+            try:
+                said = missed(network, seed)
+            except StandsStillError:
+                said = "time stands still"
+        if said:
+            found.wrong.append((seed, said))
+    return found
+
+
+@contextmanager
+def _alarm() -> Iterator[None]:
+    def ring(number: int, frame: FrameType | None) -> None:
+        raise StandsStillError
+
+    before = signal.signal(signal.SIGALRM, ring)
+    signal.alarm(LONGEST)
+    try:
+        yield
+    finally:
+        signal.alarm(0)
+        signal.signal(signal.SIGALRM, before)
+
+
+def main() -> int:
+    """The command."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--random", type=int, default=500, help="how many programs")
+    parser.add_argument("--first", type=int, default=0, help="the seed of the first of them")
+    arguments = parser.parse_args()
+    found = hunt(arguments.first, arguments.random)
+    print(dict(found.answers))
+    for reason, count in found.reasons.most_common(12):
+        print(f"  {count} {reason}")
+    for seed, said in found.wrong:
+        print(f"WRONG {seed}: {said}")
+    return 1 if found.wrong else 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

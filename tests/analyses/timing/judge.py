@@ -1,0 +1,83 @@
+"""Runs programs on a processor that takes time, and says whether a sample was missed.
+
+Computing takes nothing, the longest time that is stated, or something in between; the runtime itself decides what happens.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Callable
+from typing import Any
+
+import cspdiag.runtime.network
+from cspdiag import pipeline
+from cspdiag.diagnostics import SourceFile
+from cspdiag.network.ir import Network
+from cspdiag.runtime import SampledInput, Submodel
+from cspdiag.simulate.execute import simulate
+from cspdiag.simulate.probes import parts_of
+from tests.analyses.timing.processor import Processor, read, wcets
+
+HORIZON = 150_000_000
+
+
+class HungError(Exception):
+    """Time stands still."""
+
+
+def build(text: str) -> Network | None:
+    """The network of a program, None where it has errors."""
+    return pipeline.build(SourceFile("main.csp", text), read).network
+
+
+def missed(network: Network, seed: int, *, runs: int = 4, until: int = HORIZON) -> str:
+    """What went wrong in some runs of a program, empty where every sample was taken in time."""
+    stated = wcets(network)
+    files = pipeline.generate(network, read)
+    source = random.Random(seed)
+    ways: list[Callable[[str], int]] = [
+        lambda _: 0,
+        stated.__getitem__,
+        lambda path: source.choice([0, stated[path], source.randint(0, stated[path])]),
+        lambda path: source.choice([0, 1, stated[path]]),
+    ]
+    for k, times in enumerate(ways[:runs]):
+        said = _run(network, files, times, source.randint(1, 65000) if k >= 2 else None, until)
+        if said:
+            return f"run {k}: {said}"
+    return ""
+
+
+def _run(network: Network, files: Any, times: Callable[[str], int], reseed: int | None, until: int) -> str:
+    computed = 0
+
+    def slow(running: Any) -> None:
+        def timed(path: str, calculate: Callable[..., Any]) -> Callable[..., Any]:
+            def calculated(*inputs: Any) -> Any:
+                nonlocal computed
+                computed += 1
+                if computed > 200_000:
+                    raise HungError
+                Processor.present += times(path)
+                return calculate(*inputs)
+
+            return calculated
+
+        for part in parts_of(running.process):
+            if isinstance(part, Submodel):
+                part.calculate = timed(part.name, part.calculate)  # type: ignore[attr-defined]
+        begun.extend(port for port in running.ports if isinstance(port, SampledInput))
+
+    begun: list[Any] = []
+    clock = cspdiag.runtime.network.RealClock
+    cspdiag.runtime.network.RealClock = Processor  # type: ignore[misc, assignment]
+    try:
+        found = simulate(network, files, until=until, real_time=True, on_start=slow)
+    finally:
+        cspdiag.runtime.network.RealClock = clock  # type: ignore[misc]
+    outcome = found.outcome
+    if any(outcome.missed.values()):
+        return f"missed {outcome.missed}, {outcome.ended} at {outcome.time}: {outcome.error}"
+    if outcome.ended == "deadlock" or (outcome.ended == "failed" and isinstance(outcome.error, HungError)):
+        return f"{outcome.ended} {outcome.error or ''}"
+    return ""

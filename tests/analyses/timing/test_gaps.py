@@ -1,0 +1,192 @@
+"""What a process does between two samples of an input that it follows, wherever that stands in its composition: proved only where all of it is known."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from tests.analyses.timing.judge import missed
+from tests.analyses.timing.programs import network_of, report_of
+
+WHOLE = """
+exception Stop
+submodel Law wcet 10 us {{ in x : double  out y : double  y = 2 * x }}
+{processes}
+process Main {{
+  in p, q : double @ 10 ms
+  in e    : double
+  communication {{
+    a : Law
+    b : Law
+    c : Law
+    p -> a.x
+    q -> b.x
+    var v : double = 0
+    var n : double = 0
+    var w : double = 0
+    var k : int = 3
+    var pause : time = 12 ms
+    v -> c.x
+    a.y -> _
+    b.y -> _
+    c.y -> _
+    {parts}
+  }}
+  composition {{ {composition} }}
+}}
+submodel Source {{
+  out p, q, e : double
+  state n : int = 0
+  next n = n + 1
+  p = double(n)
+  q = double(n % 3)
+  e = double(n - n % 8)
+}}
+environment Bench for Main step 5 ms {{ source : Source  source.p -> p  source.q -> q  source.e -> e }}
+"""
+WORKER = """
+process Worker {
+  in x : double
+  in command : double
+  out ready : double
+  communication {
+    law : Law
+    var n : double = 0
+    var todo : double = 0
+    x -> law.x
+    law.y -> _
+  }
+  composition { mu (command ? todo ; n := 0 ; (mu (law ; n := n + 1) until n > 3) ; ready ! n) }
+}
+"""
+SUPERVISED = "worker : Worker  p -> worker.x  channel go : double  channel done : double  go -> worker.command  worker.ready -> done  q -> _"
+
+
+def program(composition: str, parts: str = "", processes: str = "") -> str:
+    """A program with the laws that run; the event goes nowhere if nobody reads it."""
+    text = WHOLE.format(composition=composition, parts=parts, processes=processes)
+    words = set(re.findall(r"\w+", composition))
+    unused = [law for law in "abc" if law not in words]
+    return "\n".join(
+        line for line in text.splitlines()
+        if not any(re.match(rf"\s+({law} : Law|\w+ -> {law}\.x|{law}\.y -> _)$", line) for law in unused)
+    )  # fmt: skip
+
+
+GAPS = {
+    "a wait between a law and a loop": ("a ; wait 1 s ; mu a", "which come every 10 ms, it waits 1 s"),
+    "a wait between two loops": ("(mu (a ; n := n + 1) until n > 3) ; wait 25 ms ; mu a", "it waits 25 ms"),
+    "an event between two loops": ("(mu (a ; n := n + 1) until n > 3) ; e ? v ; e ? v ; mu a", "the event `e`"),
+    "an event after a loop": ("(mu (a ; n := n + 1) until n > 3) ; e ? v ; e ? v ; e ? v", "the event `e`"),
+    "a replicated sequence": ("mu (a ; seq i < 3 : b)", "the sample of `p` may not have been taken"),
+    "two ports of one period, one of them twice": ("mu (a ; b ; b)", "the sample of `p` may not have been taken"),
+    "a side without one of the ports": (
+        "mu (a ; n := n + 1 ; if n < 3 then b)",
+        "the sample of `q` may not have been taken",
+    ),
+    "a wait in an event branch": ("mu (e ? v -> wait 13 ms []> p -> a)", "it waits 13 ms"),
+    "short waits in an event branch": ("mu (e ? v -> (wait 9 ms ; wait 9 ms) []> p -> a)", "may not be ready"),
+    "an event in an event branch": ("mu (e ? v -> e ? v []> p -> a)", "the event `e`"),
+    "an event below an interrupt": ("(mu (e ? v -> e ? v []> p -> a)) interrupt after 70 ms -> skip", "the event `e`"),
+    "a sample under a condition": (
+        "mu (when n < 3 & p -> (a ; n := n + 1) [] e ? v -> skip)",
+        "only under a condition",
+    ),
+    "a wait in a handler": (
+        "mu ((a ; n := n + 1 ; if n > 2 then raise Stop) catch Stop -> wait 12 ms)",
+        "it waits 12 ms",
+    ),
+    "a wait after a fault": ("mu ((a ; k := 5 / (k - 1)) catch Fault -> wait 12 ms)", "it waits 12 ms"),
+    "an event after abandoned branches": (
+        "((mu a || mu b) interrupt after 30 ms -> skip) ; e ? v ; mu a",
+        "the event `e`",
+    ),
+    "an exception that ends branches": (
+        "((mu a || (wait 25 ms ; raise Stop)) catch Stop -> skip) ; wait 22 ms ; mu a",
+        "it waits 22 ms",
+    ),
+    "a wait beside a read, that only one round has": ("((e ? v ; e ? v) || p ? w) ; p ? w", "the event `e`"),
+    "branches that end at different times": (
+        "(mu (a ; n := n + 1) until n > 3) || mu b",
+        "and its samples come until the process has ended",
+    ),
+    "parallel parts between two loops": (
+        "(mu (a ; n := n + 1) until n > 3) ; (mu (b ; v := v + 1) until v > 4) ; mu a",
+        "may not have been taken",
+    ),
+    "a stop": ("(mu (a ; n := n + 1) until n > 3) ; stop", "stands still here"),
+    "a time that is computed": ("mu (p ? v ; wait pause ; c)", "between its samples it waits for time to pass"),
+}
+
+
+@pytest.mark.parametrize("name", GAPS)
+def test_what_may_miss_a_sample_is_not_proved_and_does_miss_one(name: str) -> None:
+    composition, words = GAPS[name]
+    text = program(composition)
+    report = report_of(text)
+    assert report.is_schedulable is None
+    assert words in report.reason
+    places = [refusal.span for refusal in report.refusals] or [loop.span for loop in report.loops if not loop.is_met]
+    assert {place.line for place in places} == {text[: text.index("composition")].count("\n") + 1}
+    assert missed(network_of(text), 1)
+
+
+def test_joints_that_wait_for_a_supervisor() -> None:
+    text = program("worker || (mu (wait 20 ms ; go ! n ; done ? n))", SUPERVISED, WORKER)
+    report = report_of(text)
+    assert report.is_schedulable is None
+    assert "without bound: `Main` may wait for time to pass meanwhile" in report.reason
+    assert missed(network_of(text), 1)
+
+
+def test_a_pair_that_spins_above_a_loop() -> None:
+    """Time stands still where it computes nothing, so it is not run."""
+    text = program("(mu (s ! n) || mu (s ? w ; c)) ||> mu a", "channel s : double")
+    report = report_of(text)
+    assert report.is_schedulable is None
+    assert report.reason.endswith(
+        "what communicates on `s` may go on for ever while no time passes, so that nothing else runs"
+    )
+
+
+KEPT = (
+    "a ; wait 3 ms ; mu a",
+    "wait 1 s ; mu a",
+    "e ? v ; mu a",
+    "mu (a ; b)",
+    "mu (a ; wait 2 ms ; b)",
+    "mu (e ? v -> wait 3 ms []> p -> a)",
+    "mu (a ; if n > 1 then (b ; n := 0) else b)",
+    "(mu (e ? v -> skip []> p -> a)) interrupt after 70 ms -> skip",
+    "mu ((a ; if n > 2 then raise Stop) catch Stop -> wait 2 ms)",
+    "(mu a) ||> (mu b)",
+    "mu (a || b)",
+    "mu (a ; (e ? v -> c []> skip -> skip))",
+    "(mu (s ! n ; wait 2 ms) || mu (s ? w ; c)) ||> mu a",
+)
+
+
+@pytest.mark.parametrize("composition", KEPT)
+def test_what_takes_every_sample_is_proved(composition: str) -> None:
+    text = program(composition, "channel s : double" if "s !" in composition else "")
+    assert report_of(text).is_schedulable is True, report_of(text).reason
+    assert not missed(network_of(text), 1)
+
+
+def test_a_process_that_has_ended_follows_nothing() -> None:
+    """What comes after it may take any time, and it waits for the next sample when it begins anew."""
+    rounds = "process Rounds { in x : double communication { law : Law  var n : double = 0  x -> law.x  law.y -> _ } composition { n := 0 ; mu (law ; n := n + 1) until n > 3 } }"
+    text = program("mu (rounds ; wait 1 s ; e ? v)", "rounds : Rounds  p -> rounds.x", rounds)
+    assert report_of(text).is_schedulable is True
+    assert not missed(network_of(text), 1, until=5_000_000_000)
+
+
+def test_what_a_hand_written_process_reads_cannot_be_seen() -> None:
+    law = 'process Hand wcet 10 us python "hand.py:Hand" { in x : double  out y : double }'
+    text = program("hand || mu b", "hand : Hand  p -> hand.x  hand.y -> _", law)
+    report = report_of(text)
+    assert report.is_schedulable is None
+    assert [refusal.reason for refusal in report.refusals] == [
+        "its body is written by hand, and whether it takes each sample of `x` cannot be seen"
+    ]
