@@ -153,7 +153,10 @@ def composed(draw: st.DrawFn, part: Part, kind: str, depth: int) -> str:
         case "alt":
             operator = draw(st.sampled_from([" [] ", " []> "]))
             free = list(part.ports)
-            return f"({operator.join(guarded(draw, part, free, depth - 1) for _ in range(draw(st.integers(2, 4))))})"
+            branches = [guarded(draw, part, free, depth - 1) for _ in range(draw(st.integers(2, 4)))]
+            if draw(st.integers(0, 7)) == 0:  # two guards of one text are two guards
+                branches += [f"(after {draw(st.sampled_from(DELAYS))} -> skip)"] * 2
+            return f"({operator.join(branches)})"
         case "mu" | "while":
             return loop(draw, part, kind, depth)
         case "for ever":

@@ -32,9 +32,9 @@ WORD = 64
 """Guards that need no further words; on machines of 32 bits the words are always there."""
 
 
-@dataclass
+@dataclass(eq=False)
 class Guard:
-    """One guard of an alternative or interrupt."""
+    """One guard of an alternative or interrupt; guards of one text are not the same guard."""
 
     branch: Branch
     setup: list[str] = field(default_factory=list)

@@ -68,28 +68,13 @@ int64_t csp_after(int64_t duration)
     return (duration < (INT64_MAX - csp.now)) ? (csp.now + duration) : (INT64_MAX - 1);
 }
 
-void csp_timer_begin(csp_timer *timer, int64_t instant)
+static void take_out(csp_timer *timer)
 {
-    timer->instant = instant;
-    timer->begun = begun;
-    begun++;
-    timer->child = NULL;
-    timer->sibling = NULL;
-    timer->previous = NULL;
-    timer->runs = true;
-    root = (root == NULL) ? timer : meld(root, timer);
-}
-
-bool csp_timer_stop(csp_timer *timer)
-{
-    if (!timer->runs) {
-        return false;
-    }
     timer->runs = false;
     csp_timer *const below = meld_siblings(timer->child);
     if (timer == root) {
         root = below;
-        return true;
+        return;
     }
     if (timer->previous->child == timer) {
         timer->previous->child = timer->sibling;
@@ -102,7 +87,28 @@ bool csp_timer_stop(csp_timer *timer)
     if (below != NULL) {
         root = meld(root, below);
     }
+}
+
+bool csp_timer_stop(csp_timer *timer)
+{
+    if (!timer->runs) {
+        return false;
+    }
+    take_out(timer);
     return true;
+}
+
+void csp_timer_begin(csp_timer *timer, int64_t instant)
+{
+    (void)csp_timer_stop(timer); /* in the heap a timer stands once */
+    timer->instant = instant;
+    timer->begun = begun;
+    begun++;
+    timer->child = NULL;
+    timer->sibling = NULL;
+    timer->previous = NULL;
+    timer->runs = true;
+    root = (root == NULL) ? timer : meld(root, timer);
 }
 
 int64_t csp_timer_next(void)
@@ -114,7 +120,7 @@ void csp_timers_fall_due(int64_t instant)
 {
     while ((root != NULL) && (root->instant <= instant)) {
         csp_timer *const timer = root;
-        (void)csp_timer_stop(timer);
+        take_out(timer);
         if (timer->party != NULL) {
             csp_ready(timer->party);
         } else {
