@@ -414,6 +414,7 @@ int main(int count, char **arguments)
     } else {
         build_commstime();
     }
+    csp_begin_building();
     const csp_ending ending = csp_run(&program, -1);
     printf("%s: %.2f ns", name, least);
     if (strcmp(name, "ring") == 0) {

@@ -13,7 +13,7 @@ SUPPORT = Path(__file__).parents[2] / "templates" / "c" / "support"
 PROGRAMS = tuple(sorted((HERE / "programs").glob("*.c")))
 STRICT = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror")
 SCENARIOS = ("-DCSP_TRACE=1", "-DCSP_LEVELS=3U")
-HOSTED = ("csp_simulation.c", "csp_stream.c")
+HOSTED = ("csp_signals.c", "csp_simulation.c", "csp_stream.c")
 """Around a run on a host: not of the kernel."""
 
 
@@ -32,4 +32,5 @@ def need(*tools: str) -> None:
 def kernel_files(port: str = "simulation") -> list[Path]:
     """The kernel with one of its ports."""
     files = [file for file in sorted(SUPPORT.glob("csp_*.c")) if file.name not in HOSTED]
-    return [file for file in files if not file.name.startswith("csp_port_")] + [SUPPORT / f"csp_port_{port}.c"]
+    of_port = [SUPPORT / f"csp_port_{port}.c", *([SUPPORT / "csp_signals.c"] if port == "posix" else [])]
+    return [file for file in files if not file.name.startswith("csp_port_")] + of_port

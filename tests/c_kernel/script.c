@@ -326,6 +326,7 @@ void script_run(script *scripts, const char *const *channel_names, const csp_por
     char text[200];
     names = channel_names;
     all = scripts;
+    csp_begin_building();
     const csp_ending ending = csp_run(&program, until);
     printf("%6.1f ms  %s\n", (double)csp.now / 1e6, endings[ending]);
     if (ending == CSP_DEADLOCK) {

@@ -14,7 +14,7 @@ import pytest
 
 from cspdiag import pipeline
 from cspdiag.network.ir import Network
-from tests.c_kernel.building import HERE, PROGRAMS, SCENARIOS, SUPPORT, kernel_files, need, run
+from tests.c_kernel.building import HERE, HOSTED, PROGRAMS, SCENARIOS, SUPPORT, kernel_files, need, run
 from tests.conformance.sources import network_of, read
 from tests.conformance.targets import GeneratedPython
 from tests.conformance.traces import Communication, compare
@@ -37,7 +37,7 @@ def firmware(network: Network, level: int, folder: Path) -> Path:
         file = folder / path
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text(text)
-    hosted = {"csp_port_simulation.c", "csp_port_posix.c", "csp_simulation.c", "csp_stream.c", "main_simulation.c"}
+    hosted = {*HOSTED, "csp_port_simulation.c", "csp_port_posix.c", "main_simulation.c"}
     sources = [file for file in sorted(folder.rglob("*.c")) if file.name not in hosted]
     environment = f"{network.environments[0].name.lower()}_environment"
     definitions = (

@@ -87,6 +87,9 @@ class Names:
 FILES = ("types", "constants", "network", "main", "main_simulation", "port", "exceptions", "environment", "values")
 """Stems of files of a package that no class may be stored in."""
 
+_OF_NETWORK = _words("external present brought port_table process_name channel_name exception_names copy_name")
+"""Names in the file that builds the network, beside that of the outermost process."""
+
 
 class PackageNames:
     """The names that all files of one package share.
@@ -98,7 +101,7 @@ class PackageNames:
     def __init__(self, network: Network) -> None:
         self.package = network.name
         self._folder = network.source.rpartition("/")[0]
-        self._names = Names(FILES)
+        self._names = Names((*FILES, *_OF_NETWORK))
         self.types: Mapping[str, str] = {
             name: self._fresh(name) for name in (*(e.name for e in network.enums), *(e.name for e in network.structs))
         }

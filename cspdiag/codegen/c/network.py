@@ -87,12 +87,14 @@ class _NetworkFiles:
     def header(self) -> str:
         """What runs a program needs."""
         told = [f"The network of {self.network.top}: its processes, its channels, and what stands behind its ports."]
-        found = [*comment(told), "#ifndef NETWORK_H", "#define NETWORK_H", "", '#include "csp.h"', ""]
+        found = [*comment(told), "#ifndef NETWORK_H", "#define NETWORK_H", "", '#include "csp.h"']
+        found += ['#include "types.h"', ""] if self._events else [""]
         found += ["/* A device or a simulated one for every port. */"]
         members = [Row(f"{member};") for member in _driver_members(self.network, self.types)]
         found += [*lines(block("struct network_drivers", members or [Row("char unused;")], "};")), ""]
-        found += ["/* Builds the network, before it runs. */"]
+        found += ["/* Builds the network, before each run. */"]
         found += ["void network_initialize(const struct network_drivers *drivers);", ""]
+        found += self._bringers_declared()
         found += ["extern const csp_program network_program;", ""]
         found += [
             "#if CSP_TRACE",
@@ -122,12 +124,15 @@ class _NetworkFiles:
             found += lines(block("static struct", fields, "} external;"))
         if values:
             found += lines(block("static struct", values, "} present;"))
+        if self._events:
+            brought = [Row(f"{self.types.type_name(port.type)} {members[port_key(port)]};") for port in self._events]
+            found += lines(block("static struct", brought, "} brought; /* by interrupt handlers */"))
         found += ["", *self._safe_values(members), *self._table(members)]
         found += [
             "void network_initialize(const struct network_drivers *drivers)",
             *lines(block("", self._building(members))),
         ]
-        found += ["", *self._reports(), *self._program(struct)]
+        found += ["", *self._bringers(members), *self._reports(), *self._program(struct)]
         return "\n".join([*found, ""])
 
     def _members(self) -> Names:
@@ -135,6 +140,30 @@ class _NetworkFiles:
         for port in self.network.external_ports:
             members[port_key(port)]
         return members
+
+    @property
+    def _events(self) -> list[ExternalPort]:
+        return [port for port in self.network.external_ports if kind_of(port) == "event"]
+
+    def _bringer(self, port: ExternalPort, members: Names) -> list[str]:
+        member = members[port_key(port)]
+        return broken(f"void network_bring_{member}({self.types.type_name(port.type)} value)", "        ")
+
+    def _bringers_declared(self) -> list[str]:
+        if not self._events:
+            return []
+        found = ["/* An interrupt handler brings an event: the latest value counts. */"]
+        for port in self._events:
+            *rest, last = self._bringer(port, self._members())
+            found += [*rest, f"{last};"]
+        return [*found, ""]
+
+    def _bringers(self, members: Names) -> list[str]:
+        found: list[str] = []
+        for port in self._events:
+            body = rows(f"csp_event_bring(&external.{members[port_key(port)]}, &value);")
+            found += [*self._bringer(port, members), *lines(block("", body)), ""]
+        return found
 
     def _safe_values(self, members: Names) -> list[str]:
         found = [
@@ -155,14 +184,24 @@ class _NetworkFiles:
         for port in self.network.external_ports:
             name = members[port_key(port)]
             safe = f", .safe = &safe_{name}" if port.direction == "out" else ""
-            entries.append(f"{{.kind = {_KINDS[kind_of(port)]}, .medium = &external.{name}.medium{safe}}}")
+            told = quoted(f"{self.network.top}.{port_key(port)}")
+            entries.append(
+                f"{{.kind = {_KINDS[kind_of(port)]}, .medium = &external.{name}.medium{safe}, .name = {told}}}"
+            )
         if not entries:
             return []
         body = [Row(f"{entry},") for entry in entries[:-1]] + [Row(entries[-1])]
         return [*lines(block("static const csp_port port_table[] =", body, "};")), ""]
 
     def _building(self, members: Names) -> list[Row]:
-        found = rows("csp_numbers numbers = {.process = 1U, .channel = 0U};")
+        top = self.names.classes[self.network.top]
+        found = rows(
+            "csp_numbers numbers = {.process = 1U, .channel = 0U};",
+            "csp_begin_building();",
+            f"(void)memset(&{top}, 0, sizeof({top}));",
+        )
+        if self.network.external_ports:
+            found += rows("(void)memset(&external, 0, sizeof(external));")
         drivers = dict(
             zip(
                 (port_key(port) for port in self.network.external_ports),
@@ -187,6 +226,8 @@ class _NetworkFiles:
                 case _:
                     call = f"csp_direct_output_init({medium}, {number}U, {driver});"
             found.append(Row(call))
+            if kind == "event":
+                found.append(Row(f"csp_event_input_accept({medium}, &brought.{name}, sizeof(brought.{name}));"))
             if port.direction == "out":
                 found.append(Row(f"external.{name}.name = {quoted(f'{self.network.top}.{key}')};"))
         if not self.network.external_ports:

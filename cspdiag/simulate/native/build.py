@@ -109,7 +109,7 @@ class Build:
         objects = self._objects(digests)
         with _Scratch(self.cache) as scratch:
             linked = scratch / "program"
-            self._run([*objects, "-lm", "-o", str(linked)], None)
+            self._run([*objects, "-lm", "-pthread", "-o", str(linked)], None)
             _keep(linked, target)
         _bound(self.cache)
         return target

@@ -90,7 +90,9 @@ def memory_report(network: Network, files: Mapping[str, str], level: int) -> Mem
 def _is_of_simulation(path: str) -> bool:
     """Whether a file belongs to a place to run, and not to the program."""
     stem = path.rpartition("/")[2]
-    return stem.startswith(("main_", "csp_port_", "csp_simulation", "csp_stream")) or stem.endswith("_environment.c")
+    return stem.startswith(("main_", "csp_port_", "csp_signals", "csp_simulation", "csp_stream")) or stem.endswith(
+        "_environment.c"
+    )
 
 
 def _facts(build: Build, path: str) -> FileFacts:

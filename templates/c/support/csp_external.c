@@ -65,6 +65,12 @@ static void hold(csp_sampled_end *end)
     csp_raise_bits(end->inputs);
 }
 
+static void miss(csp_sampled_end *end)
+{
+    end->port->missed++;
+    end->overdue = !end->port->counts;
+}
+
 static void sample(csp_sampled_end *end)
 {
     csp_sampled_end *const pace = end->pace;
@@ -81,8 +87,7 @@ static void sample(csp_sampled_end *end)
         }
     }
     if (end->fresh) {
-        end->port->missed++;
-        end->overdue = !end->port->counts;
+        miss(end);
     }
     end->fresh = true;
     if (end->reader != NULL) {
@@ -102,6 +107,15 @@ void csp_sampled_tick(csp_sampled_input *port)
     for (csp_sampled_end *end = port->ends; end != NULL; end = end->next) {
         if (end->begun || end->pace->followed) {
             sample(end);
+        }
+    }
+}
+
+void csp_sampled_skip(csp_sampled_input *port)
+{
+    for (csp_sampled_end *end = (port->driver.read == NULL) ? NULL : port->ends; end != NULL; end = end->next) {
+        if (end->begun) {
+            miss(end);
         }
     }
 }
@@ -185,6 +199,14 @@ void csp_event_input_init(csp_event_input *port, uint32_t number, bool broadcast
     }
 }
 
+void csp_event_input_accept(csp_event_input *port, void *brought, size_t size)
+{
+    const uint32_t outside = csp_port_enter_critical();
+    port->brought = brought;
+    port->brought_size = size;
+    csp_port_leave_critical(outside);
+}
+
 csp_event_end *csp_event_reader(csp_event_end *own, csp_event_input *port)
 {
     if (port->broadcast) {
@@ -205,22 +227,24 @@ void csp_event_occur(csp_event_input *port)
     }
 }
 
-void csp_event_bring(csp_event_input *port, const void *value, size_t size)
+void csp_event_bring(csp_event_input *port, const void *value)
 {
-    csp_port_enter_critical();
-    (void)memcpy(port->brought, value, size);
-    port->brought_size = size;
-    port->news = true;
-    csp_port_leave_critical();
+    const uint32_t outside = csp_port_enter_critical();
+    if (port->brought != NULL) {
+        (void)memcpy(port->brought, value, port->brought_size);
+        port->news = true;
+    }
+    csp_port_leave_critical(outside);
+    csp_port_wake();
 }
 
 void csp_event_take_over(csp_event_input *port)
 {
     if (port->news) {
-        csp_port_enter_critical();
+        const uint32_t outside = csp_port_enter_critical();
         (void)memcpy(port->value, port->brought, port->brought_size);
         port->news = false;
-        csp_port_leave_critical();
+        csp_port_leave_critical(outside);
         csp_event_occur(port);
     }
 }
@@ -275,9 +299,9 @@ csp_progress csp_event_read_again(csp_party *party, csp_event_end *end, void *va
     return CSP_WAITS;
 }
 
-bool csp_event_can_come(const csp_event_input *port)
+bool csp_event_can_come(const csp_event_input *port, bool interrupts)
 {
-    const bool connected = (port->driver.read != NULL) || (port->brought != NULL);
+    const bool connected = (port->driver.read != NULL) || (interrupts && (port->brought != NULL));
     const csp_event_end *end = connected ? port->ends : NULL;
     while ((end != NULL) && (end->readers.first == NULL) && !csp_awaited(end->inputs)) {
         end = end->next;

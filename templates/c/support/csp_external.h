@@ -91,7 +91,7 @@ typedef struct csp_event_input {
     void *value;          /* of the latest event */
     void *brought;        /* a place for one more value, where interrupt handlers bring events; or NULL */
     size_t brought_size;
-    volatile bool news; /* it has a value */
+    volatile bool news;   /* it has a value */
     csp_event_end *ends;  /* the one that all readers share, or one for each under broadcast */
     csp_event_end shared; /* not used under broadcast */
 } csp_event_input;
@@ -102,8 +102,9 @@ csp_progress csp_event_read_again(csp_party *party, csp_event_end *end, void *va
 
 /* The environment offers a value, which is in `port->value`; not for interrupt handlers. */
 void csp_event_occur(csp_event_input *port);
-/* An interrupt handler brings an event: it occurs between two steps of processes. The latest value counts. */
-void csp_event_bring(csp_event_input *port, const void *value, size_t size);
+/* An interrupt handler brings an event: it occurs between two steps of processes. The latest value counts. Before the network is built
+ * there is nobody to bring it to. */
+void csp_event_bring(csp_event_input *port, const void *value);
 /* Makes what was brought occur. */
 void csp_event_take_over(csp_event_input *port);
 
@@ -145,6 +146,8 @@ void csp_sampled_input_init(csp_sampled_input *port, uint32_t number, int64_t pe
 /* `owner` are the ends of the process or scope that reads; initialized to {NULL}. The order of calls is that of service. */
 void csp_sampled_end_init(csp_sampled_end *end, csp_sampled_input *port, csp_ends *owner);
 void csp_event_input_init(csp_event_input *port, uint32_t number, bool broadcast, void *value, csp_driver driver);
+/* The place where interrupt handlers bring events. */
+void csp_event_input_accept(csp_event_input *port, void *brought, size_t size);
 /* The end of a reader, whichever of the two it is: `own` under broadcast. */
 csp_event_end *csp_event_reader(csp_event_end *own, csp_event_input *port);
 void csp_latched_output_init(csp_latched_output *output, uint32_t number, int64_t period, void *value,

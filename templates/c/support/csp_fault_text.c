@@ -29,58 +29,23 @@ CSP_SILENT(csp_describe_not_written)
 #else
 
 #include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
+
+#include "csp_text.h"
 
 /* ---- Texts ---- */
-
-/* Appends to a text, as much as fits. */
-static void say(char *text, size_t size, const char *more)
-{
-    const size_t length = strlen(text);
-    size_t index = 0;
-    while ((length + index + 1U < size) && (more[index] != '\0')) {
-        text[length + index] = more[index];
-        index++;
-    }
-    text[length + index] = '\0';
-}
-
-static void say_digits(char *text, size_t size, uint64_t value, int least)
-{
-    char digits[24];
-    size_t position = sizeof digits - 1U;
-    uint64_t rest = value;
-    int count = 0;
-    digits[position] = '\0';
-    while ((rest > 0U) || (count < least)) {
-        position--;
-        digits[position] = "0123456789"[rest % 10U];
-        rest /= 10U;
-        count++;
-    }
-    say(text, size, &digits[position]);
-}
 
 static uint64_t magnitude(int64_t value)
 {
     return (value < 0) ? (uint64_t)0 - (uint64_t)value : (uint64_t)value;
 }
 
-static void say_number(char *text, size_t size, int64_t value)
-{
-    say(text, size, (value < 0) ? "-" : "");
-    say_digits(text, size, magnitude(value), 1);
-}
-
 static void say_range(char *text, size_t size, int64_t low, int64_t high)
 {
-    say(text, size, " (");
-    say_number(text, size, low);
-    say(text, size, " .. ");
-    say_number(text, size, high);
-    say(text, size, ")");
+    csp_append(text, size, " (");
+    csp_append_integer(text, size, low);
+    csp_append(text, size, " .. ");
+    csp_append_integer(text, size, high);
+    csp_append(text, size, ")");
 }
 
 /* ---- Numbers that are too large for every type: a sign, and nine decimal digits a limb, the lowest first ---- */
@@ -146,11 +111,11 @@ static void multiply(number *result, int64_t factor)
 static void say_outside_int(char *text, size_t size, const number *value)
 {
     text[0] = '\0';
-    say(text, size, value->negative ? "-" : "");
+    csp_append(text, size, value->negative ? "-" : "");
     for (size_t position = value->count; position > 0U; position--) {
-        say_digits(text, size, value->limbs[position - 1U], (position == value->count) ? 1 : 9);
+        csp_append_digits(text, size, value->limbs[position - 1U], (position == value->count) ? 1 : 9);
     }
-    say(text, size, " is outside int");
+    csp_append(text, size, " is outside int");
     say_range(text, size, INT64_MIN, INT64_MAX);
 }
 
@@ -191,94 +156,60 @@ void csp_describe_power_value(const csp_operands *operands, char *text, size_t s
 void csp_describe_power(const csp_operands *operands, char *text, size_t size)
 {
     text[0] = '\0';
-    say_number(text, size, operands->integers[0]);
-    say(text, size, " ^ ");
-    say_number(text, size, operands->integers[1]);
-    say(text, size, " is outside int");
+    csp_append_integer(text, size, operands->integers[0]);
+    csp_append(text, size, " ^ ");
+    csp_append_integer(text, size, operands->integers[1]);
+    csp_append(text, size, " is outside int");
 }
 
 void csp_describe_negative_exponent(const csp_operands *operands, char *text, size_t size)
 {
     text[0] = '\0';
-    say(text, size, "negative exponent ");
-    say_number(text, size, operands->integers[1]);
-    say(text, size, " of an integer");
+    csp_append(text, size, "negative exponent ");
+    csp_append_integer(text, size, operands->integers[1]);
+    csp_append(text, size, " of an integer");
 }
 
 void csp_describe_division(const csp_operands *operands, char *text, size_t size)
 {
     (void)operands;
     text[0] = '\0';
-    say(text, size, "division by zero");
+    csp_append(text, size, "division by zero");
 }
 
 void csp_describe_real_division(const csp_operands *operands, char *text, size_t size)
 {
     (void)operands;
     text[0] = '\0';
-    say(text, size, "float division by zero");
+    csp_append(text, size, "float division by zero");
 }
 
 void csp_describe_outside(const csp_operands *operands, char *text, size_t size)
 {
     text[0] = '\0';
-    say_number(text, size, operands->integers[0]);
-    say(text, size, " is outside ");
-    say(text, size, operands->name);
+    csp_append_integer(text, size, operands->integers[0]);
+    csp_append(text, size, " is outside ");
+    csp_append(text, size, operands->name);
     say_range(text, size, operands->integers[1], operands->integers[2]);
 }
 
 void csp_describe_index(const csp_operands *operands, char *text, size_t size)
 {
     text[0] = '\0';
-    say(text, size, "index ");
-    say_number(text, size, operands->integers[0]);
-    say(text, size, " is outside 0 .. ");
-    say_number(text, size, operands->integers[1] - 1);
+    csp_append(text, size, "index ");
+    csp_append_integer(text, size, operands->integers[0]);
+    csp_append(text, size, " is outside 0 .. ");
+    csp_append_integer(text, size, operands->integers[1] - 1);
 }
 
-/* ---- Reals, in the fewest digits that say them ---- */
-
-enum { REAL_TEXT = 32 };
-
-/* d.ddde+xx, in as few digits as are read as the same number. */
-static void shortest(double value, char *text)
-{
-    for (int digits = 0; digits < 17; digits++) {
-        (void)snprintf(text, REAL_TEXT, "%.*e", digits, value);
-        if (strtod(text, NULL) == value) {
-            return;
-        }
-    }
-}
-
-/* As every target writes reals: 0.5, 1e+16, -2.0. */
-static void real_text(double value, char *text)
-{
-    if (!isfinite(value)) {
-        (void)snprintf(text, REAL_TEXT, "%s", isnan(value) ? "nan" : ((value < 0.0) ? "-inf" : "inf"));
-        return;
-    }
-    shortest(value, text);
-    char *const mark = strchr(text, 'e');
-    const long exponent = strtol(mark + 1, NULL, 10);
-    const int digits = (int)(mark - text) - ((text[0] == '-') ? 1 : 0);
-    if ((exponent < -4) || (exponent >= 16)) {
-        return;
-    }
-    /* One digit before the point and `digits - 2` behind it; without the exponent there are fewer or more behind. */
-    const int behind = ((digits > 1) ? digits - 2 : 0) - (int)exponent;
-    (void)snprintf(text, REAL_TEXT, "%.*f", (behind > 1) ? behind : 1, value);
-}
+/* ---- Reals ---- */
 
 void csp_describe_real_outside(const csp_operands *operands, char *text, size_t size)
 {
-    char value[REAL_TEXT];
-    real_text(operands->real, value);
     text[0] = '\0';
-    say(text, size, value);
-    say(text, size, isfinite(operands->real) ? " is outside " : " is not in ");
-    say(text, size, operands->name);
+    csp_append_real(text, size, operands->real);
+    csp_append(text, size, isfinite(operands->real) ? " is outside " : " is not in ");
+    csp_append(text, size, operands->name);
     if (isfinite(operands->real)) {
         say_range(text, size, operands->integers[1], operands->integers[2]);
     }
@@ -286,19 +217,17 @@ void csp_describe_real_outside(const csp_operands *operands, char *text, size_t 
 
 void csp_describe_not_finite(const csp_operands *operands, char *text, size_t size)
 {
-    char value[REAL_TEXT];
-    real_text(operands->real, value);
     text[0] = '\0';
-    say(text, size, value);
-    say(text, size, " is written to ");
-    say(text, size, operands->name);
+    csp_append_real(text, size, operands->real);
+    csp_append(text, size, " is written to ");
+    csp_append(text, size, operands->name);
 }
 
 void csp_describe_not_written(const csp_operands *operands, char *text, size_t size)
 {
     text[0] = '\0';
-    say(text, size, operands->name);
-    say(text, size, " is read before it was written");
+    csp_append(text, size, operands->name);
+    csp_append(text, size, " is read before it was written");
 }
 
 #endif

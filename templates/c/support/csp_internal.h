@@ -148,9 +148,23 @@ void csp_interrupt_retract(csp_interrupt *interrupt);
 /* A branch of the body has ended, in whatever way. */
 void csp_body_ended(csp_interrupt *interrupt, bool cancelled);
 void csp_sampled_tick(csp_sampled_input *port);
+/* A tick that has passed together with the next one: the device is not asked. */
+void csp_sampled_skip(csp_sampled_input *port);
 void csp_event_poll(csp_event_input *port);
 void csp_latched_tick(csp_latched_output *output);
 bool csp_sampled_can_come(const csp_sampled_input *port);
-bool csp_event_can_come(const csp_event_input *port);
+/* `interrupts`: handlers may bring events. */
+bool csp_event_can_come(const csp_event_input *port, bool interrupts);
+
+/* ---- Runs ---- */
+
+/* Finds the ports that have instants. */
+void csp_instants_begin(const csp_program *program);
+/* The next instant of a tick, of the grid or of a timer; INT64_MAX: none. */
+int64_t csp_instants_next(void);
+/* What happens then; `present`: so much time has passed already. False: the environment has failed. */
+bool csp_instants_meet(const csp_program *program, int64_t instant, int64_t present);
+/* From here on the outputs have to be released. */
+void csp_begin_driving(const csp_program *program);
 
 #endif

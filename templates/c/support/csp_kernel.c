@@ -16,6 +16,23 @@ static inline csp_party *next_party(void)
     return NULL;
 }
 
+/* So many processes may follow each other in one step before requests to stop are looked at. */
+enum { LONGEST_STEP = 65536 };
+
+/* Goes on with a party until what follows it has to wait. */
+static void run_step(csp_party *first)
+{
+    csp_party *party = first;
+    for (uint32_t count = 0U; (party != NULL) && (count < (uint32_t)LONGEST_STEP); count++) {
+        csp.current = party;
+        csp_measure_party(party->number);
+        party = party->step(party);
+    }
+    if (party != NULL) {
+        csp_enter_front(&csp.ready[(CSP_LEVELS > 1U) ? party->level : 0U], party);
+    }
+}
+
 bool csp_run_ready(uint32_t most)
 {
     csp_party *party = NULL;
@@ -26,11 +43,7 @@ bool csp_run_ready(uint32_t most)
             return false;
         }
         csp_measure_begin();
-        do {
-            csp.current = party;
-            csp_measure_party(party->number);
-            party = party->step(party);
-        } while (party != NULL);
+        run_step(party);
         csp_measure_end();
     }
     csp.current = NULL;

@@ -15,11 +15,12 @@
 #define NANOSECONDS INT64_C(1000000000)
 #define TICK (NANOSECONDS * CSP_CORTEX_M_CYCLES / CSP_CORTEX_M_CLOCK)
 
+#define INTERRUPT_CONTROL (*(volatile uint32_t *)0xE000ED04U)
 #define SYSTICK_CONTROL (*(volatile uint32_t *)0xE000E010U)
 #define SYSTICK_RELOAD (*(volatile uint32_t *)0xE000E014U)
 #define SYSTICK_VALUE (*(volatile uint32_t *)0xE000E018U)
 
-enum { SYSTICK_ENABLED = 1, SYSTICK_INTERRUPTS = 2, SYSTICK_OF_PROCESSOR = 4 };
+enum { SYSTICK_ENABLED = 1, SYSTICK_INTERRUPTS = 2, SYSTICK_OF_PROCESSOR = 4, SYSTICK_PENDING = 1 << 26 };
 
 /* Operations of semihosting. */
 enum { WRITE_TEXT = 0x04, EXIT = 0x18, APPLICATION_EXIT = 0x20026, RUN_TIME_ERROR = 0x20023 };
@@ -27,7 +28,7 @@ enum { WRITE_TEXT = 0x04, EXIT = 0x18, APPLICATION_EXIT = 0x20026, RUN_TIME_ERRO
 const bool csp_port_virtual_time = false;
 
 static volatile uint64_t ticks;
-static uint32_t interrupts_outside;
+static volatile bool woken; /* since the last wait */
 
 static uintptr_t semihost(uintptr_t operation, uintptr_t argument)
 {
@@ -63,30 +64,49 @@ void csp_port_start(void)
     SYSTICK_CONTROL = (uint32_t)SYSTICK_ENABLED | (uint32_t)SYSTICK_INTERRUPTS | (uint32_t)SYSTICK_OF_PROCESSOR;
 }
 
-void csp_port_finish(void)
+void csp_port_finish(const struct csp_program *program)
 {
+    (void)program;
     SYSTICK_CONTROL = 0U;
 }
 
-/* Counted again if a tick came in between. */
+__attribute__((weak)) void csp_port_alive(void)
+{
+}
+
+/* Read again if a tick came in between. Where interrupts are masked, a tick that has passed is not counted yet. */
 int64_t csp_port_now(void)
 {
     uint64_t counted = 0U;
     uint32_t left = 0U;
+    uint32_t control = 0U;
     do {
         counted = ticks;
         left = SYSTICK_VALUE;
-    } while (counted != ticks);
+        control = INTERRUPT_CONTROL;
+    } while ((counted != ticks) || (SYSTICK_VALUE > left));
+    if ((control & (uint32_t)SYSTICK_PENDING) != 0U) {
+        counted++;
+    }
     const int64_t cycles = (left == 0U) ? 0 : ((int64_t)CSP_CORTEX_M_CYCLES - (int64_t)left);
     return ((int64_t)counted * TICK) + (cycles * TICK / CSP_CORTEX_M_CYCLES);
 }
 
-/* Until the next interrupt: a tick, or one that brings an event. */
+/* Until the next interrupt: a tick, or one that brings an event. Masked interrupts end the sleep, too, so that none is missed that comes
+ * just before it. */
 void csp_port_wait_until(int64_t instant)
 {
-    if (csp_port_now() < instant) {
-        __asm__ volatile("wfi");
+    const uint32_t outside = csp_port_enter_critical();
+    if (!woken && (csp_port_now() < instant)) {
+        __asm__ volatile("wfi" : : : "memory");
     }
+    woken = false;
+    csp_port_leave_critical(outside);
+}
+
+void csp_port_wake(void)
+{
+    woken = true;
 }
 
 void csp_port_met(int64_t instant)
@@ -94,16 +114,16 @@ void csp_port_met(int64_t instant)
     (void)instant;
 }
 
-void csp_port_enter_critical(void)
+uint32_t csp_port_enter_critical(void)
 {
     uint32_t masked = 0U;
     __asm__ volatile("mrs %0, primask\n\tcpsid i" : "=r"(masked) : : "memory");
-    interrupts_outside = masked;
+    return masked;
 }
 
-void csp_port_leave_critical(void)
+void csp_port_leave_critical(uint32_t outside)
 {
-    __asm__ volatile("msr primask, %0" : : "r"(interrupts_outside) : "memory");
+    __asm__ volatile("msr primask, %0" : : "r"(outside) : "memory");
 }
 
 void csp_port_fatal(const char *message)

@@ -4,19 +4,24 @@
 
 #include "csp_port.h"
 
+#include <fcntl.h>
 #include <inttypes.h>
+#include <pthread.h>
 #include <sched.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <sys/mman.h>
+#include <sys/select.h>
 #include <time.h>
+#include <unistd.h>
 
 #include "csp_program.h"
+#include "csp_signals.h"
 
 #define NANOSECONDS INT64_C(1000000000)
 
-/* So long a signal that comes just before a wait can stay unnoticed. */
+/* So often csp_port_alive is called while there is nothing to do. */
 #define LONGEST_WAIT (NANOSECONDS / 20)
 
 /* Priority among real-time programs: above most, below the threads of the system. */
@@ -25,12 +30,21 @@ enum { PRIORITY = 60 };
 /* Upper ends of the classes of lateness in nanoseconds, each twice the one before; the last class has no end. */
 enum { CLASSES = 14, FIRST_END = 2000 };
 
+enum { MISSED = 2048 }; /* characters */
+
 const bool csp_port_virtual_time = false;
 
 static int64_t started;
 static bool locked;
 static bool preferred;
-static sigset_t mask_outside; /* critical sections */
+
+/* What wakes writes to one end, and who waits looks at the other. */
+static int wakes[2] = {-1, -1};
+
+/* Events come from handlers of signals and from other threads. */
+static pthread_mutex_t critical = PTHREAD_MUTEX_INITIALIZER;
+static __thread uint32_t depth;         /* of critical sections */
+static __thread sigset_t signals_outside; /* the outermost */
 
 static uint64_t instants;
 static uint64_t in_class[CLASSES];
@@ -44,22 +58,41 @@ static int64_t clock_now(void)
     return ((int64_t)present.tv_sec * NANOSECONDS) + (int64_t)present.tv_nsec;
 }
 
-static void stop(int number)
+static void open_wakes(void)
 {
-    (void)number;
-    csp_request_stop();
+    if (pipe(wakes) != 0) {
+        wakes[0] = -1;
+        wakes[1] = -1;
+        return;
+    }
+    for (uint32_t end = 0U; end < 2U; end++) {
+        (void)fcntl(wakes[end], F_SETFL, O_NONBLOCK);
+        (void)fcntl(wakes[end], F_SETFD, FD_CLOEXEC);
+    }
+}
+
+static void close_wakes(void)
+{
+    const int ends[2] = {wakes[0], wakes[1]};
+    wakes[0] = -1;
+    wakes[1] = -1;
+    for (uint32_t end = 0U; end < 2U; end++) {
+        if (ends[end] >= 0) {
+            (void)close(ends[end]);
+        }
+    }
 }
 
 void csp_port_start(void)
 {
     struct sched_param parameter;
-    struct sigaction action;
     parameter.sched_priority = PRIORITY;
-    action.sa_handler = stop;
-    action.sa_flags = SA_RESTART; /* of writes only: waits end at a signal */
-    (void)sigemptyset(&action.sa_mask);
-    (void)sigaction(SIGINT, &action, NULL);
-    (void)sigaction(SIGTERM, &action, NULL);
+    csp_signals_begin();
+    open_wakes();
+    instants = 0U;
+    (void)memset(in_class, 0, sizeof in_class);
+    latest = 0;
+    total = 0;
     locked = mlockall(MCL_CURRENT | MCL_FUTURE) == 0;
     preferred = sched_setscheduler(0, SCHED_FIFO, &parameter) == 0;
     started = clock_now();
@@ -72,12 +105,40 @@ int64_t csp_port_now(void)
 
 void csp_port_wait_until(int64_t instant)
 {
-    const int64_t longest = csp_port_now() + LONGEST_WAIT;
-    const int64_t until = started + ((instant < longest) ? instant : longest);
-    struct timespec when;
-    when.tv_sec = (time_t)(until / NANOSECONDS);
-    when.tv_nsec = (long)(until % NANOSECONDS);
-    (void)clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &when, NULL);
+    const int64_t present = csp_port_now();
+    const int64_t longest = present + LONGEST_WAIT;
+    const int64_t rest = ((instant < longest) ? instant : longest) - present;
+    struct timespec time_left = {0, 0};
+    fd_set waited;
+    int count = 0;
+    FD_ZERO(&waited);
+    if ((wakes[0] >= 0) && (wakes[0] < FD_SETSIZE)) {
+        FD_SET(wakes[0], &waited);
+        count = wakes[0] + 1;
+    }
+    if (rest > 0) {
+        time_left.tv_nsec = (long)rest;
+    }
+    if (pselect(count, &waited, NULL, NULL, &time_left, NULL) > 0) {
+        char taken[64];
+        while (read(wakes[0], taken, sizeof taken) > 0) {
+            /* One look at what has come is enough for all. */
+        }
+    }
+}
+
+/* A handler of a signal may call it: it does not wait, and where the pipe is full, it wakes already. */
+void csp_port_wake(void)
+{
+    const char wake = 1;
+    if (wakes[1] >= 0) {
+        const ssize_t written = write(wakes[1], &wake, sizeof wake);
+        (void)written;
+    }
+}
+
+__attribute__((weak)) void csp_port_alive(void)
+{
 }
 
 void csp_port_met(int64_t instant)
@@ -97,12 +158,9 @@ void csp_port_met(int64_t instant)
     }
 }
 
-void csp_port_finish(void)
+static void show_lateness(void)
 {
     int64_t end = FIRST_END;
-    if (instants == 0U) {
-        return;
-    }
     (void)fprintf(stderr, "%" PRIu64 " instants, late by %.1f us on average, %.1f us at most (%s, %s)\n", instants,
                   (double)total / (double)instants / 1e3, (double)latest / 1e3,
                   preferred ? "SCHED_FIFO" : "ordinary scheduling: not allowed SCHED_FIFO",
@@ -118,17 +176,45 @@ void csp_port_finish(void)
     }
 }
 
-/* Handlers of signals are the interrupt handlers here. */
-void csp_port_enter_critical(void)
+void csp_port_finish(const struct csp_program *program)
 {
-    sigset_t all;
-    (void)sigfillset(&all);
-    (void)sigprocmask(SIG_BLOCK, &all, &mask_outside);
+    if (instants > 0U) {
+        char text[MISSED] = "";
+        show_lateness();
+        csp_describe_missed(program, text, sizeof text);
+        (void)fprintf(stderr, "  missed samples: %s\n", text);
+    }
+    csp_signals_end();
+    close_wakes();
 }
 
-void csp_port_leave_critical(void)
+/* Handlers of signals, and other threads, are the interrupt handlers here. */
+uint32_t csp_port_enter_critical(void)
 {
-    (void)sigprocmask(SIG_SETMASK, &mask_outside, NULL);
+    static const int never_held[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
+    sigset_t held;
+    sigset_t before;
+    (void)sigfillset(&held);
+    for (uint32_t index = 0U; index < (uint32_t)(sizeof never_held / sizeof never_held[0]); index++) {
+        (void)sigdelset(&held, never_held[index]);
+    }
+    (void)pthread_sigmask(SIG_BLOCK, &held, &before);
+    if (depth == 0U) {
+        signals_outside = before;
+        (void)pthread_mutex_lock(&critical);
+    }
+    depth++;
+    return depth - 1U;
+}
+
+void csp_port_leave_critical(uint32_t outside)
+{
+    depth = outside;
+    if (outside == 0U) {
+        const sigset_t mask = signals_outside;
+        (void)pthread_mutex_unlock(&critical);
+        (void)pthread_sigmask(SIG_SETMASK, &mask, NULL);
+    }
 }
 
 void csp_port_fatal(const char *message)

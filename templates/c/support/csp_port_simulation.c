@@ -10,7 +10,12 @@ void csp_port_start(void)
 {
 }
 
-void csp_port_finish(void)
+void csp_port_finish(const struct csp_program *program)
+{
+    (void)program;
+}
+
+__attribute__((weak)) void csp_port_alive(void)
 {
 }
 
@@ -29,12 +34,18 @@ void csp_port_met(int64_t instant)
     (void)instant;
 }
 
-void csp_port_enter_critical(void)
+void csp_port_wake(void)
 {
 }
 
-void csp_port_leave_critical(void)
+uint32_t csp_port_enter_critical(void)
 {
+    return 0U;
+}
+
+void csp_port_leave_critical(uint32_t outside)
+{
+    (void)outside;
 }
 
 void csp_port_fatal(const char *message)

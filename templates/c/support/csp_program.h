@@ -6,11 +6,18 @@
 #include "csp_external.h"
 
 /* How a run ended. */
-typedef enum csp_ending { CSP_TERMINATED, CSP_FAILED, CSP_DEADLOCK, CSP_TIME_LIMIT, CSP_STOPPED } csp_ending;
+typedef enum csp_ending {
+    CSP_TERMINATED,
+    CSP_FAILED,
+    CSP_DEADLOCK,
+    CSP_TIME_LIMIT,
+    CSP_STOPPED,
+    CSP_NOT_INITIALIZED /* nothing has run: the network has to be built before each run */
+} csp_ending;
 
 /* The plant and the operator, simulated; functions may be NULL. */
 typedef struct csp_environment {
-    int64_t step;                 /* the grid in nanoseconds; 0: none, and event inputs are not polled */
+    int64_t step;                 /* the grid in nanoseconds, on which event inputs are polled; 0: none */
     bool (*start)(void);          /* evaluates the outputs at time 0, before anything runs */
     bool (*advance)(int64_t now); /* goes on to `now` with its inputs held; false: it has failed */
 } csp_environment;
@@ -22,6 +29,7 @@ typedef struct csp_port {
     csp_port_kind kind;
     csp_medium *medium; /* csp_sampled_input, csp_event_input, csp_latched_output or csp_direct_output */
     const void *safe;   /* outputs: what is handed over at the end, whatever that is */
+    const char *name;   /* "Jiwy.control_horizontal", for reports */
 } csp_port;
 
 typedef struct csp_program {
@@ -35,12 +43,21 @@ typedef struct csp_program {
     const char *const *exception_names; /* of the declared ones, from CSP_FIRST_EXCEPTION */
 } csp_program;
 
+/* Called first by what builds a network: nothing is left of an earlier run. */
+void csp_begin_building(void);
+
 /* Runs to the end, or to the instant `until` (negative: for ever), and then hands over the safe values. Afterwards `csp.now` is the time of
  * the end, and `csp.error` tells why it has failed; no exception there: the environment has failed. */
 csp_ending csp_run(const csp_program *program, int64_t until);
 
 /* The run ends soon, with safe values. A signal handler or an interrupt handler may call it. */
 void csp_request_stop(void);
+
+/* Hands the safe values over now, where the run will not come to its end: for handlers of faults of the processor. Each output gets its
+ * own once. */
+void csp_release_outputs(void);
+/* Whether there is a run whose outputs are not released. */
+bool csp_is_driving(void);
 
 /* ---- Reports ---- */
 
@@ -70,6 +87,8 @@ void csp_describe_waiting(const csp_program *program, const csp_waiting_process 
 const char *csp_exception_name(const csp_program *program);
 void csp_describe_message(const csp_program *program, char *text, size_t size);
 void csp_describe_place(const csp_program *program, char *text, size_t size);
+/* The ports whose samples were overwritten untaken, and how many: "level 3, speed 1"; "none". */
+void csp_describe_missed(const csp_program *program, char *text, size_t size);
 void csp_describe_error(const csp_program *program, char *text, size_t size);
 
 #endif

@@ -1,19 +1,6 @@
 /* Who waits for whom, and why a run has failed: texts for people. */
 #include "csp_internal.h"
-
-#include <stdio.h>
-
-/* Appends to a text, which always ends with 0. */
-static void append(char *text, size_t size, const char *more)
-{
-    const size_t length = strlen(text);
-    size_t index = 0U;
-    while (((length + index + 1U) < size) && (more[index] != '\0')) {
-        text[length + index] = more[index];
-        index++;
-    }
-    text[length + index] = '\0';
-}
+#include "csp_text.h"
 
 /* ---- Walking ---- */
 
@@ -157,20 +144,44 @@ bool csp_wait_of(const csp_waiting_process *waiting, uint32_t index, csp_wait_en
     }
 }
 
-/* "1.5 ms" */
-static void show_duration(int64_t duration, char *text, size_t size)
+/* "1.5 ms", to the nanosecond. */
+static void append_duration(int64_t duration, char *text, size_t size)
 {
     static const struct {
         int64_t unit;
         const char *name;
-    } units[] = {{INT64_C(1000000000), "s"}, {INT64_C(1000000), "ms"}, {INT64_C(1000), "us"}};
-    for (size_t index = 0U; index < (sizeof(units) / sizeof(units[0])); index++) {
-        if ((duration >= units[index].unit) || (duration <= -units[index].unit)) {
-            (void)snprintf(text, size, "%.9g %s", (double)duration / (double)units[index].unit, units[index].name);
-            return;
-        }
+    } units[] = {{INT64_C(1000000000), " s"}, {INT64_C(1000000), " ms"}, {INT64_C(1000), " us"}, {1, " ns"}};
+    const uint64_t length = (duration < 0) ? (uint64_t)0 - (uint64_t)duration : (uint64_t)duration;
+    size_t index = 0U;
+    while ((index < 3U) && (length < (uint64_t)units[index].unit)) {
+        index++;
     }
-    (void)snprintf(text, size, (duration == 0) ? "0 s" : "%d ns", (int)duration);
+    uint64_t rest = length % (uint64_t)units[index].unit;
+    csp_append(text, size, (duration < 0) ? "-" : "");
+    csp_append_digits(text, size, length / (uint64_t)units[index].unit, 1);
+    if (rest > 0U) {
+        int digits = 9 - (3 * (int)index);
+        while ((rest % 10U) == 0U) {
+            rest /= 10U;
+            digits--;
+        }
+        csp_append(text, size, ".");
+        csp_append_digits(text, size, rest, digits);
+    }
+    csp_append(text, size, units[index].name);
+}
+
+static void append_channel(const csp_program *program, uint32_t channel, char *text, size_t size)
+{
+    const size_t length = strlen(text);
+    if (program->channel_name != NULL) {
+        program->channel_name(channel, &text[length], size - length);
+    } else if ((channel < program->port_count) && (program->ports[channel].name != NULL)) {
+        csp_append(text, size, program->ports[channel].name);
+    } else {
+        csp_append(text, size, "channel ");
+        csp_append_digits(text, size, channel, 1);
+    }
 }
 
 static void append_process(const csp_program *program, const csp_process *process, const char *inner, char *text,
@@ -180,37 +191,33 @@ static void append_process(const csp_program *program, const csp_process *proces
     if (program->process_name != NULL) {
         program->process_name(process->party.number, &text[length], size - length);
     } else {
-        append(text, size, process->kind->name);
+        csp_append(text, size, process->kind->name);
     }
     if (inner != NULL) {
-        append(text, size, ".");
-        append(text, size, inner);
+        csp_append(text, size, ".");
+        csp_append(text, size, inner);
     }
 }
 
 static void append_entry(const csp_program *program, const csp_wait_entry *entry, char *text, size_t size)
 {
-    append(text, size, entry->words);
+    csp_append(text, size, entry->words);
     if (entry->duration != 0) {
-        append(text, size, " ");
-        show_duration(entry->duration, &text[strlen(text)], size - strlen(text));
+        csp_append(text, size, " ");
+        append_duration(entry->duration, text, size);
     }
     if (entry->named) {
-        append(text, size, " ");
-        if (program->channel_name != NULL) {
-            program->channel_name(entry->channel, &text[strlen(text)], size - strlen(text));
-        } else {
-            (void)snprintf(&text[strlen(text)], size - strlen(text), "channel %lu", (unsigned long)entry->channel);
-        }
+        csp_append(text, size, " ");
+        append_channel(program, entry->channel, text, size);
     }
 }
 
 static void append_place(const char *where, char *text, size_t size)
 {
     if (where != NULL) {
-        append(text, size, " (");
-        append(text, size, where);
-        append(text, size, ")");
+        csp_append(text, size, " (");
+        csp_append(text, size, where);
+        csp_append(text, size, ")");
     }
 }
 
@@ -231,13 +238,13 @@ void csp_describe_waiting(const csp_program *program, const csp_waiting_process 
     csp_wait_entry entry = {"", false, 0U, 0};
     text[0] = '\0';
     append_process(program, waiting->process, waiting->place->inner, text, size);
-    append(text, size, " waits ");
+    csp_append(text, size, " waits ");
     for (uint32_t index = 0U; csp_wait_of(waiting, index, &entry); index++) {
         if (was_told(waiting, index, &entry)) {
             continue;
         }
         if (index > 0U) {
-            append(text, size, " or ");
+            csp_append(text, size, " or ");
         }
         append_entry(program, &entry, text, size);
     }
@@ -250,11 +257,9 @@ void csp_describe_message(const csp_program *program, char *text, size_t size)
     if (csp.error.describe != NULL) {
         csp.error.describe(&csp.error.operands, text, size);
     } else if (csp.error.exception == (uint16_t)CSP_TIMEOUT_EXCEPTION) {
-        append(text, size, "a sample of ");
-        if (program->channel_name != NULL) {
-            program->channel_name((uint32_t)csp.error.operands.integers[0], &text[strlen(text)], size - strlen(text));
-        }
-        append(text, size, " was overwritten before it had been taken");
+        csp_append(text, size, "a sample of ");
+        append_channel(program, (uint32_t)csp.error.operands.integers[0], text, size);
+        csp_append(text, size, " was overwritten before it had been taken");
     } else {
         /* The name of the exception says it. */
     }
@@ -282,8 +287,8 @@ void csp_describe_place(const csp_program *program, char *text, size_t size)
     if (csp.error.process != NULL) {
         append_process(program, csp.error.process, csp.error.inner, text, size);
         if (csp.error.law != NULL) {
-            append(text, size, ".");
-            append(text, size, csp.error.law);
+            csp_append(text, size, ".");
+            csp_append(text, size, csp.error.law);
         }
         append_place((csp.error.place != NULL) ? csp.error.place : csp.error.process->kind->where, text, size);
     }
@@ -292,15 +297,35 @@ void csp_describe_place(const csp_program *program, char *text, size_t size)
 void csp_describe_error(const csp_program *program, char *text, size_t size)
 {
     text[0] = '\0';
-    append(text, size, csp_exception_name(program));
+    csp_append(text, size, csp_exception_name(program));
     const size_t named = strlen(text);
-    append(text, size, ": ");
+    csp_append(text, size, ": ");
     csp_describe_message(program, &text[strlen(text)], size - strlen(text));
     if (text[named + 2U] == '\0') {
         text[named] = '\0';
     }
     if (csp.error.process != NULL) {
-        append(text, size, ", in ");
+        csp_append(text, size, ", in ");
         csp_describe_place(program, &text[strlen(text)], size - strlen(text));
+    }
+}
+
+void csp_describe_missed(const csp_program *program, char *text, size_t size)
+{
+    text[0] = '\0';
+    for (uint32_t index = 0U; index < program->port_count; index++) {
+        const csp_medium *const medium = program->ports[index].medium;
+        const uint32_t missed = (program->ports[index].kind == CSP_PORT_SAMPLED)
+                                    ? ((const csp_sampled_input *)(const void *)medium)->missed
+                                    : 0U;
+        if (missed > 0U) {
+            csp_append(text, size, (text[0] == '\0') ? "" : ", ");
+            append_channel(program, medium->number, text, size);
+            csp_append(text, size, " ");
+            csp_append_digits(text, size, missed, 1);
+        }
+    }
+    if (text[0] == '\0') {
+        csp_append(text, size, "none");
     }
 }

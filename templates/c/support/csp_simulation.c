@@ -4,38 +4,22 @@
 #include "csp_simulation.h"
 
 #include <errno.h>
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <time.h>
 
 #include "csp_arithmetic.h"
+#include "csp_signals.h"
 #include "csp_stream.h"
 
-enum { EXIT_WRONG_OPTION = 2, EXIT_STOPPED = 130, TEXT = 2048 };
+enum { EXIT_WRONG_OPTION = 2, TEXT = 2048 };
 
 typedef struct request {
     const char *environment;
-    int64_t until; /* negative: for ever */
+    int64_t until;  /* negative: for ever */
+    int64_t parent; /* the number of the process with which it ends; 0: none */
     csp_observed observed;
 } request;
-
-static void stop(int number)
-{
-    (void)number;
-    csp_request_stop();
-}
-
-/* Writing goes on after a signal: what the run tells would otherwise end in the middle of a record. */
-static void stop_at_signals(void)
-{
-    struct sigaction action;
-    action.sa_handler = stop;
-    action.sa_flags = SA_RESTART;
-    (void)sigemptyset(&action.sa_mask);
-    (void)sigaction(SIGINT, &action, NULL);
-    (void)sigaction(SIGTERM, &action, NULL);
-}
 
 static double seconds_now(void)
 {
@@ -77,6 +61,8 @@ static bool read_options(int count, char **options, request *asked)
             asked->environment = value;
         } else if (strcmp(option, "--for") == 0) {
             understood = read_duration(value, &asked->until);
+        } else if (strcmp(option, "--parent") == 0) {
+            understood = read_duration(value, &asked->parent);
         } else if (strcmp(option, "--observe") == 0) {
             understood = read_observed(value, &asked->observed);
         } else {
@@ -124,20 +110,9 @@ static void show_waiting(const csp_program *program, const csp_waiting_process *
 
 static void show_missed(const csp_program *program)
 {
-    for (uint32_t index = 0; index < program->port_count; index++) {
-        if (program->ports[index].kind == CSP_PORT_SAMPLED) {
-            const csp_medium *const medium = program->ports[index].medium;
-            const uint32_t missed = ((const csp_sampled_input *)(const void *)medium)->missed;
-            if (missed > 0U) {
-                char name[TEXT] = "";
-                (void)snprintf(name, sizeof name, "port %lu", (unsigned long)medium->number);
-                if (program->channel_name != NULL) {
-                    program->channel_name(medium->number, name, sizeof name);
-                }
-                (void)fprintf(stderr, "  missed samples of %s: %lu\n", name, (unsigned long)missed);
-            }
-        }
-    }
+    char text[TEXT] = "";
+    csp_describe_missed(program, text, sizeof text);
+    (void)fprintf(stderr, "  missed samples: %s\n", text);
 }
 
 /* Of a process, or of the environment, whose faults stay where arithmetic notes them. */
@@ -155,7 +130,7 @@ static void describe_failure(const csp_program *program, char *text, size_t size
 static void show(const csp_program *program, csp_ending ending, double duration)
 {
     static const char *const endings[] = {"ended by itself", "ended unsuccessfully", "deadlock",
-                                          "reached the time limit", "stopped"};
+                                          "reached the time limit", "stopped", "not initialized"};
     const double simulated = csp_seconds(csp.now);
     (void)fprintf(stderr, "%s at %.9g s", endings[ending], simulated);
     if (ending == CSP_FAILED) {
@@ -173,8 +148,7 @@ static void show(const csp_program *program, csp_ending ending, double duration)
 int csp_simulate(int count, char **options, const csp_program *program, const csp_names *names,
                  const csp_scenario *scenarios, uint32_t scenario_count)
 {
-    static const int statuses[] = {EXIT_SUCCESS, EXIT_FAILURE, EXIT_FAILURE, EXIT_SUCCESS, EXIT_STOPPED};
-    request asked = {NULL, -1, CSP_SILENT};
+    request asked = {NULL, -1, 0, CSP_SILENT};
     if (!read_options(count, options, &asked)) {
         return EXIT_WRONG_OPTION;
     }
@@ -193,7 +167,10 @@ int csp_simulate(int count, char **options, const csp_program *program, const cs
     if (scenario->counts_misses) {
         count_misses(&run);
     }
-    stop_at_signals();
+    csp_signals_begin();
+    if (asked.parent != 0) {
+        csp_signals_end_with_parent((long)asked.parent);
+    }
     csp_stream_begin(&run, names, asked.observed);
     const double began = seconds_now();
     const csp_ending ending = csp_run(&run, asked.until);
@@ -203,5 +180,5 @@ int csp_simulate(int count, char **options, const csp_program *program, const cs
     } else {
         show(&run, ending, duration);
     }
-    return statuses[ending];
+    return csp_exit_status(ending);
 }

@@ -26,9 +26,11 @@ typedef struct csp_names {
  *
  *     --environment NAME    the scenario
  *     --for NANOSECONDS     ends at this time
+ *     --parent NUMBER       ends when the process of this number is no longer its parent
  *     --observe all|ports|none    writes what happens to standard output, in the records of csp_stream.h (with CSP_TRACE)
  *
- * The exit status: 0 if the program ended by itself or at its time limit, 1 if it failed or stands still, 2 for a wrong option, 130 if stopped. */
+ * The exit status: 0 if the program ended by itself or at its time limit, 1 if it failed or stands still, 2 for a wrong option; stopped by
+ * a signal 128 and its number. */
 int csp_simulate(int count, char **options, const csp_program *program, const csp_names *names,
                  const csp_scenario *scenarios, uint32_t scenario_count);
 

@@ -78,10 +78,10 @@ int main(void)
 {
     static csp_environment environment = {MS, NULL, advance};
     static const csp_port ports[] = {
-        {CSP_PORT_SAMPLED, &fast.medium, NULL},
-        {CSP_PORT_SAMPLED, &slow.medium, NULL},
-        {CSP_PORT_EVENT, &button.medium, NULL},
-        {CSP_PORT_LATCHED, &drive.medium, &safe},
+        {CSP_PORT_SAMPLED, &fast.medium, NULL, NULL},
+        {CSP_PORT_SAMPLED, &slow.medium, NULL, NULL},
+        {CSP_PORT_EVENT, &button.medium, NULL, NULL},
+        {CSP_PORT_LATCHED, &drive.medium, &safe, NULL},
     };
     const csp_driver in = {NULL, sample, NULL};
     const csp_driver events = {NULL, press, NULL};

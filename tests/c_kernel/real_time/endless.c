@@ -19,7 +19,7 @@ static void press(int number)
     static int64_t pressed;
     (void)number;
     pressed++;
-    csp_event_bring(&button, &pressed, sizeof(pressed));
+    csp_event_bring(&button, &pressed);
 }
 
 static void put(void *device, const void *value)
@@ -43,8 +43,8 @@ static script_list listener = {
 int main(void)
 {
     static const csp_port ports[] = {
-        {CSP_PORT_LATCHED, &drive.medium, &safe},
-        {CSP_PORT_EVENT, &button.medium, NULL},
+        {CSP_PORT_LATCHED, &drive.medium, &safe, NULL},
+        {CSP_PORT_EVENT, &button.medium, NULL, NULL},
     };
     const csp_driver out = {NULL, NULL, put};
     const csp_driver none = {NULL, NULL, NULL};
@@ -52,7 +52,7 @@ int main(void)
     (void)signal(SIGUSR1, press);
     csp_latched_output_init(&drive, 0U, INT64_C(1000000), &drive_value, out);
     csp_event_input_init(&button, 1U, false, &button_value, none);
-    button.brought = &brought_value;
+    csp_event_input_accept(&button, &brought_value, sizeof(brought_value));
     listener[0].medium = &csp_event_reader(NULL, &button)->medium;
     script_init(&scripts[0], 1U, "Top", top);
     script_init(&scripts[1], 2U, "writer", writer);

@@ -63,7 +63,7 @@ class Arithmetic:
         source.write_text(_source())
         # The process that raises is the kernel's concern, and csp_core.h has the type of what faults are about.
         options = ["-std=c99", "-O2", "-ffp-contract=off", "-fPIC", "-shared", f"-I{SUPPORT}"]
-        sources = [source, SUPPORT / "csp_arithmetic.c", SUPPORT / "csp_fault_text.c"]
+        sources = [source, SUPPORT / "csp_arithmetic.c", SUPPORT / "csp_fault_text.c", SUPPORT / "csp_text.c"]
         subprocess.run([compiler, *options, *map(str, sources), "-lm", "-o", str(library)], check=True)
         self._library = ctypes.CDLL(str(library))
 

@@ -9,6 +9,8 @@ static struct commstime commstime;
 void network_initialize(const struct network_drivers *drivers)
 {
     csp_numbers numbers = {.process = 1U, .channel = 0U};
+    csp_begin_building();
+    (void)memset(&commstime, 0, sizeof(commstime));
     (void)drivers;
     commstime_initialize(&commstime, &numbers, 1000);
 }

@@ -9,7 +9,7 @@ struct network_drivers {
     char unused;
 };
 
-/* Builds the network, before it runs. */
+/* Builds the network, before each run. */
 void network_initialize(const struct network_drivers *drivers);
 
 extern const csp_program network_program;

@@ -3,6 +3,7 @@
 #define NETWORK_H
 
 #include "csp.h"
+#include "types.h"
 
 /* A device or a simulated one for every port. */
 struct network_drivers {
@@ -13,8 +14,11 @@ struct network_drivers {
     csp_driver halted;
 };
 
-/* Builds the network, before it runs. */
+/* Builds the network, before each run. */
 void network_initialize(const struct network_drivers *drivers);
+
+/* An interrupt handler brings an event: the latest value counts. */
+void network_bring_panel(enum button value);
 
 extern const csp_program network_program;
 

@@ -23,31 +23,44 @@ static struct {
     double control_horizontal;
     double control_vertical;
 } present;
+static struct {
+    int64_t joystick_buttons;
+} brought; /* by interrupt handlers */
 
 static const double safe_control_horizontal = 0.0;
 static const double safe_control_vertical = 0.0;
 
 static const csp_port port_table[] = {
-    {.kind = CSP_PORT_SAMPLED, .medium = &external.joystick_horizontal.medium},
-    {.kind = CSP_PORT_SAMPLED, .medium = &external.joystick_vertical.medium},
-    {.kind = CSP_PORT_EVENT, .medium = &external.joystick_buttons.medium},
-    {.kind = CSP_PORT_SAMPLED, .medium = &external.feedback_horizontal.medium},
-    {.kind = CSP_PORT_SAMPLED, .medium = &external.feedback_vertical.medium},
+    {.kind = CSP_PORT_SAMPLED, .medium = &external.joystick_horizontal.medium,
+            .name = "Jiwy.joystick_horizontal"},
+    {.kind = CSP_PORT_SAMPLED, .medium = &external.joystick_vertical.medium,
+            .name = "Jiwy.joystick_vertical"},
+    {.kind = CSP_PORT_EVENT, .medium = &external.joystick_buttons.medium,
+            .name = "Jiwy.joystick_buttons"},
+    {.kind = CSP_PORT_SAMPLED, .medium = &external.feedback_horizontal.medium,
+            .name = "Jiwy.feedback_horizontal"},
+    {.kind = CSP_PORT_SAMPLED, .medium = &external.feedback_vertical.medium,
+            .name = "Jiwy.feedback_vertical"},
     {.kind = CSP_PORT_LATCHED, .medium = &external.control_horizontal.medium,
-            .safe = &safe_control_horizontal},
+            .safe = &safe_control_horizontal, .name = "Jiwy.control_horizontal"},
     {.kind = CSP_PORT_LATCHED, .medium = &external.control_vertical.medium,
-            .safe = &safe_control_vertical}
+            .safe = &safe_control_vertical, .name = "Jiwy.control_vertical"}
 };
 
 void network_initialize(const struct network_drivers *drivers)
 {
     csp_numbers numbers = {.process = 1U, .channel = 0U};
+    csp_begin_building();
+    (void)memset(&jiwy, 0, sizeof(jiwy));
+    (void)memset(&external, 0, sizeof(external));
     csp_sampled_input_init(&external.joystick_horizontal, 0U, 2 * CSP_MS,
             &present.joystick_horizontal, drivers->joystick_horizontal);
     csp_sampled_input_init(&external.joystick_vertical, 1U, 1 * CSP_MS, &present.joystick_vertical,
             drivers->joystick_vertical);
     csp_event_input_init(&external.joystick_buttons, 2U, true, &present.joystick_buttons,
             drivers->joystick_buttons);
+    csp_event_input_accept(&external.joystick_buttons, &brought.joystick_buttons,
+            sizeof(brought.joystick_buttons));
     csp_sampled_input_init(&external.feedback_horizontal, 3U, 2 * CSP_MS,
             &present.feedback_horizontal, drivers->feedback_horizontal);
     csp_sampled_input_init(&external.feedback_vertical, 4U, 1 * CSP_MS, &present.feedback_vertical,
@@ -67,6 +80,11 @@ void network_initialize(const struct network_drivers *drivers)
         .feedback_vertical = &external.feedback_vertical,
         .control_horizontal = &external.control_horizontal,
         .control_vertical = &external.control_vertical});
+}
+
+void network_bring_joystick_buttons(int64_t value)
+{
+    csp_event_bring(&external.joystick_buttons, &value);
 }
 
 /* Names are built in where communications are reported. */

@@ -3,6 +3,7 @@
 #define NETWORK_H
 
 #include "csp.h"
+#include "types.h"
 
 /* A device or a simulated one for every port. */
 struct network_drivers {
@@ -15,8 +16,11 @@ struct network_drivers {
     csp_driver control_vertical;
 };
 
-/* Builds the network, before it runs. */
+/* Builds the network, before each run. */
 void network_initialize(const struct network_drivers *drivers);
+
+/* An interrupt handler brings an event: the latest value counts. */
+void network_bring_joystick_buttons(int64_t value);
 
 extern const csp_program network_program;
 

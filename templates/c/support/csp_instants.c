@@ -1,0 +1,171 @@
+/* What happens at an instant before any process runs.
+ *
+ * The environment advances; events are offered and samples taken, in the order of the ports; latched outputs are handed over; then
+ * timers fall due.
+ */
+#include "csp_internal.h"
+
+/* Where nothing else says how often event inputs are polled. */
+#define GRID_WITHOUT_PERIODS INT64_C(1000000)
+
+static int64_t grid;      /* on which the environment is evaluated and event inputs are polled; 0: none */
+static int64_t next_grid; /* INT64_MAX: none */
+static int64_t next_tick; /* of a port or the grid */
+
+/* Where the inputs and the latched outputs stand among the ports: from a number on, to before another. */
+typedef struct range {
+    uint32_t from;
+    uint32_t to;
+} range;
+
+static range inputs;
+static range outputs;
+
+static int64_t earlier(int64_t one, int64_t other)
+{
+    return (one < other) ? one : other;
+}
+
+static void extend(range *ports, uint32_t index)
+{
+    if (ports->to == 0U) {
+        ports->from = index;
+    }
+    ports->to = index + 1U;
+}
+
+/* The period of a port, 0: it has none; and whether the port is an event input that is polled. */
+static int64_t period_of(const csp_port *port)
+{
+    switch (port->kind) {
+    case CSP_PORT_SAMPLED:
+        return ((const csp_sampled_input *)(const void *)port->medium)->period;
+    case CSP_PORT_LATCHED:
+        return ((const csp_latched_output *)(const void *)port->medium)->period;
+    default:
+        return 0;
+    }
+}
+
+static bool is_polled(const csp_port *port)
+{
+    return (port->kind == CSP_PORT_EVENT) &&
+           (((const csp_event_input *)(const void *)port->medium)->driver.read != NULL);
+}
+
+static int64_t common_divisor(int64_t one, int64_t other)
+{
+    int64_t greater = one;
+    int64_t rest = other;
+    while (rest != 0) {
+        const int64_t next = greater % rest;
+        greater = rest;
+        rest = next;
+    }
+    return greater;
+}
+
+/* The step of the environment; own devices are asked for events as often as all samples together come. */
+static int64_t grid_of(const csp_program *program)
+{
+    int64_t divisor = 0;
+    bool polled = false;
+    if (program->environment != NULL) {
+        return program->environment->step;
+    }
+    for (uint32_t index = 0U; index < program->port_count; index++) {
+        polled = polled || is_polled(&program->ports[index]);
+        divisor = common_divisor(divisor, period_of(&program->ports[index]));
+    }
+    if (!polled) {
+        return 0;
+    }
+    return (divisor > 0) ? divisor : GRID_WITHOUT_PERIODS;
+}
+
+void csp_instants_begin(const csp_program *program)
+{
+    grid = grid_of(program);
+    next_grid = (grid > 0) ? grid : INT64_MAX;
+    next_tick = next_grid;
+    inputs.to = 0U;
+    outputs.to = 0U;
+    for (uint32_t index = 0U; index < program->port_count; index++) {
+        const csp_port *const port = &program->ports[index];
+        if ((port->kind == CSP_PORT_SAMPLED) || (port->kind == CSP_PORT_EVENT)) {
+            extend(&inputs, index);
+        } else if (port->kind == CSP_PORT_LATCHED) {
+            extend(&outputs, index);
+        } else {
+            /* It has no instants. */
+        }
+        if (period_of(port) > 0) {
+            next_tick = earlier(next_tick, period_of(port));
+        }
+    }
+}
+
+int64_t csp_instants_next(void)
+{
+    return earlier(next_tick, csp_timer_next());
+}
+
+/* Of several ticks that have passed only the last one asks the device: a late sample is none of the instants before. */
+static void inputs_meet(const csp_program *program, int64_t instant, int64_t present)
+{
+    const bool polls = (next_grid == instant) && ((next_grid + grid) > present);
+    for (uint32_t index = inputs.from; index < inputs.to; index++) {
+        const csp_port *const port = &program->ports[index];
+        if (port->kind == CSP_PORT_SAMPLED) {
+            csp_sampled_input *const input = (csp_sampled_input *)(void *)port->medium;
+            if (input->next == instant) {
+                input->next += input->period;
+                if (input->next > present) {
+                    csp_sampled_tick(input);
+                } else {
+                    csp_sampled_skip(input);
+                }
+            }
+            next_tick = earlier(next_tick, input->next);
+        } else if ((port->kind == CSP_PORT_EVENT) && polls) {
+            csp_event_poll((csp_event_input *)(void *)port->medium);
+        } else {
+            /* It has no instant now. */
+        }
+    }
+}
+
+static void outputs_meet(const csp_program *program, int64_t instant)
+{
+    for (uint32_t index = outputs.from; index < outputs.to; index++) {
+        const csp_port *const port = &program->ports[index];
+        if (port->kind == CSP_PORT_LATCHED) {
+            csp_latched_output *const output = (csp_latched_output *)(void *)port->medium;
+            if (output->next == instant) {
+                output->next += output->period;
+                csp_latched_tick(output);
+            }
+            next_tick = earlier(next_tick, output->next);
+        }
+    }
+}
+
+bool csp_instants_meet(const csp_program *program, int64_t instant, int64_t present)
+{
+    csp.now = instant;
+    if (instant == next_tick) {
+        if ((program->environment != NULL) && (program->environment->advance != NULL) &&
+            !program->environment->advance(instant)) {
+            return false;
+        }
+        next_tick = INT64_MAX;
+        inputs_meet(program, instant, present);
+        if (next_grid == instant) {
+            next_grid += grid;
+        }
+        outputs_meet(program, instant);
+        next_tick = earlier(next_tick, next_grid);
+    }
+    csp_timers_fall_due(instant);
+    return true;
+}

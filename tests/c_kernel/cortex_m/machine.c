@@ -1,0 +1,175 @@
+/* The machine of devices/machine.csp on the emulated board: its button is a real interrupt, that of a timer, and texts go to its serial
+ * line. TROUBLE says what is wrong. */
+#include "csp_external.h"
+#include "csp_port.h"
+#include "network.h"
+
+#define TIMER_CONTROL (*(volatile uint32_t *)0x40000000U)
+#define TIMER_VALUE (*(volatile uint32_t *)0x40000004U)
+#define TIMER_RELOAD (*(volatile uint32_t *)0x40000008U)
+#define TIMER_CLEAR (*(volatile uint32_t *)0x4000000CU)
+#define SERIAL_DATA (*(volatile uint32_t *)0x40004000U)
+#define SERIAL_CONTROL (*(volatile uint32_t *)0x40004008U)
+#define SERIAL_DIVISOR (*(volatile uint32_t *)0x40004010U)
+#define ENABLED_INTERRUPTS (*(volatile uint32_t *)0xE000E100U)
+
+enum { OF_TIMER = 8, TIMER_RUNS = 9, CYCLES = 25000 * 21, SERIAL_SENDS = 1, NOWHERE = 0x60000000 };
+
+static int polled;
+static int sampled;
+static int turns;
+
+static bool is(const char *name)
+{
+    return strcmp(TROUBLE, name) == 0;
+}
+
+static void write_text(const char *text)
+{
+    SERIAL_DIVISOR = 16U;
+    SERIAL_CONTROL = SERIAL_SENDS;
+    for (const char *at = text; *at != '\0'; at++) {
+        SERIAL_DATA = (uint32_t)*at;
+    }
+}
+
+static void say(const char *word, int number)
+{
+    char text[2] = {(char)('0' + (number % 10)), '\0'};
+    write_text(word);
+    if (number > 9) {
+        char tens[2] = {(char)('0' + (number / 10 % 10)), '\0'};
+        write_text(tens);
+    }
+    write_text(text);
+    write_text("\n");
+}
+
+static void fault(void)
+{
+    *(volatile uint32_t *)NOWHERE = 1U;
+}
+
+static void on_timer(void)
+{
+    TIMER_CLEAR = 1U;
+    TIMER_CONTROL = 0U;
+    if (is("fault in an interrupt")) {
+        fault();
+    }
+    network_bring_button(true);
+}
+
+extern void (*const interrupts[])(void);
+void (*const interrupts[])(void) __attribute__((section(".vectors.devices"), used)) = {[OF_TIMER] = on_timer};
+
+void csp_port_alive(void)
+{
+    turns++;
+}
+
+static bool read_button(void *device, void *value)
+{
+    (void)device;
+    polled++;
+    *(bool *)value = true;
+    return polled == 10;
+}
+
+static bool read_level(void *device, void *value)
+{
+    (void)device;
+    sampled++;
+    *(double *)value = 3.0;
+    if (sampled == 5) {
+        if (is("fault") || is("fault in a safe value")) {
+            fault();
+        } else if (is("undefined instruction")) {
+            __asm__ volatile("udf #0");
+        } else if (is("unexpected interrupt")) {
+            *(volatile uint32_t *)0xE000ED04U = 1U << 28U; /* PendSV */
+        } else {
+            /* It goes on. */
+        }
+    }
+    if (is("slow")) {
+        const int64_t began = csp_port_now();
+        while (csp_port_now() - began < 3000000) {
+        }
+    }
+    return true;
+}
+
+static void write_drive(void *device, const void *value)
+{
+    (void)device;
+    if (*(const double *)value < 0.0) {
+        write_text("released drive\n");
+        if (is("fault in a safe value")) {
+            fault();
+        }
+    }
+}
+
+static void write_lamp(void *device, const void *value)
+{
+    (void)device;
+    write_text(*(const bool *)value ? "lamp\n" : "released lamp\n");
+}
+
+static uint32_t masked(void)
+{
+    uint32_t mask = 0U;
+    __asm__ volatile("mrs %0, primask" : "=r"(mask));
+    return mask;
+}
+
+static void look_at_critical_sections(void)
+{
+    const uint32_t outer = csp_port_enter_critical();
+    const uint32_t inner = csp_port_enter_critical();
+    csp_port_leave_critical(inner);
+    say("masked in between ", (int)masked());
+    csp_port_leave_critical(outer);
+    say("masked behind ", (int)masked());
+}
+
+static void run(void)
+{
+    const struct network_drivers drivers = {
+        .button = {.read = (is("polled") || is("twice")) ? read_button : NULL},
+        .level = {.read = read_level},
+        .drive = {.write = write_drive},
+        .lamp = {.write = write_lamp},
+    };
+    char text[100] = "";
+    polled = 0;
+    sampled = 0;
+    network_initialize(&drivers);
+    TIMER_RELOAD = (uint32_t)CYCLES;
+    TIMER_VALUE = (uint32_t)CYCLES;
+    TIMER_CONTROL = TIMER_RUNS;
+    const csp_ending ending = csp_run(&network_program, INT64_C(1000000000));
+    say("sampled ", sampled);
+    say("ending ", (int)ending);
+    if (ending == CSP_FAILED) {
+        csp_describe_error(&network_program, text, sizeof text);
+        write_text(text);
+        write_text("\n");
+    }
+}
+
+int main(void)
+{
+    look_at_critical_sections();
+    if (strncmp(TROUBLE, "pressed", 7U) == 0 || is("fault in an interrupt")) {
+        ENABLED_INTERRUPTS = 1U << OF_TIMER;
+    }
+    run();
+    if (is("twice")) {
+        run();
+    }
+    say("alive ", turns > 5);
+    write_text("end\n");
+    return 0;
+}

@@ -1,0 +1,211 @@
+/* The machine with devices of a test: the argument says what they do wrong. What happens is written by `write` alone, which handlers of
+ * signals may call. */
+#define _XOPEN_SOURCE 700
+
+#include <pthread.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "csp_internal.h"
+#include "csp_port.h"
+#include "csp_signals.h"
+#include "network.h"
+
+enum { NUMBER = 24 };
+
+static const char *trouble;
+static int polled;
+static int sampled;
+static volatile int turns;
+static volatile uintptr_t zero;
+
+static bool is(const char *name)
+{
+    return strcmp(trouble, name) == 0;
+}
+
+static void say(const char *word, long number)
+{
+    char digits[NUMBER];
+    char text[2 * NUMBER] = "";
+    long rest = (number < 0) ? -number : number;
+    size_t at = sizeof digits - 1U;
+    digits[at] = '\0';
+    do {
+        at--;
+        digits[at] = "0123456789"[rest % 10];
+        rest /= 10;
+    } while (rest > 0);
+    (void)strcat(strcat(strcat(strcat(text, word), (number < 0) ? " -" : " "), &digits[at]), "\n");
+    if (write(STDOUT_FILENO, text, strlen(text)) < 0) {
+        _exit(EXIT_FAILURE);
+    }
+}
+
+void csp_port_alive(void)
+{
+    turns++;
+}
+
+static void pass(long milliseconds)
+{
+    const struct timespec duration = {milliseconds / 1000, (milliseconds % 1000) * 1000000};
+    (void)nanosleep(&duration, NULL);
+}
+
+static void hang(void)
+{
+    for (;;) {
+        pass(1000);
+    }
+}
+
+static int overflow(int depth)
+{
+    volatile char frame[4096];
+    frame[0] = (char)depth;
+    return (depth < 0) ? frame[0] : (overflow(depth + 1) + frame[0]);
+}
+
+static void press(int number)
+{
+    (void)number;
+    network_bring_button(true);
+}
+
+static void *press_later(void *nothing)
+{
+    pass(20);
+    network_bring_button(true);
+    return nothing;
+}
+
+static bool read_button(void *device, void *value)
+{
+    (void)device;
+    polled++;
+    *(bool *)value = true;
+    return is("polled") && (polled == 10);
+}
+
+static bool read_level(void *device, void *value)
+{
+    (void)device;
+    sampled++;
+    *(double *)value = 3.0;
+    if (sampled == 5) {
+        say("drives", 5);
+        if (is("read hangs")) {
+            hang();
+        } else if (is("segmentation")) {
+            *(volatile int *)zero = 1;
+        } else if (is("overflow")) {
+            say("deep", overflow(0));
+        } else if (is("division")) {
+            (void)raise(SIGFPE);
+        } else if (is("abort")) {
+            abort();
+        } else if (is("exit")) {
+            exit(7);
+        } else if (is("pressed by a signal")) {
+            (void)raise(SIGUSR1);
+        } else {
+            /* It goes on. */
+        }
+    }
+    if (is("slow")) {
+        pass(3);
+    }
+    return true;
+}
+
+static void write_drive(void *device, const void *value)
+{
+    (void)device;
+    if (*(const double *)value < 0.0) {
+        say("released drive", (long)*(const double *)value);
+        if (is("safe value crashes")) {
+            *(volatile int *)zero = 1;
+        } else if (is("safe value hangs")) {
+            hang();
+        } else {
+            /* It is safe. */
+        }
+    }
+}
+
+static void write_lamp(void *device, const void *value)
+{
+    (void)device;
+    say(*(const bool *)value ? "lamp" : "released lamp", (long)*(const bool *)value);
+}
+
+/* Sections in sections leave everything as it was. */
+static void look_at_critical_sections(void)
+{
+    sigset_t mask;
+    const uint32_t outer = csp_port_enter_critical();
+    const uint32_t inner = csp_port_enter_critical();
+    csp_port_leave_critical(inner);
+    (void)pthread_sigmask(SIG_BLOCK, NULL, &mask);
+    say("masked in between", sigismember(&mask, SIGUSR1));
+    csp_port_leave_critical(outer);
+    (void)pthread_sigmask(SIG_BLOCK, NULL, &mask);
+    say("masked behind", sigismember(&mask, SIGUSR1));
+}
+
+static csp_ending run(bool built)
+{
+    static const struct network_drivers polling = {
+        .button = {.read = read_button},
+        .level = {.read = read_level},
+        .drive = {.write = write_drive},
+        .lamp = {.write = write_lamp},
+    };
+    struct network_drivers drivers = polling;
+    if (strncmp(trouble, "pressed", 7U) == 0) {
+        drivers.button.read = NULL;
+    }
+    polled = 0;
+    sampled = 0;
+    if (built) {
+        network_initialize(&drivers);
+        if (!is("slow")) { /* the machine of a test may be late */
+            ((csp_sampled_input *)(void *)network_program.ports[1].medium)->counts = true;
+        }
+    }
+    const csp_ending ending = csp_run(&network_program, is("polled") ? -1 : INT64_C(60000000000));
+    say("sampled", sampled);
+    say("polled", polled);
+    say("ending", (long)ending);
+    return ending;
+}
+
+int main(int count, char **arguments)
+{
+    char text[200] = "";
+    pthread_t thread;
+    csp_ending ending = CSP_FAILED;
+    trouble = (count > 1) ? arguments[1] : "";
+    (void)signal(SIGUSR1, press);
+    if (is("critical")) {
+        look_at_critical_sections();
+        return 0;
+    }
+    if (is("pressed by a thread")) {
+        (void)pthread_create(&thread, NULL, press_later, NULL);
+    }
+    ending = run(true);
+    if (count > 2) { /* once more */
+        ending = run(arguments[2][0] == 'b');
+    }
+    if (ending == CSP_FAILED) {
+        csp_describe_error(&network_program, text, sizeof text);
+        (void)strcat(text, "\n");
+        (void)!write(STDOUT_FILENO, text, strlen(text));
+    }
+    say("alive", turns > 5);
+    return csp_exit_status(ending);
+}

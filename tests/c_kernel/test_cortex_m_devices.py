@@ -1,0 +1,107 @@
+"""A generated program with own devices on an emulated board: events from a real interrupt, faults of the processor, no heap.
+
+The emulator counts instructions for its clock, so that the run does not depend on the machine of the test.
+"""
+
+from __future__ import annotations
+
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from cspdiag import pipeline
+from tests.c_kernel.building import HERE, HOSTED, need, run
+from tests.c_kernel.test_cortex_m import CLOCK, FLAGS, LINKED, MACHINE, PROCESSOR
+from tests.conformance.sources import network_of, read
+
+BOTH = ["released drive", "released lamp"]
+
+
+@pytest.fixture(scope="module")
+def package(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    need("arm-none-eabi-gcc", "qemu-system-arm")
+    folder = tmp_path_factory.mktemp("board")
+    machine = network_of(read(str(HERE / "devices" / "machine.csp")))
+    for path, text in pipeline.generate(machine, read, "c").items():
+        (folder / path).parent.mkdir(parents=True, exist_ok=True)
+        (folder / path).write_text(text)
+    hosted = {*HOSTED, "csp_port_simulation.c", "csp_port_posix.c", "main_simulation.c"}
+    sources = [file for file in sorted(folder.rglob("*.c")) if file.name not in hosted]
+    run("arm-none-eabi-gcc", *compiling(folder), "-c", *sources, cwd=folder)
+    return folder
+
+
+def compiling(folder: Path) -> tuple[str, ...]:
+    return (*PROCESSOR, *FLAGS, "-Werror", f"-I{folder}", f"-I{folder / 'support'}")
+
+
+def image(package: Path, trouble: str) -> Path:
+    made = package / f"{trouble.replace(' ', '_')}.elf"
+    source = HERE / "cortex_m" / "machine.c"
+    definition = f'-DTROUBLE="{trouble}"'
+    objects = sorted(package.glob("*.o"))
+    run("arm-none-eabi-gcc", *compiling(package), definition, source, *objects, *LINKED, "-o", made)
+    return made
+
+
+def emulated(package: Path, trouble: str) -> tuple[int, list[str]]:
+    """The status of the emulator, and what came by the serial line."""
+    command = [*MACHINE, *CLOCK, "-kernel", image(package, trouble)]
+    completed = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+    return completed.returncode, completed.stdout.splitlines()
+
+
+def releases(lines: list[str]) -> list[str]:
+    return [line for line in lines if line.startswith("released")]
+
+
+def test_an_interrupt_brings_an_event_to_a_sleeping_program(package: Path) -> None:
+    status, lines = emulated(package, "pressed")
+    assert status == 0
+    assert lines[:5] == ["masked in between 1", "masked behind 0", "lamp", *BOTH]
+    assert int(lines[5].removeprefix("sampled ")) > 0
+    assert lines[6:] == ["ending 0", "alive 1", "end"]
+
+
+def test_an_event_input_is_polled(package: Path) -> None:
+    _, lines = emulated(package, "polled")
+    assert lines[2:-2] == ["lamp", *BOTH, "sampled 10", "ending 0"]
+
+
+def test_a_network_that_is_built_again_runs_again(package: Path) -> None:
+    _, lines = emulated(package, "twice")
+    assert lines[2:-2] == ["lamp", *BOTH, "sampled 10", "ending 0"] * 2
+
+
+def test_a_device_slower_than_its_period_misses_samples(package: Path) -> None:
+    _, lines = emulated(package, "slow")
+    assert releases(lines) == BOTH
+    assert "ending 1" in lines
+    assert any(line.startswith("Timeout: a sample of Machine.level was overwritten") for line in lines), lines
+
+
+@pytest.mark.parametrize(
+    "trouble",
+    ["fault", "undefined instruction", "unexpected interrupt", "fault in an interrupt", "fault in a safe value"],
+)
+def test_a_fault_of_the_processor_releases_the_outputs(package: Path, trouble: str) -> None:
+    status, lines = emulated(package, trouble)
+    assert status == 1
+    assert lines[2:] == BOTH
+
+
+def test_firmware_has_no_heap(package: Path) -> None:
+    symbols = run("arm-none-eabi-nm", image(package, "pressed")).split()
+    assert "csp_describe_error" in symbols
+    assert not {"malloc", "_malloc_r", "free", "_free_r", "sbrk", "_sbrk", "_sbrk_r", "snprintf", "strtod"} & {*symbols}
+
+
+def test_without_a_debugger_the_program_goes_on(package: Path) -> None:
+    """What is written for debuggers is then a fault of the processor, which is no fault of the program."""
+    command = ["qemu-system-arm", "-machine", "mps2-an385", "-nographic", *CLOCK, "-kernel", image(package, "fault")]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        lines = [process.stdout.readline().strip() for _ in range(4)]
+        process.kill()
+    assert lines[2:] == BOTH
