@@ -25,6 +25,7 @@ from cspdiag.cli.failure import (
     UsageError,
     described,
 )
+from cspdiag.cli.terminal import put
 
 VERBS = {
     "check": "find everything that is wrong with programs",
@@ -76,9 +77,10 @@ class _HelpFormatter(RawDescriptionHelpFormatter):
 def main(arguments: Sequence[str] | None = None) -> int:
     """Carry out a command line (default: that of this process) and return its exit code."""
     given = list(sys.argv[1:] if arguments is None else arguments)
+    code = FINE
     try:
         _accept_any_character()
-        code = _dispatch(given)
+        code = _dispatch(given, whole_process=arguments is None)
         sys.stdout.flush()
     except UsageError as problem:
         return _refuse(str(problem))
@@ -88,18 +90,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         return INTERRUPTED
     except BrokenPipeError:
-        # The interpreter flushes standard output once more when it ends.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return BROKEN_PIPE
+        _drop_broken_output()
+        return code or BROKEN_PIPE
     except OSError as problem:
-        return _refuse(described(problem))
+        _drop_broken_output()
+        return code or _refuse(described(problem))
     except SystemExit as end:
         return end.code if isinstance(end.code, int) else FINE
     except Exception as problem:
         from cspdiag.cli.internal import describe
         from cspdiag.diagnostics.snippet import printable
 
-        sys.stderr.write(printable(describe(problem, given)))
+        put(printable(describe(problem, given)))
         return INTERNAL_ERROR
     return code
 
@@ -123,7 +125,7 @@ def verb_parser(verb: str) -> ArgumentParser:
     return parser
 
 
-def _dispatch(given: list[str]) -> int:
+def _dispatch(given: list[str], *, whole_process: bool) -> int:
     if not given or given[0] in {"-h", "--help", "help"}:
         sys.stdout.write(_overview())
         return FINE if given else WRONG_USAGE
@@ -133,16 +135,17 @@ def _dispatch(given: list[str]) -> int:
     verb = given[0]
     if verb not in VERBS:
         raise UsageError(_unknown(verb))
-    return _run(verb, given[1:])
+    return _run(verb, given[1:], whole_process)
 
 
-def _run(verb: str, options: list[str]) -> int:
+def _run(verb: str, options: list[str], whole_process: bool) -> int:
     """Carries out a verb; all but a simulation do without garbage collection, as a compiler makes no cycles worth looking for."""
     collects = gc.isenabled()
     if verb != "run":
         gc.disable()
     try:
-        return _module(verb).run(verb_parser(verb).parse_args(options))
+        given = verb_parser(verb).parse_args(options, Namespace(whole_process=whole_process))
+        return _module(verb).run(given)
     finally:
         if collects:
             gc.enable()
@@ -176,8 +179,16 @@ def _refuse(message: str, *, lines: bool = False) -> int:
     from cspdiag.diagnostics.snippet import printable
 
     text = printable(message) if lines else " ".join(printable(message).split("\n"))
-    sys.stderr.write(f"cspdiag: {text}\n")
+    put(f"cspdiag: {text}\n")
     return WRONG_USAGE
+
+
+def _drop_broken_output() -> None:
+    """The interpreter flushes standard output once more when it ends."""
+    try:
+        sys.stdout.flush()
+    except OSError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _accept_any_character() -> None:

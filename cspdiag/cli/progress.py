@@ -12,6 +12,8 @@ from collections.abc import Sequence
 from types import TracebackType
 from typing import TYPE_CHECKING, Protocol
 
+from cspdiag.cli.terminal import put
+
 if TYPE_CHECKING:
     from cspdiag.simulate.modes import ModeGroup
     from cspdiag.simulate.recorder import Recorder
@@ -62,14 +64,12 @@ class Progress:
         self._ended.set()
         self._thread.join()
         if self._is_terminal:
-            sys.stderr.write("\r\x1b[K")
-            sys.stderr.flush()
+            put("\r\x1b[K")
 
     def _show(self) -> None:
         while not self._ended.wait(self._interval):
             if self._network is not None:
-                sys.stderr.write(f"\r\x1b[K{self.line()}" if self._is_terminal else f"{self.line()}\n")
-                sys.stderr.flush()
+                put(f"\r\x1b[K{self.line()}" if self._is_terminal else f"{self.line()}\n")
                 self.written += 1
 
     def line(self) -> str:

@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-import signal
+import os
 from argparse import ArgumentParser, Namespace
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from cspdiag.cli.failure import FINE, INTERRUPTED, UNSUCCESSFUL, NoResultError, UsageError
+from cspdiag.cli.failure import UNSUCCESSFUL, NoResultError, UsageError
 from cspdiag.cli.terminal import say, show_diagnostics
 from cspdiag.cli.written import require_file
 from cspdiag.sources import read_source
 
 if TYPE_CHECKING:
     from cspdiag.cli.progress import Running
-    from cspdiag.model.program import Program
     from cspdiag.network.ir import Network
     from cspdiag.pipeline import Built
     from cspdiag.simulate.recorder import Recorder
@@ -92,8 +91,27 @@ def run(arguments: Namespace) -> int:
         return UNSUCCESSFUL
     if until is None and not arguments.quiet:
         _tell_of_no_end(built.network)
-    result = _simulate(arguments, built.network, until)
-    return _conclude(arguments, result, built.checked.program)
+    from cspdiag.cli.conclude import conclude
+    from cspdiag.runtime.stopping import Stopped, name_of_signal, stopping
+
+    with stopping.until_exit() if arguments.whole_process else stopping:
+        if arguments.whole_process:
+            stopping.last_resort = _end_by_force
+        try:
+            result = _simulate(arguments, built.network, until)
+        except Stopped as stopped:
+            say(f"cspdiag: stopped by {name_of_signal(stopped.signal)} before the run began")
+            return stopped.exit_code
+        return conclude(arguments, result, built.checked.program)
+
+
+def _end_by_force(errors: Sequence[BaseException]) -> None:
+    """The main thread does not come back from a driver; the outputs have been released from another one."""
+    from cspdiag.runtime.exceptions import described
+
+    for error in errors:
+        say(f"cspdiag: {described(error)}")
+    os._exit(UNSUCCESSFUL)
 
 
 def _require_matplotlib() -> None:
@@ -134,8 +152,6 @@ def _simulate(arguments: Namespace, network: Network, until: int | None) -> Run:
     from cspdiag.simulate.recorder import Recorder
 
     simulate = _simulate_native if arguments.target == "c" else _simulate_in_python
-    # What ends a service ends a run as Ctrl-C does: with its outputs released.
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
     outputs = (arguments.record, arguments.trace, arguments.plot)
     recorder = Recorder(communications=any(path is not None for path in outputs))
     progress = None
@@ -164,16 +180,18 @@ def _simulate_in_python(
     arguments: Namespace, network: Network, until: int | None, recorder: Recorder, on_start: Callable[[Running], None]
 ) -> Run:
     from cspdiag import pipeline
+    from cspdiag.runtime.stopping import stopping
     from cspdiag.simulate.execute import simulate
 
-    files = pipeline.generate(
-        network,
-        read_source,
-        level=arguments.level,
-        traced=arguments.trace is not None,
-        observed=True,
-        probed=arguments.plot is not None,
-    )
+    with stopping.raising():
+        files = pipeline.generate(
+            network,
+            read_source,
+            level=arguments.level,
+            traced=arguments.trace is not None,
+            observed=True,
+            probed=arguments.plot is not None,
+        )
     return simulate(
         network,
         files,
@@ -207,48 +225,6 @@ def _simulate_native(
     )
 
 
-def _draw_deadlock(path: Path, result: Run, program: Program | None) -> None:
-    from cspdiag.cli.deadlock_picture import write_picture
-    from cspdiag.simulate.deadlock_picture import deadlock_of
-
-    assert result.outcome.deadlock is not None
-    write_picture(path, deadlock_of(result.outcome.deadlock, result.network), program)
-
-
 def _is_measured(arguments: Namespace) -> bool:
     """Whether execution times are wanted: traces of runs against the clock have them."""
     return bool(arguments.real_time and arguments.trace is not None and arguments.trace.suffix == ".json")
-
-
-def _conclude(arguments: Namespace, result: Run, program: Program | None) -> int:
-    from cspdiag.runtime.exceptions import described
-
-    written: list[str] = []
-
-    def write(path: Path | None, writer: Callable[[Path], object]) -> None:
-        if path is not None:
-            writer(path)
-            written.append(str(path))
-
-    write(arguments.record, result.to_npz if str(arguments.record).endswith(".npz") else result.to_csv)
-    write(arguments.trace, result.to_trace)
-    write(arguments.plot, result.plot)
-    if result.outcome.deadlock is not None:
-        say(f"{result.outcome.deadlock.text}")
-        write(arguments.draw_deadlock, lambda path: _draw_deadlock(path, result, program))
-    if not arguments.quiet:
-        say(f"{result.summary()}")
-        if written:
-            say(f"  wrote {', '.join(written)}")
-        if arguments.draw_deadlock is not None and result.outcome.deadlock is None:
-            say(f"  no deadlock: {arguments.draw_deadlock} was not written")
-    else:
-        for error in filter(None, (result.outcome.error, *result.outcome.release_errors)):
-            say(f"cspdiag: {described(error)}")
-    match result.outcome.ended:
-        case "terminated" | "time limit":
-            return UNSUCCESSFUL if result.outcome.release_errors else FINE
-        case "stopped":
-            return INTERRUPTED
-        case _:
-            return UNSUCCESSFUL

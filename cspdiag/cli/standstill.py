@@ -7,6 +7,8 @@ import threading
 from types import TracebackType
 from typing import TYPE_CHECKING
 
+from cspdiag.cli.terminal import put
+
 if TYPE_CHECKING:
     from cspdiag.cli.progress import Running
     from cspdiag.simulate.recorder import Recorder
@@ -53,8 +55,7 @@ class Standstill:
             if now == before:
                 # A line of progress may stand there.
                 clear = "\r\x1b[K" if sys.stderr.isatty() else ""
-                sys.stderr.write(f"{clear}{self.line(now)}\n")
-                sys.stderr.flush()
+                put(f"{clear}{self.line(now)}\n")
                 return
             before = now
 

@@ -5,10 +5,13 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Sequence
-from typing import TextIO
+from contextlib import suppress
+from typing import TYPE_CHECKING, TextIO
 
-from cspdiag.diagnostics.diagnostic import Diagnostic
 from cspdiag.diagnostics.snippet import printable
+
+if TYPE_CHECKING:
+    from cspdiag.diagnostics.diagnostic import Diagnostic
 
 
 def wants_colour(choice: str, stream: TextIO) -> bool:
@@ -23,9 +26,20 @@ def show_diagnostics(diagnostics: Sequence[Diagnostic], color: str) -> None:
     if diagnostics:
         from cspdiag.diagnostics.render_text import render
 
-        sys.stderr.write(render(diagnostics, colour=wants_colour(color, sys.stderr)))
+        put(render(diagnostics, colour=wants_colour(color, sys.stderr)))
 
 
 def say(text: str) -> None:
     """Write a line, or several, to standard error: what is in them from outside, such as names of files, steers no terminal."""
-    sys.stderr.write(f"{printable(text)}\n")
+    put(f"{printable(text)}\n")
+
+
+def put(text: str) -> None:
+    """Write to standard error as it is. Where that is gone, as when its terminal was closed, nobody is told, and the command goes on."""
+    try:
+        sys.stderr.write(text)
+        sys.stderr.flush()
+    except OSError:
+        # The interpreter would try once more when it ends.
+        with suppress(OSError):
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stderr.fileno())

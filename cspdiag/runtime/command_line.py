@@ -3,49 +3,116 @@
 from __future__ import annotations
 
 import argparse
+import os
 import re
 import sys
+import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import Any
+from contextlib import suppress
+from typing import Any, NamedTuple, TypeVar
 
 from .drivers import Driver
 from .durations import ms, ns, s, shown, us
 from .exceptions import described
 from .network import Network
 from .outcome import Outcome
+from .stopping import Stopped, name_of_signal, stopping
 
 _UNITS = {"ns": ns, "us": us, "ms": ms, "s": s, "min": 60 * s}
 
-EXIT_CODES = {"terminated": 0, "time limit": 0, "stopped": 130, "deadlock": 1, "failed": 1}
-"""By how a run ended."""
+
+UNSUCCESSFUL, WRONG_USAGE, BROKEN_PIPE = 1, 2, 141
+
+T = TypeVar("T")
 
 
-def main(
-    name: str,
-    build: Callable[[Mapping[str, Driver]], Network],
-    environments: Mapping[str, Callable[[], Any]],
-    ports: Sequence[str],
-    arguments: Sequence[str] | None = None,
-) -> int:
+class Program(NamedTuple):
+    """What there is to run: ``ports`` are the external ports for which an environment has drivers."""
+
+    build: Callable[[Mapping[str, Driver]], Network]
+    environments: Mapping[str, Callable[[], Any]]
+    ports: Sequence[str]
+
+
+class _RefusedError(Exception):
+    """The program cannot be run; the message is one line."""
+
+
+def main(name: str, load: Callable[[], Program], arguments: Sequence[str] | None = None) -> int:
     """Run a network in one of its environments and print how that went; the exit code.
 
-    ``ports`` are the external ports for which an environment has drivers. Without a time limit a run goes on until the program ends or
-    Ctrl-C; outputs are released however it ends.
+    ``load`` imports the program. Without a time limit a run goes on until the program ends or a signal comes; outputs are released however it ends.
     """
-    given = _parser(name, environments).parse_args(arguments)
-    if not environments and ports:
-        print(f"{name} has no environment; build its network with drivers for {', '.join(ports)}", file=sys.stderr)
-        return 2
-    environment = environments[given.environment]() if environments else None
-    network = build(environment.drivers if environment is not None else {})
-    outcome = network.run(
-        environment=environment,
-        until=given.limit,
-        real_time=given.real_time,
-        on_miss=getattr(environment, "on_miss", "timeout"),
-    )
-    print("\n".join(_summary(outcome)))
-    return EXIT_CODES[outcome.ended] or (1 if outcome.release_errors else 0)
+    with stopping.until_exit():
+        stopping.last_resort = _end_by_force
+        try:
+            with stopping.raising():
+                given, environment, network = _prepared(name, load, arguments)
+        except Stopped as stopped:
+            return _say(f"{name}: stopped by {name_of_signal(stopped.signal)} before it began", stopped.exit_code)
+        except _RefusedError as refused:
+            return _say(str(refused), UNSUCCESSFUL)
+        outcome = network.run(
+            environment=environment,
+            until=given.limit,
+            real_time=given.real_time,
+            on_miss=getattr(environment, "on_miss", "timeout"),
+        )
+        return _tell("\n".join(_summary(outcome)), outcome.exit_code)
+
+
+def _prepared(
+    name: str, load: Callable[[], Program], arguments: Sequence[str] | None
+) -> tuple[argparse.Namespace, Any, Network]:
+    program = _attempt(name, load)
+    given = _parser(name, program.environments).parse_args(arguments)
+    if program.ports and not program.environments:
+        ports = ", ".join(program.ports)
+        sys.exit(_say(f"{name} has no environment; build its network with drivers for {ports}", WRONG_USAGE))
+    environment = _attempt(name, program.environments[given.environment]) if program.environments else None
+    return given, environment, program.build(environment.drivers if environment is not None else {})
+
+
+def _attempt(name: str, make: Callable[[], T]) -> T:
+    """What ``make`` makes. Raises _RefusedError with whatever it raises: it runs modules that were written by hand."""
+    try:
+        return make()
+    except (Exception, SystemExit) as error:
+        frame = traceback.extract_tb(error.__traceback__)[-1]
+        place = f"{os.path.basename(frame.filename)}:{frame.lineno}"
+        raise _RefusedError(f"{name} cannot be started: {described(error)}, in {place}") from error
+
+
+def _say(text: str, code: int) -> int:
+    with suppress(OSError, ValueError, AttributeError):
+        sys.stderr.write(f"{text}\n")
+        sys.stderr.flush()
+    return code
+
+
+def _tell(text: str, code: int) -> int:
+    """Prints the account of a run. Where that cannot be written, the code says so, unless it says more important things already."""
+    try:
+        print(text, flush=True)
+    except BrokenPipeError:
+        _drop_standard_output()
+        return code or BROKEN_PIPE
+    except OSError as error:
+        _drop_standard_output()
+        return code or _say(f"the account of the run cannot be written: {error.strerror}\n{text}", UNSUCCESSFUL)
+    return code
+
+
+def _drop_standard_output() -> None:
+    """The interpreter flushes it once more when it ends."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def _end_by_force(errors: Sequence[BaseException]) -> None:
+    """The main thread does not come back from a driver; the outputs have been released from another one."""
+    for error in errors:
+        _say(described(error), UNSUCCESSFUL)
+    os._exit(UNSUCCESSFUL)
 
 
 def duration(text: str) -> int:
@@ -77,9 +144,9 @@ def _summary(outcome: Outcome) -> Iterator[str]:
     yield f"{_ending(outcome)} at {shown(outcome.time)}, in {outcome.wall_time:.3g} s{why}"
     if outcome.deadlock is not None:
         yield outcome.deadlock.text
-    for port, count in outcome.missed.items():
-        if count:
-            yield f"missed samples of {port}: {count}"
+    missed = [f"{port} {count}" for port, count in outcome.missed.items() if count]
+    if missed or (outcome.missed and outcome.real_time):
+        yield f"missed samples: {', '.join(missed) or 'none'}"
     for period, jitter in outcome.jitter.items():
         yield f"jitter of the {shown(period)} period: {jitter}"
     for error in outcome.release_errors:
@@ -94,5 +161,7 @@ def _ending(outcome: Outcome) -> str:
             return "reached the time limit"
         case "failed":
             return "ended unsuccessfully"
+        case "stopped":
+            return f"stopped by {name_of_signal(outcome.signal)}"
         case _:
             return outcome.ended

@@ -13,7 +13,7 @@ class Driver(Protocol):
     """One port's side of a device: ``read`` behind an input, ``write`` behind an output.
 
     It may have ``open()`` and ``close()``, called before and after the run, and ``blocking = True`` if its calls may wait:
-    in real time they are then made outside the scheduler's thread.
+    in real time they are then made outside the scheduler's thread. How long a call may take: ``watch``.
     """
 
 
@@ -72,17 +72,6 @@ def name_of(driver: object) -> str:
     return str(getattr(driver, "name", None) or type(driver).__name__)
 
 
-def read_from(driver: Any, port: str) -> Any:
-    """One value; raises DriverFailed with a DriverError if the driver fails."""
-    try:
-        return driver.read()
-    except Exception as error:
-        raise DriverFailed(DriverError(name_of(driver), port, "read", error)) from error
-
-
-def write_to(driver: Any, port: str, value: Any) -> None:
-    """Hands a value over; raises DriverFailed with a DriverError if the driver fails."""
-    try:
-        driver.write(value)
-    except Exception as error:
-        raise DriverFailed(DriverError(name_of(driver), port, "write", error)) from error
+def device_of(driver: Any) -> Any:
+    """What is opened and closed: the device of which a driver is one port, or the driver."""
+    return getattr(driver, "device", driver)

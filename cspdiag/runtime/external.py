@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable
 from math import isfinite
 from typing import Any, Generic, TypeAlias
 
-from .drivers import Driver, Signal, write_to
+from .drivers import Driver, Signal
 from .exceptions import Fault
 from .inputs import EventInput, SampledInput
 from .ports import Out, T
@@ -36,7 +36,7 @@ class _ExternalOutput(Out[T]):
 
     def _hand_over(self, value: T, writer: Party | None) -> None:
         if self.line is not None:
-            write_to(self.line, self.name, value)
+            self.line.write(value)
         if scheduler.observe is not None:
             scheduler.observe(self.name, value, writer, None)
 

@@ -11,17 +11,23 @@ from collections import deque
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Literal
 
-from .drivers import NO_SAMPLE, Driver, Signal, read_from
+from .drivers import NO_SAMPLE, Driver, Signal, name_of
+from .durations import ms, shown
 from .exceptions import ChannelMisuse, Timeout
 from .latched import LatchedEnd, refuse_cancelled
 from .ports import In, T
 from .scheduler import Party, Task, scheduler
-from .selector import Selector, raise_bits
+from .selector import Selector, lower_bits, raise_bits
 
 if TYPE_CHECKING:
     from .choice import Choice
     from .process import Process
     from .routine import Part
+
+
+_SILENT_TICKS = 10
+_SILENT_TIME = 500 * ms
+"""A device that brings nothing for so many ticks, and so long, has failed its reader."""
 
 
 class _Pace:
@@ -41,7 +47,7 @@ class SampledEnd(LatchedEnd[T]):
     holds the sample of the present tick, so that a first read belongs to the same instant as the reads beside it.
     """
 
-    __slots__ = ("_port", "begun", "overdue", "pace", "waiter")
+    __slots__ = ("_lacks", "_port", "begun", "overdue", "pace", "waiter")
 
     def __init__(self, port: SampledInput[T], pace: _Pace) -> None:
         super().__init__(port.name)
@@ -49,6 +55,7 @@ class SampledEnd(LatchedEnd[T]):
         self.pace = pace
         self.begun = False
         self.overdue = False
+        self._lacks = ""
         self.waiter: Party | None = None
         pace.ends.append(self)
 
@@ -72,12 +79,23 @@ class SampledEnd(LatchedEnd[T]):
             self._port.missed += 1
             self.overdue = self._port.on_miss == "timeout"
         self.value = value
+        self._lacks = ""
+        self._arrived()
+
+    def _arrived(self) -> None:
         self.fresh = True
         if self.waiter is not None:
             scheduler.enqueue(self.waiter)
             self.waiter = None
         if self.inputs:
             raise_bits(self.inputs)
+
+    def lack(self, account: str) -> None:
+        """No sample has come for too long: the reader gets a Timeout."""
+        if not self.fresh:
+            self.overdue = True
+            self._lacks = account
+            self._arrived()
 
     def _hold(self, value: T) -> None:
         """Keeps the sample of the present tick for a first read; to overwrite it is no miss."""
@@ -115,10 +133,19 @@ class SampledEnd(LatchedEnd[T]):
         """The sample, which ``reader`` takes. Raises Timeout if one was overwritten before it."""
         if self.overdue:
             self.overdue = False
+            self._refuse_lack()
             raise Timeout(f"a sample of {self.name} was overwritten before it had been taken")
         if not self.begun:
             self._begin()
         return self._communicated(reader)
+
+    def _refuse_lack(self) -> None:
+        if self._lacks:
+            account, self._lacks = self._lacks, ""
+            self.fresh = False
+            if self.inputs:
+                lower_bits(self.inputs)
+            raise Timeout(account)
 
     def _begin(self) -> None:
         self.begun = True
@@ -129,6 +156,7 @@ class SampledEnd(LatchedEnd[T]):
     def close(self) -> None:
         """The session is over: the next read waits for the next tick again."""
         self.begun = self.fresh = self.overdue = self.pace.followed = False
+        self._lacks = ""
         self._port.sessions_changed()
         for selector, bit in self.inputs:
             selector.attend |= bit
@@ -154,9 +182,11 @@ class SampledEnd(LatchedEnd[T]):
 
 
 class SampledInput(In[T]):
-    """A sampled input of the outermost process; ``missed`` counts samples that were overwritten untaken."""
+    """A sampled input of the outermost process; ``missed`` counts samples that were overwritten untaken, or did not come."""
 
-    __slots__ = ("_listening", "driver", "ends", "latest", "line", "missed", "name", "on_miss", "period", "sampled")
+    __slots__ = (
+        "_listening", "_silent", "driver", "ends", "latest", "line", "missed", "name", "on_miss", "period", "sampled",
+    )  # fmt: skip
 
     def __init__(self, name: str, *, period: int, driver: Driver | None = None) -> None:
         self.name = name
@@ -165,11 +195,19 @@ class SampledInput(In[T]):
         self.line: Any = driver
         self.ends: list[SampledEnd[T]] = []
         self._listening: list[SampledEnd[T]] | None = None
+        self._silent = 0
+        """Ticks since the last sample."""
         self.missed = 0
         self.on_miss: Literal["timeout", "count"] = "timeout"
         self.latest: Any = None
         self.sampled = False
         """Whether there has been a sample, which is then ``latest``."""
+
+    def begin(self, on_miss: Literal["timeout", "count"]) -> None:
+        """A run begins."""
+        self.on_miss = on_miss
+        self.missed = self._silent = 0
+        self.sampled = False
 
     def reader(self, owner: Process | Part | None = None) -> SampledEnd[T]:
         """The end of a process, whose session lasts until the process ends."""
@@ -223,13 +261,28 @@ class SampledInput(In[T]):
         """The tick: takes the new sample for all readers."""
         if self.line is None:
             return
-        value = read_from(self.line, self.name)
+        value = self.line.read()
         if value is NO_SAMPLE:
+            self._keep_silent()
             return
+        self._silent = 0
         self.latest = value
         self.sampled = True
         for end in self._ends_that_listen():
             end.sample(value)
+
+    def _keep_silent(self) -> None:
+        """A tick for which a blocking driver has brought nothing: a sample that is missed, and after a while a Timeout in those who wait for it."""
+        ends = [end for end in self.ends if end.begun]
+        if not ends:
+            return
+        self.missed += 1
+        self._silent += 1
+        silence = self._silent * self.period
+        if self.on_miss == "timeout" and self._silent >= _SILENT_TICKS and silence >= _SILENT_TIME:
+            self._silent = 0
+            for end in ends:
+                end.lack(f"driver {name_of(self.driver)} has brought no sample of {self.name} for {shown(silence)}")
 
     @property
     def can_come(self) -> bool:
@@ -324,7 +377,7 @@ class EventInput(In[T]):
 
     def start(self) -> None:
         """The value at the beginning is no event."""
-        self._last = read_from(self.line, self.name)
+        self._last = self.line.read()
 
     def at_grid(self) -> Callable[[], None]:
         """What to do at an instant of the grid of this run."""
@@ -343,7 +396,7 @@ class EventInput(In[T]):
 
     def poll(self) -> None:
         """A grid instant: offers the value if it has changed."""
-        value = read_from(self.line, self.name)
+        value = self.line.read()
         if value != self._last:
             self._last = value
             self.occur(value)

@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
+from contextlib import nullcontext
+from signal import SIGINT
 from typing import Any, Literal
 
 from .clock import Clock, RealClock, VirtualClock
@@ -23,6 +25,7 @@ from .outcome import Jitter, Outcome
 from .process import Process
 from .routine import Routine
 from .scheduler import Party, Task, scheduler
+from .stopping import Stopped, stopping
 
 _REAL_TIME_STEPS = 16
 """How many steps of processes may pass in real time before the clock is looked at."""
@@ -52,7 +55,7 @@ class Network:
         """Runs the program to its end, or to ``until`` (an instant in nanoseconds).
 
         In virtual time nothing takes time but delays and ticks; with ``real_time`` it runs against the clock. What the program raises and
-        Ctrl-C are part of the outcome. One network runs at a time: RuntimeError if another does.
+        signals (``stopping``) are part of the outcome. One network runs at a time: RuntimeError if another does.
         """
         if scheduler.running:
             raise RuntimeError("a network is running already; one runs at a time")
@@ -60,7 +63,8 @@ class Network:
         scheduler.running = True
         try:
             run = _Run(self, environment, RealClock() if real_time else VirtualClock(), until, on_miss, observer)
-            return run.outcome()
+            with stopping if run.driven else nullcontext():
+                return run.outcome()
         finally:
             scheduler.running = False
 
@@ -81,13 +85,13 @@ class _Run:
         self._until = until
         self._observer = observer
         self._devices = Devices(network.ports, clock)
+        self.driven = self._devices.driven
+        """Whether it has drivers of devices, not only those of a simulated environment."""
         self._instants = Instants(network.ports, environment)
         self._jitter = {period: Jitter() for period in self._instants.periods} if clock.real else {}
         for port in network.ports:
             if isinstance(port, SampledInput):
-                port.on_miss = on_miss
-                port.missed = 0
-                port.sampled = False
+                port.begin(on_miss)
         self._tracked = not isinstance(network.process, Routine) or network.process.tracked
         self._root_error: BaseException | None = None
         self._root = task_for(network.process, self, None)
@@ -100,8 +104,10 @@ class _Run:
         began = time.perf_counter()
         try:
             outcome = self._ending()
+        except Stopped as stopped:
+            outcome = Outcome("stopped", scheduler.now, signal=stopped.signal)
         except KeyboardInterrupt:
-            outcome = Outcome("stopped", scheduler.now)
+            outcome = Outcome("stopped", scheduler.now, signal=SIGINT)
         except DriverFailed as end:
             outcome = Outcome("failed", scheduler.now, error=end.error)
         except EnvironmentFailure as error:
@@ -117,7 +123,8 @@ class _Run:
 
     def _ending(self) -> Outcome:
         self._start()
-        return self._in_real_time() if self._clock.real else self._in_virtual_time()
+        with stopping.raising(patiently=True):
+            return self._in_real_time() if self._clock.real else self._in_virtual_time()
 
     def _in_virtual_time(self) -> Outcome:
         run_ready = scheduler.run_ready if self._tracked else scheduler.run_ready_routines
@@ -128,7 +135,8 @@ class _Run:
         tick = instants.after(0)
         while True:
             while run_ready():
-                pass
+                stopping.check()
+            stopping.check()
             if root.ended:
                 return self._ended_by_itself()
             timer = timers.next_instant()
@@ -154,6 +162,7 @@ class _Run:
         run_ready = scheduler.run_ready if self._tracked else scheduler.run_ready_routines
         while True:
             ready = run_ready(_REAL_TIME_STEPS)
+            stopping.check()
             if self._root.ended:
                 return self._ended_by_itself()
             if not ready and not self._instants.can_come():
@@ -246,6 +255,7 @@ class _Run:
 
     def _release(self) -> list[BaseException]:
         """Hands safe values over, closes the drivers, and ends what still runs."""
+        stopping.hold()
         scheduler.observe = None
         scheduler.watcher = None
         released, errors = self._devices.release()

@@ -9,6 +9,7 @@ from typing import Literal
 from .deadlock import DeadlockReport
 from .durations import shown
 from .exceptions import Deadlock
+from .stopping import exit_code_of
 
 Ending = Literal["terminated", "deadlock", "time limit", "stopped", "failed"]
 
@@ -58,10 +59,25 @@ class Outcome:
     missed: dict[str, int] = field(default_factory=dict)
     jitter: dict[int, Jitter] = field(default_factory=dict)
     wall_time: float = 0.0
+    signal: int = 0
+    """The signal that stopped it."""
     real_time: bool = False
     """Whether it ran against the clock."""
     release_errors: list[BaseException] = field(default_factory=list)
     """Drivers that failed while their outputs were released or they were closed."""
+
+    @property
+    def exit_code(self) -> int:
+        """For a command that consists of the run: 0, 128 and the signal that stopped it, or 1: above all where an output was not released."""
+        if self.release_errors:
+            return 1
+        match self.ended:
+            case "terminated" | "time limit":
+                return 0
+            case "stopped":
+                return exit_code_of(self.signal)
+            case _:
+                return 1
 
     def raise_if_unsuccessful(self) -> None:
         """Raises what a run failed with, or Deadlock with the report."""

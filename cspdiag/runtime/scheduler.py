@@ -258,7 +258,7 @@ class Scheduler:
                 break
             except StopIteration:
                 self._party_ended(party, None)
-            except (Exception, Cancelled) as error:
+            except (Exception, SystemExit, Cancelled) as error:
                 self._party_ended(party, error)
         del queue[:most]
         self.current = nobody
@@ -287,7 +287,7 @@ class Scheduler:
                 break
             except StopIteration:
                 self._task_ended(None)
-            except (Exception, Cancelled) as error:
+            except (Exception, SystemExit, Cancelled) as error:
                 self._task_ended(error)
         del queue[:most]
         self.current = nobody
@@ -307,7 +307,7 @@ class Scheduler:
             party.resume(None)
         except StopIteration:
             self._task_ended(None)
-        except (Exception, Cancelled) as error:
+        except (Exception, SystemExit, Cancelled) as error:
             self._task_ended(error)
 
     def _task_ended(self, error: BaseException | None) -> None:

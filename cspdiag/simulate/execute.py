@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from cspdiag.codegen import external_modules
 from cspdiag.network.ir import Environment, Network
+from cspdiag.runtime.stopping import stopping
 from cspdiag.simulate.measure import measure
 from cspdiag.simulate.package import LoadedPackage
 from cspdiag.simulate.probes import probe
@@ -61,17 +62,18 @@ def simulate(
 ) -> Run:
     """Run the generated package ``files`` of ``network``.
 
-    ``until`` is a time limit in nanoseconds. ``probe_variables`` also notes the values of variables that have a unit, ``measured`` how long laws compute. ``on_start`` is handed the running network, whose ``now`` is the present instant. Ctrl-C and what the
-    program raises end the run with an outcome, not with an exception. Raises NoEnvironmentError and BodyError.
+    ``until`` is a time limit in nanoseconds. ``probe_variables`` also notes the values of variables that have a unit, ``measured`` how long laws compute. ``on_start`` is handed the running network, whose ``now`` is the present instant. Signals and what the
+    program raises end the run with an outcome, not with an exception. Raises NoEnvironmentError and BodyError, and Stopped if a signal comes before.
     """
     chosen = chosen_environment(network, environment)
     recorder = recorder if recorder is not None else Recorder()
     package = LoadedPackage(network.name, files)
     try:
         try:
-            plant = package.module("environments").ENVIRONMENTS[chosen.name]() if chosen is not None else None
-            running = package.module("network").build(plant.drivers if plant is not None else {})
-        except Exception as problem:
+            with stopping.raising():
+                plant = package.module("environments").ENVIRONMENTS[chosen.name]() if chosen is not None else None
+                running = package.module("network").build(plant.drivers if plant is not None else {})
+        except (Exception, SystemExit) as problem:
             if not external_modules(network):
                 raise
             raise BodyError(account_of(problem)) from problem
@@ -93,7 +95,7 @@ def simulate(
     return Run(network, chosen, outcome, recorder)
 
 
-def account_of(problem: Exception) -> str:
+def account_of(problem: BaseException) -> str:
     """What went wrong in a module that the program names, and at which line of it."""
     if isinstance(problem, SyntaxError):
         return f"{_module(problem.filename or '')}:{problem.lineno}: {problem.msg}"

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from cspdiag.runtime.durations import shown
+from cspdiag.runtime.stopping import name_of_signal
 from cspdiag.simulate.modes import mode_groups
 
 if TYPE_CHECKING:
@@ -57,7 +58,7 @@ def _ending(run: Run) -> str:
         case "time limit":
             return f"reached the time limit {at}"
         case "stopped":
-            return f"stopped {at}"
+            return f"stopped by {name_of_signal(outcome.signal)} {at}"
         case "deadlock":
             return f"deadlock {at}"
         case _:

@@ -86,7 +86,7 @@ def test_a_run_releases_its_outputs_and_closes_its_recordings(tmp_path: Path, op
     code, out, err = interrupt(process)
     assert code == 130
     assert "Traceback" not in out + err
-    assert "stopped" in out + err
+    assert "stopped by SIGINT" in out + err
     assert (tmp_path / "closed").exists()
     assert (tmp_path / "last").read_text() == "0"
     assert (tmp_path / "blink.csv").read_text().startswith("time,light\n")

@@ -96,7 +96,7 @@ def test_ctrl_c_releases_outputs_and_closes_recordings(heater: Path, number: sig
     assert child.poll() is None
     child.send_signal(number)
     error = child.communicate(timeout=30)[1]
-    assert child.returncode == 130
-    assert "Oven in Bench: stopped at" in error
+    assert child.returncode == 128 + number
+    assert f"Oven in Bench: stopped by {number.name} at" in error
     assert "Traceback" not in error
     assert record.read_text().startswith("time,temperature,button,power\n0.01,")

@@ -129,7 +129,7 @@ def test_a_class_that_its_module_lacks_is_one_line(
     program: Path, verb: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     program.write_text(PROGRAM.replace("card.py:Card", "card.py:Crad"))
-    assert main([verb, str(program)]) == 1
+    assert main([verb, str(program), *(["--for", "1s"] if verb == "run" else [])]) == 1
     assert capsys.readouterr().err == f"cspdiag: {program}:4: card.py has no class `Crad`\n"
     with pytest.raises(ValueError, match="no class `Crad`"):
         cspdiag.load(program).run(until="1 s")

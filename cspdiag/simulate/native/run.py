@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import subprocess
-import threading
 from collections.abc import Callable
-from types import FrameType
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 from cspdiag.codegen.c.refusals import refuse_devices
 from cspdiag.network.ir import Environment, Network
 from cspdiag.pipeline import Reader, generate
+from cspdiag.runtime.stopping import stopping
 from cspdiag.simulate.execute import chosen_environment
 from cspdiag.simulate.native.build import Build, CompilerError
 from cspdiag.simulate.native.deadlock import deadlock_report
+from cspdiag.simulate.native.keeper import Keeper
 from cspdiag.simulate.native.stream import EndRecord, StreamReader
 from cspdiag.simulate.recorder import Recorder
 from cspdiag.simulate.result import Run
@@ -53,12 +54,13 @@ def simulate(
     if chosen is not None:
         refuse_devices(chosen)
     recorder = recorder if recorder is not None else Recorder()
-    files = generate(network, read, "c", level, observed=not fused)
-    sources = [path for path in files if path.endswith(".c")]
-    program = Build(
-        files, _wanted(sources, real_time), (*options, "-DCSP_TRACE=1", *(("-DCSP_MEASURE=1",) if measured else ()))
-    ).executable()
-    command = [str(program), "--observe", observed]
+    with stopping.raising():
+        files = generate(network, read, "c", level, observed=not fused)
+        sources = [path for path in files if path.endswith(".c")]
+        program = Build(
+            files, _wanted(sources, real_time), (*options, "-DCSP_TRACE=1", *(("-DCSP_MEASURE=1",) if measured else ()))
+        ).executable()
+    command = [str(program), "--observe", observed, "--parent", str(os.getpid())]
     if chosen is not None:
         command += ["--environment", chosen.name]
     if until is not None:
@@ -86,60 +88,48 @@ def _run(
     # A session of its own: Ctrl-C comes to us, and we hand it on once, so that outputs are released and everything is told.
     # Against the clock it tells people itself how late it met the instants.
     told = None if real_time else subprocess.PIPE
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=told, start_new_session=True) as running:
+    with (
+        stopping,
+        subprocess.Popen(command, stdout=subprocess.PIPE, stderr=told, start_new_session=True) as running,
+        Keeper(running) as keeper,
+    ):
         assert running.stdout is not None
         reader = StreamReader(running.stdout, network, recorder, flattened)
         if on_start is not None:
             on_start(reader)
-        with _Interrupts(running) as interrupts:
-            try:
-                reader.read()
-            except BaseException:
-                running.kill()
+        try:
+            reader.read()
+            keeper.told()
+            _, said = running.communicate()
+        except EOFError:
+            if not keeper.killed:
                 raise
-        _, said = running.communicate()
-    if reader.end is None:
-        if interrupts.count > 1:
-            raise KeyboardInterrupt
+        except BaseException:
+            running.kill()
+            raise
+    outcome = _outcome(reader, keeper, environment, network)
+    if outcome is None:
         text = (said or b"").decode("utf-8", "replace").strip() or f"exit code {running.returncode}"
         raise CompilerError(f"the native program has failed: {text}")
-    outcome = _outcome(reader, reader.end, environment, network)
     outcome.real_time = real_time
     return outcome
 
 
-class _Interrupts:
-    """Hands Ctrl-C, and what ends a service, on to the program, which then ends by itself; at the second time it is killed.
-
-    Only the main thread gets signals, and an exception in the middle of a record would lose what follows.
-    """
-
-    def __init__(self, program: subprocess.Popen[bytes]) -> None:
-        self._program = program
-        self._before: dict[int, Any] = {}
-        self.count = 0
-
-    def __enter__(self) -> _Interrupts:
-        if threading.current_thread() is threading.main_thread():
-            self._before = {
-                number: signal.signal(number, self._interrupt) for number in (signal.SIGINT, signal.SIGTERM)
-            }
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        for number, handler in self._before.items():
-            signal.signal(number, handler)
-
-    def _interrupt(self, number: int, frame: FrameType | None) -> None:
-        self.count += 1
-        self._program.send_signal(signal.SIGINT if self.count == 1 else signal.SIGKILL)
-
-
-def _outcome(reader: StreamReader, end: EndRecord, environment: Environment | None, network: Network) -> Outcome:
+def _outcome(reader: StreamReader, keeper: Keeper, environment: Environment | None, network: Network) -> Outcome | None:
+    """How it ended; None if it has not said that, and nobody knows."""
     from cspdiag.runtime import Outcome
 
+    end = reader.end
+    if end is None:
+        if not keeper.killed:
+            return None
+        return Outcome("stopped", reader.now, signal=keeper.signal, release_errors=[keeper.account])
     ended = _ENDINGS[end.ending]
     outcome = Outcome(ended, end.time, missed=reader.missed, wall_time=end.duration)
+    if ended == "stopped":
+        outcome.signal = keeper.signal or signal.SIGTERM
+    if keeper.killed:
+        outcome.release_errors.append(keeper.account)
     if ended == "failed":
         outcome.error = _error(end, environment)
     if ended == "deadlock":

@@ -7,6 +7,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <time.h>
+#include <unistd.h>
+#ifdef __linux__
+#include <sys/prctl.h>
+#endif
 
 #include "csp_arithmetic.h"
 #include "csp_signals.h"
@@ -49,6 +53,24 @@ static bool read_observed(const char *text, csp_observed *observed)
     return false;
 }
 
+/* Whoever wants the records of this run wants its end as well: it is killed with its parent, if that has the number that it says. Elsewhere than on
+ * Linux it ends when it tries to write the next record. */
+static bool end_with_parent(const char *text)
+{
+    char *end = NULL;
+    const long parent = strtol(text, &end, 10);
+    if ((end == text) || (*end != '\0')) {
+        return false;
+    }
+#ifdef __linux__
+    (void)prctl(PR_SET_PDEATHSIG, SIGKILL);
+#endif
+    if ((long)getppid() != parent) {
+        exit(EXIT_FAILURE);
+    }
+    return true;
+}
+
 static bool read_options(int count, char **options, request *asked)
 {
     for (int index = 1; index < count; index += 2) {
@@ -65,11 +87,14 @@ static bool read_options(int count, char **options, request *asked)
             understood = read_duration(value, &asked->parent);
         } else if (strcmp(option, "--observe") == 0) {
             understood = read_observed(value, &asked->observed);
+        } else if (strcmp(option, "--parent") == 0) {
+            understood = end_with_parent(value);
         } else {
             understood = false;
         }
         if (!understood) {
-            (void)fprintf(stderr, "usage: %s [--environment NAME] [--for NANOSECONDS] [--observe all|ports|none]\n",
+            (void)fprintf(stderr,
+                          "usage: %s [--environment NAME] [--for NANOSECONDS] [--observe all|ports|none] [--parent PID]\n",
                           options[0]);
             return false;
         }

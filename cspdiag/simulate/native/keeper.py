@@ -1,0 +1,62 @@
+"""Sees to it that a native program ends when it is to."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import threading
+import time
+
+from cspdiag.runtime.stopping import name_of_signal, stopping
+
+PATIENCE = 2.0
+"""Seconds that a native program has to end, once a signal has come or it has told its end."""
+_LOOK = 0.05
+
+
+class KilledError(Exception):
+    """A native program had to be killed; the message says why."""
+
+
+class Keeper:
+    """Hands what ends a run on to the native program, which then ends by itself; if it does not in time, it is killed.
+
+    A thread does it: the main one reads what the program tells. ``signal`` is the first signal that came, ``killed`` whether the program was.
+    """
+
+    def __init__(self, program: subprocess.Popen[bytes]) -> None:
+        self._program = program
+        self._ended = threading.Event()
+        self._until: float | None = None
+        self._thread = threading.Thread(target=self._run, name="keeper of the native program", daemon=True)
+        self.signal = 0
+        self.killed = False
+
+    @property
+    def account(self) -> KilledError:
+        """What is said of a program that was killed."""
+        why = "after it had told its end" if not self.signal else f"after {name_of_signal(self.signal)}"
+        return KilledError(f"the native program did not end within {PATIENCE:g} s {why}, and was killed")
+
+    def __enter__(self) -> Keeper:
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._ended.set()
+        self._thread.join()
+
+    def told(self) -> None:
+        """The program has told its end: it has nothing left to do."""
+        self._until = time.monotonic() + PATIENCE
+
+    def _run(self) -> None:
+        while not self._ended.wait(_LOOK):
+            if stopping.signal and not self.signal:
+                self.signal = stopping.take()
+                self._program.send_signal(signal.SIGINT)
+                self._until = time.monotonic() + PATIENCE
+            if self._until is not None and time.monotonic() > self._until and self._program.poll() is None:
+                self.killed = True
+                self._program.kill()
+                return

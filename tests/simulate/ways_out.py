@@ -1,0 +1,342 @@
+"""Every way out of a program, for every way to start it, with devices whose calls block or not: one process each, and what it did with its devices.
+
+``python -m tests.simulate.ways_out`` tries all combinations and lists those that do not hold; it takes some minutes. The tests try a selection.
+"""
+
+from __future__ import annotations
+
+import itertools
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from cspdiag.cli.main import main
+
+ROOT = Path(__file__).parents[2]
+
+PROGRAM = """
+driver Card python "card.py:Card" {
+  out level : double
+  in  valve : double
+}
+
+driver Lamp python "card.py:Lamp" {
+  in light : int
+}
+
+submodel Law python "law.py:Law" {
+  in  x : double
+  out y : double
+}
+
+process Main {
+  in  level : double @ 10 ms
+  out valve : double @ 10 ms safe -1
+  out light : int safe 7
+
+  communication {
+    law : Law
+    level -> law.x
+    law.y -> valve
+  }
+
+  composition {
+    light ! 1 ; mu law
+  }
+}
+
+environment Bench for Main {
+  card : Card
+  lamp : Lamp
+
+  card.level -> level
+  valve      -> card.valve
+  light      -> lamp.light
+}
+"""
+
+LAW = """
+import os
+
+
+class Law:
+    def __init__(self):
+        self.steps = 0
+
+    def calculate(self, *, x):
+        self.steps += 1
+        if os.environ["FAULT"] == "body raises" and self.steps == 4:
+            raise RuntimeError("no such row")
+        if os.environ["FAULT"] == "body exits" and self.steps == 4:
+            raise SystemExit(0)
+        return x
+"""
+
+CARD = """
+import os
+import sys
+import time
+
+FAULT = os.environ["FAULT"]
+
+
+def log(text):
+    file = os.open("log", os.O_WRONLY | os.O_APPEND | os.O_CREAT)
+    os.write(file, (text + "\\n").encode())
+    os.close(file)
+
+
+def fail(how):
+    if how == "raises":
+        raise OSError("cable out")
+    if how == "exits":
+        sys.exit(0)
+    if how == "hangs":
+        time.sleep(1000)
+
+
+class Device:
+    blocking = os.environ["BLOCKING"] == "1"
+
+    def open(self):
+        log(f"{type(self).__name__} open")
+        if FAULT == "open is slow":
+            time.sleep(0.7)
+
+    def close(self):
+        log(f"{type(self).__name__} close")
+        if FAULT == "close raises":
+            raise OSError("cable out")
+
+
+class Card(Device):
+    def __init__(self):
+        self.reads = self.writes = 0
+
+    def read(self, port):
+        self.reads += 1
+        if self.reads == 4:
+            if FAULT in VALUES:
+                return VALUES[FAULT]
+            if FAULT.startswith("read "):
+                fail(FAULT.removeprefix("read "))
+        return 0.5
+
+    def write(self, port, value):
+        log(f"{port} {value:g}")
+        self.writes += 1
+        if FAULT == "safe raises" and value == -1:
+            fail("raises")
+        if FAULT == "safe hangs" and value == -1:
+            fail("hangs")
+        if self.writes == 4 and FAULT.startswith("write "):
+            fail(FAULT.removeprefix("write "))
+
+
+class Lamp(Device):
+    def write(self, port, value):
+        log(f"{port} {value}")
+
+
+VALUES = {"text": "1.5", "nothing": None, "huge": 10**400, "NaN": float("nan")}
+"""
+
+Signals = tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class WayOut:
+    """A way out: what goes wrong in the program, which signals come, 50 ms apart, and what is to be seen then."""
+
+    name: str
+    code: int
+    says: str
+    """Words that its account contains."""
+    fault: str = ""
+    signals: Signals = ()
+    opened: tuple[str, ...] = ("Card", "Lamp")
+    """Devices that had been opened, and so are to be released and closed."""
+    real_time_only: bool = False
+
+
+WAYS = (
+    WayOut("SIGINT", 130, "stopped by SIGINT", signals=(signal.SIGINT,)),
+    WayOut("SIGTERM", 143, "stopped by SIGTERM", signals=(signal.SIGTERM,)),
+    WayOut("SIGHUP", 129, "stopped by SIGHUP", signals=(signal.SIGHUP,)),
+    WayOut("SIGQUIT", 131, "stopped by SIGQUIT", signals=(signal.SIGQUIT,)),
+    WayOut("SIGUSR1", 138, "stopped by SIGUSR1", signals=(signal.SIGUSR1,)),
+    WayOut("SIGPIPE is ignored", 143, "stopped by SIGTERM", signals=(signal.SIGPIPE, signal.SIGTERM)),
+    WayOut("two signals", 143, "stopped by SIGTERM", signals=(signal.SIGTERM, signal.SIGTERM)),
+    WayOut("six signals", 130, "stopped by SIGINT", signals=(signal.SIGINT, signal.SIGTERM) * 3),
+    WayOut("a signal during open", 143, "stopped by SIGTERM", "open is slow", (signal.SIGTERM,), ("Card",)),
+    WayOut("a signal while a read hangs", 143, "stopped by SIGTERM", "read hangs", (signal.SIGTERM,)),
+    WayOut("a read raises", 1, "driver Card failed to read at port Main.level: OSError: cable out", "read raises"),
+    WayOut("a read exits", 1, "driver Card failed to read at port Main.level: SystemExit: 0", "read exits"),
+    WayOut("a read hangs", 1, "Main.level", "read hangs", real_time_only=True),
+    WayOut("a write raises", 1, "driver Card failed to write at port Main.valve: OSError: cable out", "write raises"),
+    WayOut("a write exits", 1, "driver Card failed to write at port Main.valve: SystemExit: 0", "write exits"),
+    WayOut(
+        "a write hangs", 1, "driver Card failed to write at port Main.valve: TimeoutError", "write hangs",
+        real_time_only=True,
+    ),
+    WayOut("NaN", 1, "Fault: nan is written to Main.valve", "NaN"),
+    WayOut("a body raises", 1, "RuntimeError: no such row", "body raises"),
+    WayOut("a body exits", 1, "SystemExit: 0", "body exits"),
+    WayOut(
+        "a safe write raises", 1, "driver Card failed to write at port Main.valve: OSError: cable out", "safe raises",
+        (signal.SIGTERM,),
+    ),
+    WayOut(
+        "a safe write hangs", 1, "driver Card failed to write at port Main.valve: TimeoutError", "safe hangs",
+        (signal.SIGTERM,),
+    ),
+    WayOut(
+        "a close raises", 1, "driver Card failed to close at port Main.level: OSError: cable out", "close raises",
+        (signal.SIGTERM,),
+    ),
+)  # fmt: skip
+
+STARTS = ("run -O0", "run -O1", "package -O0", "package -O1")
+CLOCKS = ("virtual time", "real time")
+
+
+@dataclass
+class Seen:
+    """What a process has done: its exit code, all that it wrote, and the calls of its drivers."""
+
+    code: int
+    text: str
+    calls: list[str] = field(default_factory=list)
+
+    def complaints(self, way: WayOut) -> list[str]:
+        """What does not hold."""
+        found = []
+        if self.code != way.code:
+            found.append(f"the exit code is {self.code} and not {way.code}")
+        if "Traceback" in self.text or "never awaited" in self.text:
+            found.append("there is a traceback")
+        if way.says not in self.text:
+            found.append(f"it does not say: {way.says}")
+        for device, port, safe in (("Card", "valve", "-1"), ("Lamp", "light", "7")):
+            if device not in way.opened:
+                continue
+            writes = [call for call in self.calls if call.startswith(f"{port} ")]
+            if writes.count(f"{port} {safe}") != 1 and not (way.fault == "safe hangs" and port == "valve"):
+                found.append(f"{port} is released {writes.count(f'{port} {safe}')} times")
+            if not writes or writes[-1] != f"{port} {safe}":
+                found.append(f"the last value of {port} is not safe")
+        for device in ("Card", "Lamp"):
+            for operation in ("open", "close"):
+                if self.calls.count(f"{device} {operation}") != (device in way.opened):
+                    found.append(f"{device} has {self.calls.count(f'{device} {operation}')} calls of {operation}")
+        return found
+
+
+def prepare(folder: Path) -> Path:
+    """The program, and its packages at both levels, in an empty folder."""
+    program = folder / "main.csp"
+    program.write_text(PROGRAM)
+    (folder / "card.py").write_text(CARD)
+    (folder / "law.py").write_text(LAW)
+    for level in (0, 1):
+        assert main(["compile", str(program), f"-O{level}", "-o", str(folder / f"O{level}")]) == 0
+    return folder
+
+
+def command(folder: Path, start: str, clock: str, *options: str) -> tuple[list[str], dict[str, str]]:
+    """What starts it, and the environment variable that finds it."""
+    how, _, level = start.partition(" ")
+    real = ["--real-time"] if clock == "real time" else []
+    if how == "run":
+        arguments = [sys.executable, "-m", "cspdiag", "run", str(folder / "main.csp"), level, *real, *options]
+        return arguments, {"PYTHONPATH": str(ROOT)}
+    return [sys.executable, "-m", "main", *real, *options], {
+        "PYTHONPATH": str(folder / level.removeprefix("-") / "main")
+    }
+
+
+def started(
+    folder: Path,
+    start: str,
+    clock: str,
+    *,
+    files: Sequence[str] = (),
+    blocking: bool = False,
+    fault: str = "",
+    **given: object,
+) -> subprocess.Popen[bytes]:
+    """A process of it that logs the calls of its drivers to ``log`` in ``folder``, its working directory."""
+    arguments, variables = command(folder.parent, start, clock, *files)
+    environment = {**os.environ, **variables, "FAULT": fault, "BLOCKING": str(int(blocking))}
+    folder.mkdir(exist_ok=True)
+    settings: dict[str, object] = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, **given}
+    return subprocess.Popen(arguments, cwd=folder, env=environment, **settings)  # type: ignore[call-overload, no-any-return]
+
+
+def wait_until(holds: Callable[[], bool], process: subprocess.Popen[bytes]) -> None:
+    """Waits for something that a process is to do, or for its end."""
+    for _ in range(3000):
+        if holds() or process.poll() is not None:
+            return
+        time.sleep(0.01)
+    raise AssertionError("it does not come about")
+
+
+def log_of(folder: Path) -> list[str]:
+    path = folder / "log"
+    return path.read_text().splitlines() if path.exists() else []
+
+
+def try_way(folder: Path, way: WayOut, start: str, clock: str, *, blocking: bool) -> Seen:
+    """Starts the program in a folder of its own, lets happen what is to happen, and waits for its end."""
+    own = Path(tempfile.mkdtemp(dir=folder))
+    process = started(own, start, clock, blocking=blocking, fault=way.fault)
+    try:
+        if way.signals:
+            needed = 1 if way.fault == "open is slow" else 3 if way.fault == "read hangs" else 6
+            wait_until(lambda: len(log_of(own)) >= needed, process)
+            if way.fault == "read hangs":
+                time.sleep(0.1)
+            for number in way.signals:
+                if process.poll() is None:
+                    process.send_signal(number)
+                time.sleep(0.05 if len(way.signals) > 1 else 0)
+        text, _ = process.communicate(timeout=30)
+        return Seen(process.returncode, text.decode(), log_of(own))
+    except subprocess.TimeoutExpired:
+        process.kill()
+        text, _ = process.communicate()
+        return Seen(process.returncode, "it hangs\n" + text.decode(), log_of(own))
+    finally:
+        process.kill()
+        process.wait()
+
+
+def hunt() -> int:
+    """All combinations."""
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    wrong = tried = 0
+    with tempfile.TemporaryDirectory() as name:
+        folder = prepare(Path(name))
+        for way, start, clock, blocking in itertools.product(WAYS, STARTS, CLOCKS, (False, True)):
+            if way.real_time_only and clock != "real time":
+                continue
+            tried += 1
+            seen = try_way(folder, way, start, clock, blocking=blocking)
+            complaints = seen.complaints(way)
+            if complaints:
+                wrong += 1
+                shape = f"{way.name}, {start}, {clock}{', blocking' if blocking else ''}"
+                print(f"{shape}: {'; '.join(complaints)}\n{seen.text}\n{seen.calls[-8:]}", flush=True)
+    print(f"{tried} tried, {wrong} do not hold")
+    return int(wrong > 0)
+
+
+if __name__ == "__main__":
+    sys.exit(hunt())
