@@ -43,12 +43,12 @@ class Deadlock:
     settings: Mapping[str, str]
 
 
-def helpful(deadlock: Deadlock, read: pipeline.Reader) -> tuple[Suggestion, ...]:
-    """Changes of the text after which the property was proved, the least first."""
+def helpful(deadlock: Deadlock, read: pipeline.Reader, within: Limits) -> tuple[Suggestion, ...]:
+    """Changes of the text after which the property was proved, the least first; what time there is ``within`` is not exceeded."""
     network = deadlock.asked.network(deadlock.question.process)
     if network is None or not deadlock.found.waiting:
         return ()
-    limits = Limits(SECONDS)
+    limits = Limits(min(SECONDS, within.remaining))
     if len(network.instances) <= SMALL:
         return tuple(_proved(deadlock, read, limits))
     found = _smaller(deadlock, read, limits)
@@ -56,7 +56,7 @@ def helpful(deadlock: Deadlock, read: pipeline.Reader) -> tuple[Suggestion, ...]
         return tuple(_proved(deadlock, read, limits))
     smaller, proved_with = found
     helping = list(_proved(smaller, read, limits))
-    limits = Limits(SECONDS)
+    limits = Limits(min(SECONDS, within.remaining))
     return tuple(
         suggestion if _helps(suggestion, deadlock, read, limits) else replace(suggestion, proved_with=proved_with)
         for suggestion in helping

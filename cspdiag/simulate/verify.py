@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
-from contextlib import nullcontext
+from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 from itertools import islice
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 from cspdiag import pipeline
 from cspdiag.analyses.proofs.verdict import LimitError, Limits, Method
@@ -15,7 +15,7 @@ from cspdiag.analyses.transitions import transition_system
 from cspdiag.analyses.transitions.explore import TransitionError
 from cspdiag.analyses.transitions.told_apart import Apart, AsSpecification
 from cspdiag.analyses.verification.answer import Answer
-from cspdiag.analyses.verification.prove import Enforced, answered, not_replayed, prove
+from cspdiag.analyses.verification.prove import answered, not_replayed, prove
 from cspdiag.analyses.verification.question import Question
 
 if TYPE_CHECKING:
@@ -26,6 +26,10 @@ if TYPE_CHECKING:
     from cspdiag.simulate.other_counterexamples import Narrowing
     from cspdiag.simulate.replay.result import Judge, Replay
     from cspdiag.simulate.replay.trace import Trace
+
+
+Enforced: TypeAlias = Callable[[Limits], AbstractContextManager[object]]
+"""Ends what is done inside it with LimitError when the time is up, if need be."""
 
 
 def trace_of(answer: Answer, settings: Mapping[str, str]) -> str:
@@ -55,7 +59,7 @@ class Verifier:
     """Answers what was asked of a program, with counterexamples that its code was stepped through.
 
     ``settings`` are those with which it was asked. ``method`` is the only method of proof to be used; with ``spin``, SPIN looks for deadlocks. ``enforced`` ends
-    a proof that does not end by itself when its time is up.
+    an answer that does not come by itself when its time is up: proof, replay and suggestions.
     """
 
     def __init__(
@@ -84,7 +88,12 @@ class Verifier:
         counterexample; OSError for a file of the program that cannot be read.
         """
         began = time.monotonic()
-        return replace(self._answered(question, limits), seconds=time.monotonic() - began)
+        try:
+            with self._enforced(limits):
+                answer = self._answered(question, limits)
+        except LimitError as stop:
+            answer = Answer(question, "unknown", self._method, str(stop), 0.0)
+        return replace(answer, seconds=time.monotonic() - began)
 
     def _answered(self, question: Question, limits: Limits) -> Answer:
         if question.claim == "schedulable":
@@ -96,11 +105,14 @@ class Verifier:
         if self._spin and question.claim == "deadlock free":
             answer = self._asked_spin(question, limits)
         else:
-            answer = prove(question, self.system, limits, self._method, self._enforced)
+            answer = prove(question, self.system, limits, self._method)
         confirmed = self._confirmed(answer, limits)
         if answer.counterexample is not None and confirmed.outcome == "unknown":
-            return self._otherwise(answer.counterexample, question, limits) or confirmed
-        return self._advised(confirmed)
+            try:
+                return self._otherwise(answer.counterexample, question, limits) or confirmed
+            except LimitError:
+                return confirmed
+        return self._advised(confirmed, limits)
 
     def system(
         self, process: str, told_apart: ToldApart | None = None, specification: AsSpecification | None = None
@@ -135,13 +147,13 @@ class Verifier:
             if limits.remaining <= 0:
                 break
             rest = Limits(limits.remaining, limits.memory)
-            answer = prove(question, narrowed, rest, self._method, self._enforced)
+            answer = prove(question, narrowed, rest, self._method)
             if answer.counterexample is None:
                 continue
             other = of_the_whole(answer.counterexample, self.system(question.process))
             answer = self._confirmed(replace(answer, counterexample=other), rest)
             if answer.outcome == "refuted":
-                return self._advised(answer)
+                return self._advised(answer, limits)
         return self._stuck(question, limits) if question.claim == "terminates" else None
 
     def _stuck(self, question: Question, limits: Limits) -> Answer | None:
@@ -150,7 +162,7 @@ class Verifier:
             return None
         rest = Limits(limits.remaining, limits.memory)
         asked = replace(question, claim="deadlock free")
-        answer = self._confirmed(prove(asked, self.system, rest, self._method, self._enforced), rest)
+        answer = self._confirmed(prove(asked, self.system, rest, self._method), rest)
         return replace(answer, question=question) if answer.outcome == "refuted" else None
 
     def _asked_spin(self, question: Question, limits: Limits) -> Answer:
@@ -200,14 +212,17 @@ class Verifier:
         found = replace(found, reason=result.judgement or found.reason)
         return replace(answer, replayed=True, counterexample=found)
 
-    def _advised(self, answer: Answer) -> Answer:
-        """A refutation with changes of the text after which the property was proved."""
+    def _advised(self, answer: Answer, limits: Limits) -> Answer:
+        """A refutation with changes of the text after which the property was proved, as far as the time suffices to look for them."""
         if answer.outcome != "refuted" or answer.counterexample is None:
             return answer
         from cspdiag.simulate.suggest import Deadlock, helpful
 
         deadlock = Deadlock(self._asked, answer.question, answer.counterexample, self._settings or {})
-        return replace(answer, suggestions=helpful(deadlock, self._read))
+        try:
+            return replace(answer, suggestions=helpful(deadlock, self._read, limits))
+        except LimitError:
+            return answer
 
     def _generated(self, process: str, network: Network) -> dict[str, str]:
         """The package of a process, which all its counterexamples are tried on. Raises as ``pipeline.generate`` does."""

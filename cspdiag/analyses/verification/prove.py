@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
-from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
-from typing import Protocol, TypeAlias
+from typing import Protocol
 
 from cspdiag.analyses.counterexamples.counterexample import Counterexample, Failure, counterexample
 from cspdiag.analyses.proofs.verdict import LimitError, Limits, Method, Proved, Refuted, Unknown, Verdict
@@ -25,13 +23,7 @@ class Systems(Protocol):
         """That of the process of this name. See ``transition_system``."""
 
 
-Enforced: TypeAlias = Callable[[Limits], AbstractContextManager[object]]
-"""Ends what is done inside it with LimitError when the time is up, if need be."""
-
-
-def prove(
-    question: Question, systems: Systems, limits: Limits, method: Method | None = None, enforced: Enforced = nullcontext
-) -> Answer:
+def prove(question: Question, systems: Systems, limits: Limits, method: Method | None = None) -> Answer:
     """The answer to a question; ``method`` is the only one to be used.
 
     Raises what ``systems`` raises. A limit that is reached makes the answer unknown.
@@ -39,10 +31,9 @@ def prove(
     began = time.monotonic()
     left_open: tuple[Abstraction, ...] = ()
     try:
-        with enforced(limits):
-            system, specification = _asked(question, systems)
-            left_open = system.abstractions
-            answer = _answer(question, system, specification, limits, method)
+        system, specification = _asked(question, systems)
+        left_open = system.abstractions
+        answer = _answer(question, system, specification, limits, method)
     except LimitError as limit:
         answer = Answer(question, "unknown", method, str(limit), 0.0)
     except MemoryError:

@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
+from cspdiag.analyses.proofs.verdict import Limits
 from cspdiag.network.ir import Network
 from cspdiag.runtime.composition import end_all, task_for
 from cspdiag.runtime.deadlock import DeadlockReport, report_deadlock
@@ -31,6 +32,9 @@ from cspdiag.simulate.replay.trace import DivergenceError, Trace, TraceStep
 from cspdiag.simulate.replay.values import Values, numbers_of, written
 
 _ALLOWED = "with the values that it has there, it does what the specification allows"
+_AT_A_TIME = 1_000
+_MOST_TURNS = 200
+"""So often so many processes may get on until all halt: 10,000 that begin do so a few times each."""
 _SILENT = frozenset({"variable", "start", "end", "cancel", "exception", "failure", "delivered"})
 
 
@@ -45,8 +49,10 @@ class Attempt:
         judge: Judge | None,
         decisions: Decisions,
         rounds: Rounds | None,
+        limits: Limits,
     ) -> None:
         self._judge = judge
+        self._limits = limits
         self._rounds = rounds
         self._trace = trace
         self._package = package
@@ -119,8 +125,12 @@ class Attempt:
 
     def _settle(self) -> None:
         """Everybody goes on to a gate, or to where only others can help."""
-        while scheduler.run_ready():
-            pass
+        turns = 0
+        while scheduler.run_ready(_AT_A_TIME):
+            self._limits.check()
+            turns += 1
+            if turns > _MOST_TURNS:
+                raise DivergenceError("it goes on and on, and comes to no rest")
         if self._failed is not None and (isinstance(self._failed, Fault) or not isinstance(self._failed, ProcessError)):
             error, self._failed = self._failed, None
             raise DivergenceError(f"it ends with {type(error).__name__}: {error}")

@@ -94,7 +94,7 @@ class _Attempts:
 
     def _made(self, decisions: Decisions, rounds: Rounds | None) -> Replay:
         self._limits.check()
-        attempt = Attempt(self._network, self._package, self._trace, self._judge, decisions, rounds)
+        attempt = Attempt(self._network, self._package, self._trace, self._judge, decisions, rounds, self._limits)
         result = attempt.run()
         if not result.succeeded:
             return result

@@ -1,0 +1,93 @@
+"""The time limit covers all of an answer, and a replay that comes to no rest ends by itself."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import pytest
+
+from cspdiag import pipeline
+from cspdiag.analyses.proofs.verdict import Limits
+from cspdiag.cli.alarm import ended_by_alarm
+from cspdiag.diagnostics import SourceFile
+from cspdiag.simulate import suggest
+from cspdiag.simulate.replay import attempts
+from cspdiag.simulate.replay.trace import Trace
+from cspdiag.simulate.verify import Verifier, replayed
+
+ENDLESS = """process Writes {
+  out c : int
+
+  composition { mu (c ! 1) }
+}
+
+process Reads {
+  in c : int
+
+  communication { var x : int = 0 }
+
+  composition { mu (c ? x) }
+}
+
+process Both {
+  communication {
+    writes : Writes
+    reads  : Reads
+
+    writes.c -> reads.c
+  }
+
+  composition { writes || reads }
+}
+"""
+
+
+def read(path: str) -> SourceFile:
+    raise FileNotFoundError(path)
+
+
+def test_a_replay_that_comes_to_no_rest_ends() -> None:
+    """The trace says that two processes are stuck which communicate for ever."""
+    built = pipeline.build(SourceFile(name="case.csp", text=ENDLESS), read)
+    assert built.network is not None
+    channel = frozenset({"Both.writes.c"})
+    stuck = (("Both.writes", channel), ("Both.reads", channel))
+    trace = Trace("Both", {}, "Both deadlock free", "deadlock", (), (), stuck, exact=True)
+    assert replayed(built.network, trace, read).divergence == "it goes on and on, and comes to no rest"
+
+
+STUCK = ENDLESS.replace("mu (c ! 1)", "c ! 1 ; c ! 1").replace("mu (c ? x)", "c ? x") + "\nassert Both deadlock free\n"
+
+
+@pytest.mark.parametrize("where", ["replay", "suggestions"])
+def test_the_limit_covers_everything(where: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What never ends by itself is ended from outside, wherever it is."""
+    asked = pipeline.ask(SourceFile(name="case.csp", text=STUCK), read)
+    entered = []
+
+    def endless(*_: object, **__: object) -> None:
+        entered.append(where)
+        while True:
+            pass
+
+    if where == "replay":
+        monkeypatch.setattr(attempts, "replay", endless)
+    else:
+        monkeypatch.setattr(suggest, "suggestions", endless)
+    answer = Verifier(asked, read, enforced=ended_by_alarm).answer(asked.questions[0], Limits(1.0))
+    assert entered == [where]
+    assert answer.outcome == ("unknown" if where == "replay" else "refuted")
+    assert not answer.suggestions
+
+
+def test_what_is_limited_includes_the_transition_system() -> None:
+    asked = pipeline.ask(SourceFile(name="case.csp", text=STUCK), read)
+
+    @contextmanager
+    def at_once(limits: Limits) -> Iterator[None]:
+        raise limits.time_is_up()
+        yield
+
+    answer = Verifier(asked, read, enforced=at_once).answer(asked.questions[0], Limits(1.0))
+    assert (answer.outcome, answer.reason) == ("unknown", "the time limit of 1 s was reached")
