@@ -228,6 +228,6 @@ def _indexed(path: tuple[Step, ...], steps: tuple[Step, ...]) -> str:
 
 
 def _suggested(name: str, known: Iterable[str]) -> str | None:
-    from cspdiag.model.spelling import Speller
+    from cspdiag.diagnostics.spelling import Speller
 
     return Speller().nearest(name, known)

@@ -213,7 +213,7 @@ def _chosen(arguments: Namespace, pictures: Pictures) -> list[Drawn]:
 def _named(pictures: Pictures, name: str) -> Drawn:
     found = pictures.named(name)
     if found is None:
-        from cspdiag.model.spelling import Speller
+        from cspdiag.diagnostics.spelling import Speller
 
         near = Speller().nearest(name, [each.name.text for each in pictures.drawn(imported=True)])
         raise UsageError(f"there is no process or environment `{name}`{f' (did you mean `{near}`?)' if near else ''}")

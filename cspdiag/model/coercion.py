@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from cspdiag.diagnostics import Diagnostic, Span
 from cspdiag.diagnostics.record import node
-from cspdiag.model.diagnostics_types import WrongType
+from cspdiag.model.diagnostics_types import FrequencyAsTime, WrongType
 from cspdiag.model.diagnostics_units import WrongScale, WrongUnit
 from cspdiag.model.types import (
     DOUBLE,
@@ -45,6 +45,11 @@ def require(context: Context, expression: ast.Expression, found: Type, wanted: T
     """The type of a value for a purpose: ``wanted`` if it agrees or adapts, else reported and unknown."""
     if adapt(context, expression, found, wanted):
         return wanted
+    frequency = _frequency(context, expression) if isinstance(wanted, TimeType) else None
+    if frequency is not None:
+        what = purpose.what
+        context.refuse(FrequencyAsTime(frequency.value.span, frequency.name.text, what, expression.span), expression)
+        return UNKNOWN
     culprit = _culprit(context, expression, wanted)
     if culprit is not None:
         return require(context, culprit, context.program.types[culprit], _element(wanted, expression), purpose)
@@ -54,6 +59,17 @@ def require(context: Context, expression: ast.Expression, found: Type, wanted: T
         found = context.program.types[expression]
     context.refuse(_mismatch(expression, found, wanted, purpose), expression)
     return UNKNOWN
+
+
+def _frequency(context: Context, expression: ast.Expression) -> ast.Constant | None:
+    """The constant without a type that an expression names, if a frequency was written as its value."""
+    found = None
+    while isinstance(expression, ast.Name):
+        symbol = context.program.bindings.get(expression)
+        if not isinstance(symbol, ast.Constant) or symbol.type is not None:
+            return None
+        found, expression = symbol, symbol.value
+    return found if isinstance(expression, ast.Duration) and expression.is_frequency else None
 
 
 def _mismatch(expression: ast.Expression, found: Type, wanted: Type, purpose: Purpose) -> Diagnostic:

@@ -6,8 +6,8 @@ from typing import Literal, TypeAlias
 
 from cspdiag.diagnostics import Diagnostic, Report
 from cspdiag.diagnostics.record import node
+from cspdiag.diagnostics.spelling import Speller
 from cspdiag.model.program import Program, Scope
-from cspdiag.model.spelling import Speller
 from cspdiag.syntax import ast
 
 Place: TypeAlias = Literal["constant", "process", "submodel", "environment"]

@@ -276,3 +276,53 @@ class UselessValue(Diagnostic):
     @property
     def help(self) -> str | None:
         return self.advice
+
+
+@record
+class FrequencyAsTime(Diagnostic):
+    """A constant is a frequency, and a time where it is used.
+
+    Where a frequency is written for a time it means its period: `@ 10 Hz` is `@ 100 ms`. A constant without a type has that of its
+    value, and so it is a `double<Hz>`. With the type `time` it is the period everywhere.
+
+    Refused::
+
+        const T = 10 Hz
+
+        process Main {
+          in  angle : double @ T
+          out motor : double @ T
+          communication { var now : double = 0 }
+          composition { mu (angle ? now ; motor ! now) }
+        }
+
+    Mended::
+
+        const T : time = 10 Hz
+
+        process Main {
+          in  angle : double @ T
+          out motor : double @ T
+          communication { var now : double = 0 }
+          composition { mu (angle ? now ; motor ! now) }
+        }
+    """
+
+    code = "E0317"
+    title = "a frequency for a time"
+
+    name: str
+    what: str
+    use: Span
+
+    @property
+    def message(self) -> str:
+        return f"the constant `{self.name}` is a frequency, but {self.what} is a time"
+
+    @property
+    def help(self) -> str | None:
+        return f"write `const {self.name} : time = {self.span.text}`, which is its period"
+
+    @property
+    def labels(self) -> tuple[Label, ...]:
+        return (Label(self.use, "used as a time here"),)

@@ -15,6 +15,15 @@ from cspdiag.model.types import BOOL, DOUBLE, TEXT, TIME, UNKNOWN, ArrayType, Re
 from cspdiag.model.units import Unit, parse_unit
 from cspdiag.syntax import ast
 
+_OTHER_NAMES = {
+    "real": "double", "float64": "double", "number": "double", "float32": "float", "single": "float",
+    "integer": "int", "int64": "int", "long": "int", "short": "int16", "byte": "uint8", "unsigned": "uint32",
+    "char": "uint8", "boolean": "bool", "logical": "bool", "duration": "time",
+}  # fmt: skip
+"""Types of other languages."""
+
+_TEXTS = frozenset(["string", "String", "str"])
+
 
 def builtin_type(name: str) -> Type | None:
     """The type of the language with that name."""
@@ -74,11 +83,20 @@ def _defined_type(context: Context, name: ast.TypeName) -> Type:
             for other, found in program.definitions.items()
             if isinstance(found, ast.EnumDefinition | ast.StructDefinition | ast.TypeAliasDefinition)
         )
-        known = {"real": "double", "integer": "int", "boolean": "bool", "float64": "double", "string": "text"}
-        suggestion = known.get(text) or context.speller.nearest(text, chain(TYPE_NAMES, types))
+        suggestion = _OTHER_NAMES.get(text) or context.speller.nearest(text, chain(TYPE_NAMES, types))
         near = program.definitions.get(suggestion) if suggestion else None
         declared = declared_at(near) if near is not None else None
-        refused = UnknownName(name.name.span, name=text, wanted="type", suggestion=suggestion, declared=declared)
+        if text in _TEXTS:
+            suggestion = None
+        advice = "a text is a `text`; only parameters of drivers and of bodies in other languages are texts"
+        refused = UnknownName(
+            name.name.span,
+            name=text,
+            wanted="type",
+            suggestion=suggestion,
+            declared=declared,
+            advice=advice if text in _TEXTS else None,
+        )
         context.refuse(refused, name)
     return UNKNOWN
 

@@ -6,8 +6,8 @@ from collections.abc import Iterable, Mapping
 from keyword import iskeyword
 
 from cspdiag.diagnostics import Report
+from cspdiag.diagnostics.spelling import Speller
 from cspdiag.model.program import Program, Value
-from cspdiag.model.spelling import Speller
 from cspdiag.network import environments, external_bodies, submodels
 from cspdiag.network.analyse import Analysis
 from cspdiag.network.contexts import Surroundings

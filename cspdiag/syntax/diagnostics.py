@@ -175,7 +175,7 @@ class WrongOperator(Diagnostic):
     """An operator of another language, or of another place.
 
     ``=`` defines (constants, defaults, equations), ``:=`` assigns in a composition, ``==`` compares; logic is written
-    ``and``, ``or`` and ``not``; an arrow is ``->``.
+    ``and``, ``or`` and ``not``; an arrow is ``->``. Numbers are decimal, and have digits on both sides of their point.
 
     Refused::
 

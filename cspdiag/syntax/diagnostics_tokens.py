@@ -22,6 +22,9 @@ _TIMES = {
 }
 """Other spellings of the units of durations and frequencies."""
 
+_LONG_TIMES = {"h": 60, "hour": 60, "hours": 60, "d": 1440, "day": 1440, "days": 1440}
+"""Units of time that the language does not have, in minutes."""
+
 
 @record
 class UnknownCharacter(Diagnostic):
@@ -50,6 +53,8 @@ class UnknownCharacter(Diagnostic):
 
     @property
     def message(self) -> str:
+        if self.character.isidentifier():
+            return f"`{self.character}` is no name: names are ASCII letters, digits and `_`"
         shown = self.character if self.character.isprintable() else f"U+{ord(self.character):04X}"
         return f"`{shown}` has no meaning in the language"
 
@@ -365,4 +370,6 @@ class MissingUnitBrackets(Diagnostic):
     def help(self) -> str | None:
         if self.unit in _TIMES:
             return f"write `{self.number} {_TIMES[self.unit]}`"
+        if self.unit in _LONG_TIMES:
+            return f"write `{float(self.number) * _LONG_TIMES[self.unit]:.15g} min`, the longest unit of time"
         return f"write `{self.number}<{self.unit.replace(' ', '')}>`"

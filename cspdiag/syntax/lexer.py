@@ -26,9 +26,13 @@ _LOOKALIKES = dict(
         strict=True,
     )
 )
+_EXPONENTS = {"\N{SUPERSCRIPT TWO}": "^ 2", "\N{SUPERSCRIPT THREE}": "^ 3"}
 _LOOKALIKES["&&"] = "and"
 """Characters of papers, word processors and other languages, with what they stand for."""
 
+
+_LETTER = r"[^\W\u00b2\u00b3\u00b9\u2070-\u207f]"
+"""Letters and digits of all scripts but exponents: what a name of another alphabet is taken to consist of."""
 
 _NEXT_CHARACTER = re.compile(r"\s*(\S)")
 
@@ -53,11 +57,12 @@ class Scanner:
         punctuation = sorted(
             (text for text in tables.words if not text[0].isalpha() and text != "_"), key=lambda t: -len(t)
         )
-        alternatives = [f"(?P<NAME>{name})", f"(?P<COMMENT>{comment})"]
+        alternatives = [f"(?P<NAME>{name}(?!{_LETTER}))", f"(?P<COMMENT>{comment})"]
         alternatives += [f"(?P<{terminal}>{pattern})" for terminal, pattern in patterns.items()]
         alternatives += [r'(?P<OPEN_STRING>"[^"\n]*?(?=[ \t]*\{?[ \t\r]*(?:\n|\Z)))', r"(?P<OPEN_COMMENT>/\*[\s\S]*)"]
         alternatives.append(f"(?P<LOOKALIKE>{'|'.join(_LOOKALIKES)})")
         alternatives.append("(?P<PUNCTUATION>" + "|".join(map(re.escape, punctuation)) + ")")
+        alternatives.append(rf"(?P<FOREIGN>(?![0-9\u00b5\u03bc]){_LETTER}+)")
         alternatives.append(r"(?P<UNKNOWN>[^ \t\r\n\f])")
         self.token = re.compile(r"[ \t\r\n\f]*(?:" + "|".join(alternatives) + ")")
 
@@ -87,6 +92,9 @@ class Lexer:
         self._unit = scanner.unit
         self._words = scanner.words
         self._reported_lines: set[int] = set()
+        self._foreign: set[str] = set()
+        self.misused: set[str] = set()
+        """Words of the language that were reported as names."""
         self.kind = END
         self.text = ""
         self.start = 0
@@ -122,6 +130,8 @@ class Lexer:
                 self._take_unit()
         elif kind == "LOOKALIKE":
             self._take_lookalike()
+        elif kind == "FOREIGN":
+            self._take_foreign()
         elif kind == "OPEN_STRING":
             self._tell(UnterminatedString(Span(self._source, self.start, self.end)))
             self.kind, self.text = "STRING", text + '"'
@@ -169,10 +179,20 @@ class Lexer:
         self._tell(UnknownCharacter(Span(self._source, self.start, self.end), self.text, meant))
         self.kind, self.text = self._words[meant], meant
 
+    def _take_foreign(self) -> None:
+        """A name in letters that the language does not have; each is told once."""
+        from cspdiag.syntax.unexpected_words import ascii_name
+
+        self.kind = "NAME"
+        if self.text not in self._foreign:
+            self._foreign.add(self.text)
+            instead = "pi" if self.text == "\N{GREEK SMALL LETTER PI}" else ascii_name(self.text)
+            self._tell(UnknownCharacter(Span(self._source, self.start, self.end), self.text, instead))
+
     def _pass_unknown(self, match: re.Match[str]) -> re.Match[str] | None:
         start, end = match.span("UNKNOWN")
         character = self._text[start]
-        instead = "us" if character in "\N{MICRO SIGN}\N{GREEK SMALL LETTER MU}" else None
+        instead = "us" if character in "\N{MICRO SIGN}\N{GREEK SMALL LETTER MU}" else _EXPONENTS.get(character)
         self._tell(UnknownCharacter(Span(self._source, start, end), character, instead))
         return self._match(self._text, end)
 

@@ -14,7 +14,7 @@ from cspdiag.diagnostics.span import Span
 from cspdiag.syntax import ast
 from cspdiag.syntax.automaton import automaton
 from cspdiag.syntax.build_definitions import DefinitionBuilder
-from cspdiag.syntax.diagnostics import NestedTooDeeply
+from cspdiag.syntax.diagnostics import KeywordAsName, NestedTooDeeply
 from cspdiag.syntax.lexer import Lexer, Token, is_doc
 from cspdiag.syntax.nesting import DEEPEST
 from cspdiag.syntax.tables import END
@@ -144,6 +144,11 @@ class Parser:
             self.lexer.advance({})
         situation = Situation(self.source, self.automaton, self.states, self.starts, self.lexer)
         diagnostic, repair = explain(situation)
+        if isinstance(diagnostic, KeywordAsName):
+            self._tell_misuse(diagnostic)
+            assert repair is not None
+            self._apply(repair)
+            return
         if repair is None:
             self._skip_after(diagnostic)
             return
@@ -162,7 +167,17 @@ class Parser:
             case "insert":
                 lexer.insert(repair.terminal)
 
+    def _tell_misuse(self, diagnostic: KeywordAsName) -> None:
+        """Once for each word: where it stands again the mistake is the same."""
+        if diagnostic.word not in self.lexer.misused:
+            self._tell(diagnostic)
+            self.lexer.misused.add(diagnostic.word)
+
     def _tell(self, diagnostic: Diagnostic) -> None:
+        misused = self.lexer.misused
+        if misused and (self.lexer.text in misused or self.lexer.before.text in misused):
+            # A name that is a word of the language was taken for that word.
+            return
         if not self.lexer.reported_on_line(diagnostic.span.start):
             self.report.add(diagnostic)
 

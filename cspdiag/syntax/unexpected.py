@@ -6,12 +6,10 @@ operator chains. The first one that recognizes a situation explains it.
 
 from __future__ import annotations
 
-import re
-
 from cspdiag.diagnostics.span import Span
 from cspdiag.syntax import unexpected_structure as structure
+from cspdiag.syntax import unexpected_words as words
 from cspdiag.syntax.diagnostics import KeywordAsName, UnexpectedText, WrongOperator
-from cspdiag.syntax.diagnostics_tokens import MissingUnitBrackets
 from cspdiag.syntax.expected import expected_words, found_words
 from cspdiag.syntax.situation import Finding, Repair, Situation
 
@@ -22,11 +20,6 @@ _NEVER_MEANT_AS_NAMES = frozenset(
     ]
 )
 
-_SPACED_UNIT = re.compile(
-    r"(?P<number>[0-9][0-9.]*(?:[eE][+-]?[0-9]+)?)(?P<unit><[A-Za-z0-9/*^. -]* [A-Za-z0-9/*^. -]*>)"
-)
-_BARE_UNIT = re.compile(r"[A-Za-z][A-Za-z0-9/*^]*")
-
 _CALCULATIONS = frozenset("+-*/^")
 _NUMBERS = frozenset(["NUMBER", "QUANTITY"])
 _LOOPS = frozenset(["loop", "repeat", "forever", "for"])
@@ -36,6 +29,11 @@ _DIRECTIONS = {"input": "in", "inport": "in", "output": "out", "outport": "out"}
 
 def explain(situation: Situation) -> Finding:
     """What is wrong, and how to go on."""
+    if situation.text in situation.lexer.misused:
+        # Where a word of the language is a name once, it is one everywhere.
+        finding = _keyword_as_name(situation)
+        if finding is not None:
+            return finding
     for recognize in _MISTAKES:
         finding = recognize(situation)
         if finding is not None:
@@ -72,6 +70,8 @@ def _advice_in_composition(situation: Situation) -> str | None:
         return "what is read goes into a variable, declared in `communication`: `var x : bool`, then `port ? x`"
     if before.text in _LOOPS or situation.text in _LOOPS or situation.kind == "DO":
         return "repetition is `mu P`, `mu P until condition` or `while condition do P`"
+    if before.text == "+" and situation.text in {"+", "="}:
+        return "a variable is counted up by an assignment: `n := n + 1`"
     if situation.kind == "NAME" and before.kind == "NAME" and situation.can(";"):
         return "an operator stands between two processes: `;` in sequence, `||` in parallel"
     return None
@@ -93,7 +93,8 @@ def _keyword_as_name(situation: Situation) -> Finding | None:
     if not is_keyword or not situation.can("NAME") or structure.begins_part(situation):
         return None
     other_words_could_stand_here = situation.can("NUMBER") or situation.can("SKIP")
-    if other_words_could_stand_here and kind in _NEVER_MEANT_AS_NAMES:
+    is_known = text in situation.lexer.misused
+    if other_words_could_stand_here and kind in _NEVER_MEANT_AS_NAMES and not is_known:
         return None
     return KeywordAsName(situation.span, text), Repair("replace", "NAME")
 
@@ -116,22 +117,6 @@ def _wrong_operator(situation: Situation) -> Finding | None:
             end = situation.lexer.start + len(found)
             span = Span(situation.source, situation.lexer.start, end)
             return WrongOperator(span, found, wanted, purpose), Repair("replace", situation.terminal(wanted), end)
-    return None
-
-
-def _unit(situation: Situation) -> Finding | None:
-    before = situation.lexer.before
-    source = situation.source
-    if before.kind == "NUMBER" and situation.kind == "NAME" and not situation.lexer.first_on_line():
-        match = _BARE_UNIT.match(source.text, situation.lexer.start)
-        if match is not None:
-            span = Span(source, before.start, match.end())
-            return MissingUnitBrackets(span, before.text, match.group()), Repair("remove", end=match.end())
-    line_start = source.text.rfind("\n", max(0, situation.lexer.start - 200), situation.lexer.start) + 1
-    for match in _SPACED_UNIT.finditer(source.text, line_start, situation.lexer.end + 80):
-        if match.start() <= situation.lexer.start < match.end() + 1:
-            span = Span(source, match.start(), match.end())
-            return MissingUnitBrackets(span, match["number"], match["unit"][1:-1]), None
     return None
 
 
@@ -167,6 +152,8 @@ _MISTAKES = (
     structure.operators_without_parentheses,
     _keyword_as_name,
     _wrong_operator,
-    _unit,
+    words.number,
+    words.unit,
     _chained_comparison,
+    words.misspelled,
 )

@@ -46,7 +46,7 @@ def test_a_run_without_an_end_says_so(tmp_path: Path, capsys: pytest.CaptureFixt
     [
         ("mu a ? x", True),
         ("mu a ? x until x > 3", False),
-        ("(mu a ? x) || a ? x", True),
+        ("(mu wait 1 ms) || a ? x", True),
         ("a ? x ; stop", True),
         ("inner", True),
         ("mu (skip -> inner [] a ? x -> skip)", True),
