@@ -15,6 +15,7 @@ from tempfile import TemporaryDirectory
 from cspdiag.analyses.proofs.verdict import LimitError, Limits, Move, Proved, Refuted, Unknown, Verdict
 from cspdiag.analyses.transitions.system import System
 from cspdiag.codegen.promela.package import Command, commands, promela
+from cspdiag.codegen.target_error import TargetError
 
 _DEPTH = 2_000_000
 """Steps of the longest path that is followed."""
@@ -35,7 +36,11 @@ def deadlock_free(system: System, limits: Limits) -> Verdict:
         if shutil.which(tool) is None:
             raise SpinError(f"`{tool}` is not installed (Debian: apt-get install spin gcc)")
     with TemporaryDirectory(prefix="cspdiag-spin-") as folder:
-        Path(folder, "model.pml").write_text(promela(system), encoding="utf-8")
+        try:
+            text = promela(system)
+        except TargetError as problem:
+            raise SpinError(str(problem)) from None
+        Path(folder, "model.pml").write_text(text, encoding="utf-8")
         try:
             _run(["spin", "-a", "model.pml"], folder, limits)
             memory = max(limits.memory // 1_000_000, 16)

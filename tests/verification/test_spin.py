@@ -9,10 +9,12 @@ import pytest
 
 from cspdiag.analyses.proofs.breadth_first import count
 from cspdiag.analyses.proofs.verdict import Limits, Proved, Refuted, Unknown
-from cspdiag.analyses.transitions.system import INTERNAL, System
+from cspdiag.analyses.transitions.dump import dump
+from cspdiag.analyses.transitions.system import INTERNAL, Component, Event, System
 from cspdiag.codegen.cspm.package import cspm
-from cspdiag.codegen.promela.package import commands, promela
-from cspdiag.simulate.spin import deadlock_free
+from cspdiag.codegen.promela.package import commands, numbers_of_commands, promela
+from cspdiag.codegen.target_error import TargetError
+from cspdiag.simulate.spin import SpinError, deadlock_free
 from tests.analyses.proofs import known, naive
 from tests.analyses.proofs.random_systems import random_system
 
@@ -98,3 +100,30 @@ def _edges(text: str, system: System) -> int:
     assert {after for _, after in prefixes} <= defined
     assert len(defined) == sum(len(component.edges) for component in system.components)
     return sum(event != "ended" for event, _ in prefixes)
+
+
+def gathering(parties: int, states: int) -> System:
+    """Components that go round by themselves, and in any state meet all at once."""
+    edges = tuple(((0, 0), (INTERNAL, (state + 1) % states)) for state in range(states))
+    components = tuple(Component(f"p{number}", edges) for number in range(parties))
+    return System(components, (Event("meet", tuple(range(parties))),))
+
+
+@pytest.mark.parametrize("system", [gathering(3, 4), known.philosophers(4), *map(random_system, range(20))])
+def test_commands_are_counted_before_they_are_made(system: System) -> None:
+    assert sum(numbers_of_commands(system).values()) == len(commands(system))
+
+
+def test_models_that_are_too_large_are_refused_with_the_figure() -> None:
+    """Only where parties meet in any state does a model grow faster than its components: one in CSPm does not."""
+    system = gathering(10, 4)
+    with pytest.raises(TargetError, match=r"1,048,616 commands, 1,048,576 of them for `meet`.* its 10 parties"):
+        promela(system)
+    assert len(cspm(system)) < 5_000
+    assert len(dump(system)) < 5_000
+
+
+@needs_spin
+def test_spin_is_not_asked_about_what_is_too_large() -> None:
+    with pytest.raises(SpinError, match="1,048,616 commands"):
+        deadlock_free(gathering(10, 4), Limits())

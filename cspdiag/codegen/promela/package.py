@@ -6,14 +6,20 @@ number of parties needs no protocol, and SPIN stores exactly the states of the t
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 from itertools import product
+from math import prod
 
 from cspdiag.analyses.transitions.system import INTERNAL, Component, System
 from cspdiag.codegen.identifiers import distinct
 from cspdiag.codegen.models import system_of
 from cspdiag.codegen.plain_text import one_line
+from cspdiag.codegen.target_error import TargetError
 from cspdiag.network.ir import Network
+
+MOST_COMMANDS = 250_000
+"""A model of more is refused: SPIN and the C compiler take gigabytes for it, and its text alone some hundreds of megabytes."""
 
 Command = tuple[int, tuple[tuple[int, int, int], ...]]
 """An event, or INTERNAL, and for each of its parties the component with its state before and after."""
@@ -26,7 +32,11 @@ def generate(network: Network) -> dict[str, str]:
 
 
 def promela(system: System, source: str = "") -> str:
-    """The Promela model of a transition system; where SPIN simulates, each command prints its number in ``commands(system)``."""
+    """The Promela model of a transition system; where SPIN simulates, each command prints its number in ``commands(system)``.
+
+    Raises TargetError for one of more than ``MOST_COMMANDS`` commands.
+    """
+    _refuse_large(system)
     return "".join(f"{line}\n" for line in _lines(system, source))
 
 
@@ -40,6 +50,32 @@ def commands(system: System) -> list[Command]:
         for event, after in edges
         for moves in _together(system, offering, event, (index, before, after))
     ]
+
+
+def numbers_of_commands(system: System) -> dict[int, int]:
+    """How many commands each event has, one for each combination of the edges of its parties; of ``INTERNAL`` all internal steps."""
+    offered = [Counter(event for edges in component.edges for event, _ in edges) for component in system.components]
+    found = {
+        number: prod(offered[party][number] for party in set(event.parties))
+        for number, event in enumerate(system.events)
+    }
+    return found | {INTERNAL: sum(counted[INTERNAL] for counted in offered)}
+
+
+def _refuse_large(system: System) -> None:
+    numbers = numbers_of_commands(system)
+    total = sum(numbers.values())
+    if total <= MOST_COMMANDS:
+        return
+    most = max(numbers, key=lambda event: numbers[event])
+    of_most = ""
+    if most != INTERNAL:
+        event = system.events[most]
+        of_most = f", {numbers[most]:,} of them for `{event}`, one for each combination of the states of its {len(event.parties)} parties"
+    raise TargetError(
+        f"the Promela model would have {total:,} commands{of_most}; at most {MOST_COMMANDS:,} are written. "
+        "`--target cspm` and `cspdiag verify` keep the components apart"
+    )
 
 
 Moves = tuple[tuple[int, int, int], ...]
