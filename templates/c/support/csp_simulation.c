@@ -9,6 +9,7 @@
 #include <time.h>
 #include <unistd.h>
 #ifdef __linux__
+#include <signal.h>
 #include <sys/prctl.h>
 #endif
 
