@@ -92,11 +92,12 @@ def _summary(report: TimingReport) -> Iterator[str]:
 def _advice(report: TimingReport) -> Iterator[str]:
     if report.advice is not None:
         yield f"with these priorities every deadline would be met: {' ||> '.join(report.advice)}"
-    elif report.utilization > 1:
+    elif report.is_overloaded:
         yield "more work than time: no order of priorities helps"
     else:
-        yield "no order of priorities meets every deadline with these steps"
-    yield f"earliest deadline first would {'' if report.is_edf_feasible else 'not '}meet every deadline"
+        yield "no order of priorities is known that meets every deadline with these steps"
+    if report.is_edf_feasible is not None:
+        yield f"earliest deadline first would {'' if report.is_edf_feasible else 'not '}meet every deadline"
 
 
 def _missing(missing: Sequence[Missing]) -> Iterator[str]:

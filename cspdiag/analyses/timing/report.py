@@ -61,26 +61,19 @@ def timing_report(network: Network, measured: Mapping[str, int] | None = None) -
     levels = {priority: k for k, priority in enumerate(sorted({_level(thread) for thread in every}))}
     found = [behaviour(k, thread, levels[_level(thread)], refusals) for k, thread in enumerate(every)]
     behaviours = [one for one in found if one is not None]
-    grid = min((environment.step for environment in network.environments), default=None)
-    demands = Demands(behaviours, grid, capacities(network), starts_of(every, behaviours, grid), refusals)
-    surroundings = Surroundings(every, demands.own)
-    order = {path: k for k, path in enumerate(threads.instances)}
-    loops = sorted(
-        (loop for one in behaviours for loop in _loops(one, demands, surroundings, refusals)),
-        key=lambda loop: order.get(loop.name, len(order)),
-    )
     if any(thread.has_samples() for thread in every):
         refusals += Spinning(every).refusals()
+    order = {path: k for k, path in enumerate(threads.instances)}
     missing = tuple(sorted(threads.missing.values(), key=lambda part: order[part.leaf]))
-    if missing:
-        # What is unknown counts nothing: the rest of the figures would only mislead.
-        loops = []
-    waited = {one.number: _waited_between(one, demands, surroundings, refusals) for one in behaviours}
-    analysis = _Analysis(surroundings, behaviours, demands, loops, waited)
+    # What is unknown counts nothing: the rest of the figures would only mislead.
+    analysis = _analysis(network, every, behaviours, refusals, are_loops_known=not missing)
     rows = analysis.rows(network, refusals)
     tasks = tuple(analysis.tasks())
+    recurring = [task for task in tasks if task.period < ONCE]
     inputs = {f"{network.top}.{name}": k for k, name in enumerate(port_names(network.external_ports))}
     found_chains, are_all_chains = ([], True) if missing or refusals else analysis.chains(network, rows)
+    is_late = not all(row.is_met for row in rows)
+    overloaded = is_overloaded(every, behaviours)
     return TimingReport(
         network.top,
         tuple(rows),
@@ -88,15 +81,56 @@ def timing_report(network: Network, measured: Mapping[str, int] | None = None) -
         missing,
         tuple(dict.fromkeys(refusals)),
         tasks,
-        sum(task.utilization for task in tasks if task.period < ONCE),
-        lcm(*(row.period for row in rows), *(task.period for task in tasks if task.period < ONCE)) if rows else 0,
-        edf.meets_deadlines([task for task in tasks if task.period < ONCE]),
-        analysis.advice(rows),
+        sum(task.utilization for task in recurring),
+        lcm(*(row.period for row in rows), *(task.period for task in recurring)) if rows else 0,
+        False if overloaded else (True if analysis.is_independent and edf.meets_deadlines(recurring) else None),
+        _advice(network, every, behaviours, recurring) if is_late and not refusals else None,
         used,
         are_all_chains,
-        None if all(row.is_met for row in rows) else find_witness(every, behaviours, inputs),
-        is_overloaded(every, behaviours),
+        find_witness(every, behaviours, inputs) if is_late else None,
+        overloaded,
     )
+
+
+def _analysis(
+    network: Network,
+    every: Sequence[Thread],
+    behaviours: Sequence[Behaviour],
+    refusals: list[Refusal],
+    *,
+    are_loops_known: bool = True,
+) -> _Analysis:
+    """The loops of a program and what they ask of each other, with the priorities that its threads have."""
+    grid = min((environment.step for environment in network.environments), default=None)
+    demands = Demands(behaviours, grid, capacities(network), starts_of(every, behaviours, grid), refusals)
+    surroundings = Surroundings(every, demands.own)
+    order = {instance.path: k for k, instance in enumerate(network.instances)}
+    loops = sorted(
+        (loop for one in behaviours for loop in _loops(one, demands, surroundings, refusals)),
+        key=lambda loop: order.get(loop.name, len(order)),
+    )
+    waited = {one.number: _waited_between(one, demands, surroundings, refusals) for one in behaviours}
+    return _Analysis(surroundings, behaviours, demands, loops if are_loops_known else [], waited)
+
+
+def _advice(
+    network: Network, every: Sequence[Thread], behaviours: Sequence[Behaviour], tasks: Sequence[Task]
+) -> tuple[str, ...] | None:
+    """Another order of priorities of the branches of one parallel, if it is proved to meet every deadline."""
+    order = feasible_order(tasks)
+    branches = [one for one in behaviours if not one.thread.forks]
+    known = {one.thread.path: one for one in branches}
+    groups = {id(group) for thread in every for group in thread.forks}
+    if order is None or len(groups) != 1 or len(known) != len(branches):
+        return None
+    paths = tuple(dict.fromkeys(tasks[k].name for k in order))
+    if set(paths) != set(known):
+        return None
+    ranked = [replace(one, level=paths.index(one.thread.path) if one.thread.path in known else 0) for one in behaviours]
+    refusals: list[Refusal] = []
+    rows = _analysis(network, every, ranked, refusals).rows(network, refusals)
+    is_met = not refusals and all(row.is_met for row in rows)
+    return tuple(path.partition(".")[2] or path for path in paths) if is_met else None
 
 
 def _level(thread: Thread) -> tuple[int, ...]:
@@ -172,6 +206,11 @@ class _Analysis:
         self._waiting |= {number for number, parts in demands.own.items() for part in parts if part.held or part.meets}
         self._tasks: dict[Demand, Task] = {}
         self._together: dict[tuple[int, int], dict[int, Response]] = {}
+
+    @property
+    def is_independent(self) -> bool:
+        """Whether no loop waits for another one, or for time, nor causes work in another."""
+        return not (self._waiting or self._causing)
 
     def rows(self, network: Network, refusals: list[Refusal]) -> list[LoopTiming]:
         """Every loop with its bound; rounds until those that wait for each other agree."""
@@ -318,15 +357,3 @@ class _Analysis:
     def tasks(self) -> list[Task]:
         """What the whole program demands at most at any time."""
         return [self._as_task(part) for part in self.surroundings.everything()]
-
-    def advice(self, rows: Sequence[LoopTiming]) -> tuple[str, ...] | None:
-        """Another order of priorities, where it helps."""
-        if all(row.is_met for row in rows):
-            return None
-        tasks = [task for task in self.tasks() if task.period < ONCE]
-        order = feasible_order(tasks)
-        return (
-            None
-            if order is None
-            else tuple(dict.fromkeys(tasks[k].name.partition(".")[2] or tasks[k].name for k in order))
-        )

@@ -95,7 +95,7 @@ class Witness:
 @dataclass(frozen=True)
 class TimingReport:
     """The timing of a whole program. ``advice`` lists the threads from the most to the least urgent, where another order of priorities
-    would meet all deadlines and the present one does not; ``is_edf_feasible`` tells whether earliest deadline first would; ``tasks`` is what was analysed;
+    would, as was proved, meet all deadlines and the present one is not known to; ``is_edf_feasible`` tells whether earliest deadline first would, None where that is not known; ``tasks`` is what was analysed;
     ``are_all_chains`` unless there are too many to follow. ``witness`` is a sample that is late, if one is known; ``is_overloaded`` tells that for certain there is more work than time.
     """
 
@@ -107,7 +107,7 @@ class TimingReport:
     tasks: tuple[Task, ...]
     utilization: float
     hyperperiod: int
-    is_edf_feasible: bool
+    is_edf_feasible: bool | None
     advice: tuple[str, ...] | None
     measured: tuple[str, ...] = ()
     are_all_chains: bool = True

@@ -19,7 +19,7 @@ def find_witness(
     """The first sample that is late where all loops are independent and go but one way, so that there is only one schedule with all times at their
     longest; None where there is no such sample or the program is not as simple as that. ``order`` numbers the inputs, by their nets.
     """
-    if len(behaviours) != len(threads) or not _start_together(threads):
+    if len(behaviours) != len(threads) or not _start_together(threads) or _may_fail(threads):
         return None
     tasks: list[tuple[Task, Behaviour, Job]] = []
     for one in behaviours:
@@ -27,7 +27,7 @@ def find_witness(
         if not jobs:
             continue
         job = jobs[0]
-        if len(jobs) > 1 or job.offer is None or not _is_plain(one, job):
+        if len(jobs) > 1 or job.offer is None or not _is_plain(one, job) or not _begins_at(one, job.wait):
             return None
         period, work = job.offer.period, job.path.work
         tasks.append((Task(one.thread.path, period, work, period, one.level), one, job))
@@ -38,15 +38,65 @@ def find_witness(
 
 def is_overloaded(threads: Sequence[Thread], behaviours: Sequence[Behaviour]) -> bool:
     """Whether there is more work than time for certain: in one sample, whichever way it goes, or by loops alone that all run for ever and go but one way."""
+    if _may_fail(threads):
+        return False
     load = Fraction()
     for one in behaviours:
         jobs = [job for job in one.jobs if job.path.work and (job.wait < 0 or job.wait in one.waits)]
         for job in jobs:
-            if job.offer is not None and job.offer.kind == "sample" and job.path.least > job.offer.period:
+            if job.offer is not None and job.offer.kind == "sample" and _is_too_much(one, job):
                 return True
-        if len(jobs) == 1 and jobs[0].offer is not None and _is_plain(one, jobs[0]):
+        if (
+            len(jobs) == 1
+            and jobs[0].offer is not None
+            and _is_plain(one, jobs[0])
+            and _comes_surely(one, jobs[0].wait)
+        ):
             load += Fraction(jobs[0].path.work, jobs[0].offer.period)
     return load > 1 and _start_together(threads)
+
+
+def _is_too_much(one: Behaviour, job: Job) -> bool:
+    """Whether what a sample begins takes longer than its period, whichever way it goes, and may well begin."""
+    return job.offer is not None and job.path.least > job.offer.period and _comes_surely(one, job.wait)
+
+
+def _may_fail(threads: Sequence[Thread]) -> bool:
+    """Whether an exception may end the program before a loop is late."""
+    return any(place.raises for thread in threads for place in thread.places)
+
+
+def _begins_at(one: Behaviour, wait: int) -> bool:
+    """Whether a thread goes to a wait at once when it begins."""
+    return all(job.path.is_only and job.path.stops == {wait} for job in one.jobs if job.offer is None)
+
+
+def _comes_surely(one: Behaviour, goal: int) -> bool:
+    """Whether some environment leads a thread to a wait for a sample: no condition, partner or shorter time decides."""
+    if any(offer.kind not in ("sample", "event") for offer in one.thread.places[goal].offers):
+        return False
+    jobs = [job for job in one.jobs if job.offer is None]
+    seen: set[int] = set()
+    while jobs:
+        job = jobs.pop()
+        if not job.path.is_only or len(job.path.stops) != 1:
+            continue
+        (wait,) = job.path.stops
+        if wait == goal:
+            return True
+        if wait not in seen:
+            seen.add(wait)
+            jobs += _chosen_outside(one, wait)
+    return False
+
+
+def _chosen_outside(one: Behaviour, wait: int) -> list[Job]:
+    """The jobs after a wait that come if the environment wants it."""
+    kinds = {offer.kind for offer in one.thread.places[wait].offers}
+    if kinds <= {"event", "sample"} or kinds == {"delay"} or kinds == {"event", "delay"}:
+        jobs = (job for job in one.at(wait) if job.offer is not None)
+        return [job for job in jobs if job.offer is not None and job.offer.is_certain]
+    return []
 
 
 def _start_together(threads: Sequence[Thread]) -> bool:

@@ -6,11 +6,15 @@ import itertools
 import random
 from dataclasses import replace
 
+import pytest
+
 from cspdiag.analyses.timing.assignment import feasible_order
 from cspdiag.analyses.timing.demand import demand, meets_deadlines
+from cspdiag.analyses.timing.render_text import table
 from cspdiag.analyses.timing.response import response_times
 from cspdiag.analyses.timing.schedule import simulate
 from cspdiag.analyses.timing.task import Task
+from tests.analyses.timing.programs import law, loops_of, report_of
 
 
 def random_set(source: random.Random, *, number: int, load: float) -> list[Task]:
@@ -117,3 +121,58 @@ def test_a_hyperperiod_without_end_is_cut_short() -> None:
     assert not schedule.is_whole
     assert schedule.length < schedule.hyperperiod
     assert len(schedule.slices) <= 20_002
+
+
+def test_nothing_is_advised_that_was_not_decided() -> None:
+    """Every sample of these loops is in time in this very order, whatever the laws take, though the bounds for all phases are longer."""
+    text = loops_of(("a", "4 ms", "1 ms"), ("b", "6 ms", "2500 us"), ("c", "12 ms", "3 ms"), order="||>")
+    report = report_of(text)
+    assert report.advice is None
+    assert report.is_edf_feasible is None
+    told = table(report)
+    assert "no order of priorities is known that meets every deadline" in told
+    assert "earliest deadline first" not in told
+    assert "no order of priorities meets" not in told
+
+
+def test_an_order_is_advised_for_the_branches_of_one_parallel_only() -> None:
+    """It is told as they would be joined by `||>`."""
+    loops = (("slow", "10 ms", "700 us"), ("fast", "1 ms", "200 us"), ("mid", "4 ms", "600 us"))
+    text = loops_of(*loops, order="||>")
+    assert report_of(text).advice == ("fast", "mid", "slow")
+    nested = text.replace("mu slow ||> mu fast ||> mu mid", "mu slow ||> (mu fast ||> mu mid)")
+    assert nested != text
+    assert report_of(nested).advice is None
+
+
+BESIDE = (
+    law("Law", "600 us") + law("Other", "700 us") +
+    """
+    process Main {
+      in  x, z : double @ 1 ms
+      in  go   : double
+      communication {
+        first  : Law
+        second : Other
+        var v : double = 0
+        x -> first.x
+        z -> second.x
+        first.y -> _
+        second.y -> _
+      }
+      composition { mu first || (<before> mu second) }
+    }
+    """
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("before", "answer"),
+    [("go ? v ;", False), ("wait 3 ms ;", False), ("if v > 5 then", None), ("while v < 5 do", None)],
+)
+def test_only_loops_that_surely_run_are_too_much_for_certain(before: str, answer: bool | None) -> None:
+    report = report_of(BESIDE.replace("<before>", before))
+    assert report.utilization > 1
+    assert report.is_schedulable is answer
+    assert ("more work than time: no order" in table(report)) == (answer is False)
+    assert report.is_edf_feasible is answer

@@ -40,7 +40,7 @@ def test_overload_is_refuted_without_a_bound() -> None:
     assert report.is_schedulable is False
     assert {loop.response for loop in report.loops} == {None}
     assert report.utilization == pytest.approx(1.1)
-    assert not report.is_edf_feasible
+    assert report.is_edf_feasible is False
 
 
 def test_another_order_of_priorities_is_advised() -> None:
