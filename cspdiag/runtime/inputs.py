@@ -237,10 +237,13 @@ class SampledInput(In[T]):
 
     def _sampling(self, signal: Signal[T]) -> Callable[[], None]:
         """``sample`` in one step for a signal of an environment; ends that wait for a sample after others are served in place."""
+        log, name = scheduler.sample_log, self.name
 
         def sample() -> None:
             self.latest = value = signal.value
             self.sampled = True
+            if log is not None:
+                log.extend((scheduler.now, name, value))
             listening = self._listening
             for end in self._ends_that_listen() if listening is None else listening:
                 if end.begun and end.pace.followed and not end.fresh:
@@ -268,6 +271,8 @@ class SampledInput(In[T]):
         self._silent = 0
         self.latest = value
         self.sampled = True
+        if scheduler.sample_log is not None:
+            scheduler.sample_log.extend((scheduler.now, self.name, value))
         for end in self._ends_that_listen():
             end.sample(value)
 

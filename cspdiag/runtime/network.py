@@ -230,6 +230,7 @@ class _Run:
 
         if getattr(observer, "wants_communications", True):
             scheduler.observe = observe if log is None else note
+            scheduler.sample_log = getattr(observer, "sample_log", None)
         scheduler.watcher = observer
 
     def _take_over(self, instant: int | None) -> None:

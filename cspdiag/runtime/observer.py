@@ -20,6 +20,9 @@ class Observer:
     def communication(self, time: int, channel: str, value: Any, writer: str, reader: str) -> None:
         """A value has passed through an external port or a channel that is not a variable."""
 
+    sample_log: list[Any] | None = None
+    """Where an observer gives a list, it is extended by the time, the port and the value of every sample of a sampled input, read or not."""
+
     def process_started(self, time: int, path: str, class_name: str) -> None:
         """A process that is no submodel begins."""
 

@@ -200,7 +200,19 @@ class Scheduler:
     also while a cancelled task runs.
     """
 
-    __slots__ = ("_levels", "current", "enqueue", "now", "observe", "push", "queue", "running", "timers", "watcher")
+    __slots__ = (
+        "_levels",
+        "current",
+        "enqueue",
+        "now",
+        "observe",
+        "push",
+        "queue",
+        "running",
+        "sample_log",
+        "timers",
+        "watcher",
+    )
 
     current: Task
 
@@ -220,6 +232,7 @@ class Scheduler:
         self.timers = Timers()
         self.watcher: Watcher | None = None
         self.observe: Callable[[str, Any, Party | None, Party | None], None] | None = None
+        self.sample_log: list[Any] | None = None
 
     def set_priority(self, task: Task, priority: Priority) -> None:
         """Gives a task that is not in a queue its level.

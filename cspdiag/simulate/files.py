@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from cspdiag.model.types import ArrayType, EnumType, StructType, Type
+from cspdiag.simulate.leaves import Picker, leaves
 
 if TYPE_CHECKING:
     from cspdiag.simulate.result import Run
@@ -67,22 +68,30 @@ def plain_trace_text(run: Run) -> str:
 
 
 def csv_text(run: Run) -> str:
-    """A header, then a row for each instant at which an external port communicated; values held between."""
+    """A header, then a row for each instant at which an external port had a new value; values held between.
+
+    Arrays and structs have a column for each of their numbers.
+    """
     prefix = f"{run.network.top}."
-    names = [port.name for port in run.network.external_ports]
-    column = {f"{prefix}{name}": position for position, name in enumerate(names)}
-    kinds = {f"{prefix}{port.name}": port.type for port in run.network.external_ports}
+    names: list[str] = []
+    columns: dict[str, list[tuple[int, Type, Picker]]] = {}
+    for port in run.network.external_ports:
+        columns[f"{prefix}{port.name}"] = own = []
+        for name, kind, pick in leaves(port.name, port.type):
+            own.append((len(names), kind, pick))
+            names.append(name)
     row = [""] * len(names)
     rows: list[str] = [",".join(["time", *names])]
     instant: int | None = None
     for time, channel, value in run.values_passed():
-        position = column.get(channel)
-        if position is None:
+        own_columns = columns.get(channel)
+        if own_columns is None:
             continue
         if instant is not None and time != instant:
             rows.append(",".join([repr(instant / 1e9), *row]))
         instant = time
-        row[position] = _cell(value, kinds[channel])
+        for position, kind, pick in own_columns:
+            row[position] = _cell(pick(value), kind)
     if instant is not None:
         rows.append(",".join([repr(instant / 1e9), *row]))
     return "".join(f"{line}\n" for line in rows)
@@ -92,22 +101,17 @@ def _cell(value: object, kind: Type) -> str:
     shown = readable(value, kind)
     if isinstance(shown, bool):
         return "true" if shown else "false"
-    if isinstance(shown, list | dict):
-        return '"' + json.dumps(shown).replace('"', '""') + '"'
     return str(shown)
 
 
 def npz_bytes(run: Run) -> bytes:
-    """For each external port ``NAME`` its values and ``NAME.time`` its instants in seconds."""
+    """For each external port ``NAME`` its values, as ``Signal`` has them, and ``NAME.time`` its instants in seconds."""
     import numpy
 
     arrays = {}
     for port in run.network.external_ports:
         signal = run.signals[port.name]
-        values = signal.value
-        if values.dtype == object:
-            values = numpy.array([json.dumps(readable(value, port.type)) for value in values])
-        arrays[port.name] = values
+        arrays[port.name] = signal.value
         arrays[f"{port.name}.time"] = signal.time
     buffer = io.BytesIO()
     numpy.savez_compressed(buffer, allow_pickle=False, **arrays)

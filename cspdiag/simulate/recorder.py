@@ -44,6 +44,8 @@ class Recorder:
         self.wants_communications = communications
         self.communication_log: list[Any] = []
         """Five entries a communication, as ``Communication`` has them: a tuple for each would take longer to make than a process takes to communicate."""
+        self.sample_log: list[Any] = []
+        """Three entries a sample of a sampled input, read or not: time, port, value."""
         self.releases: list[tuple[int, str, object]] = []
         self.variables: dict[str, list[tuple[int, float]]] = {}
         self.execution_times: dict[str, ExecutionTime] = {}
@@ -58,9 +60,19 @@ class Recorder:
         log = iter(self.communication_log)
         return zip(log, log, log, log, log, strict=True)
 
+    @property
+    def samples(self) -> Iterator[tuple[int, str, object]]:
+        """All samples in order: time in nanoseconds, port, value."""
+        log = iter(self.sample_log)
+        return zip(log, log, log, strict=True)
+
     def communication(self, time: int, channel: str, value: object, writer: str, reader: str) -> None:
         """A value passed through a channel or an external port."""
         self.communication_log += (time, channel, value, writer, reader)
+
+    def sampled(self, time: int, port: str, value: object) -> None:
+        """A sampled input has a new sample, which is a communication only when somebody reads it."""
+        self.sample_log += (time, port, value)
 
     def released(self, time: int, port: str, value: object) -> None:
         """An output was handed its safe value at the end of the run; that is no communication."""

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
+from heapq import merge
+from operator import itemgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from cspdiag.model.types import BoolType, EnumType, IntType, RealType, TimeType, Type
+from cspdiag.model.types import Type
 from cspdiag.network.ir import Environment, Network
+from cspdiag.simulate.leaves import column
 from cspdiag.simulate.recorder import Activity, Communication, ExecutionTime, Recorder
 
 if TYPE_CHECKING:
@@ -19,7 +23,10 @@ if TYPE_CHECKING:
 
 
 class Signal(NamedTuple):
-    """What passed through a port: instants in seconds (shape ``(n,)``), values (shape ``(n,)``), and the type of the port."""
+    """What passed through a port: instants in seconds (shape ``(n,)``), values, and the type of the port.
+
+    Values have shape ``(n,)``, those of arrays ``(n, size)``; structs have a field of numpy for each of theirs (``value["x"]``).
+    """
 
     time: numpy.ndarray
     value: numpy.ndarray
@@ -77,18 +84,37 @@ class Run:
             if kind is None:
                 continue
             name = path.removeprefix(prefix) if path in external else path
-            signals[name] = Signal(numpy.array(times, dtype=float) * 1e-9, _column(values, kind), kind)
+            signals[name] = Signal(numpy.array(times, dtype=float) * 1e-9, column(values, kind), kind)
         return signals
 
     def values_passed(self) -> Iterator[tuple[int, str, object]]:
-        """Time, channel and value of every communication, and of every safe value that changed an output at the end."""
+        """Time, channel and value of every communication, and of every safe value that changed an output at the end.
+
+        Of sampled inputs it is every sample, read or not: what was measured, not what the program knows of it.
+        """
         last: dict[str, object] = {}
-        for time, channel, value, _, _ in self._recorder.communications:
+        log = self._recorder.sample_log
+        sampled = set(log[1::3])
+        passed = (
+            (time, channel, value)
+            for time, channel, value, _, _ in self._recorder.communications
+            if channel not in sampled
+        )
+        for time, channel, value in merge(self._recorder.samples, passed, key=itemgetter(0)) if log else passed:
             last[channel] = value
             yield time, channel, value
         for time, channel, value in self.releases:
             if channel in last and last[channel] != value:
                 yield time, channel, value
+
+    def unread(self, name: str) -> Sequence[bool]:
+        """Whether nobody read a sample of a sampled input before the next one came, for each of them."""
+        path = f"{self.network.top}.{name}"
+        ticks = [time for time, port, _ in self._recorder.samples if port == path]
+        reads = {
+            bisect_right(ticks, time) - 1 for time, channel, *_ in self._recorder.communications if channel == path
+        }
+        return [position not in reads for position in range(len(ticks))]
 
     def __repr__(self) -> str:
         where = f" in {self.environment.name}" if self.environment is not None else ""
@@ -160,19 +186,3 @@ class Run:
         from cspdiag.simulate.plot import svg_text
 
         return svg_text(self)
-
-
-def _column(values: list[object], kind: Type) -> numpy.ndarray:
-    import numpy
-
-    match kind:
-        case BoolType():
-            return numpy.array(values, dtype=bool)
-        case IntType() | TimeType() | EnumType():
-            return numpy.array([int(v) for v in values], dtype=numpy.int64)  # type: ignore[call-overload]
-        case RealType():
-            return numpy.array(values, dtype=float)
-        case _:
-            column = numpy.empty(len(values), dtype=object)
-            column[:] = values
-            return column

@@ -293,6 +293,12 @@ void csp_observe(uint32_t channel, const void *value, uint32_t writer, uint32_t 
            (writer == 0U) ? "outside" : all[writer - 1U].name, (reader == 0U) ? "outside" : all[reader - 1U].name);
 }
 
+void csp_observe_sample(uint32_t port, const void *value)
+{
+    (void)port;
+    (void)value;
+}
+
 void csp_observe_release(uint32_t port, const void *value)
 {
     printf("%6.1f ms  release %s %lld\n", (double)csp.now / 1e6, names[port],

@@ -76,7 +76,7 @@ class StreamReader:
         handlers: dict[int, Callable[[], None]] = {
             1: self._channel, 2: self._process, 3: self._communication, 4: self._begin, 5: self._end_of, 6: self._release,
             7: self._time, 8: self._waiting, 9: self._missed, 10: self._ended,
-            11: self._execution_time,
+            11: self._execution_time, 12: self._sample,
         }  # fmt: skip
         while self._has(1):
             kind = self._data[self._position]
@@ -101,7 +101,7 @@ class StreamReader:
 
     def _text(self) -> str:
         (length,) = _LENGTH.unpack(self._bytes(2))
-        return self._bytes(length).decode("utf-8", "replace")
+        return self._bytes(length).decode("utf-8", "surrogateescape")
 
     def _channel(self) -> None:
         number, size = _CHANNEL.unpack(self._bytes(6))
@@ -139,6 +139,11 @@ class StreamReader:
         time, channel = _EVENT.unpack(self._bytes(12))
         name, size, decode = self._channels[channel]
         self.recorder.released(time, name, decode(self._bytes(size)))
+
+    def _sample(self) -> None:
+        time, channel = _EVENT.unpack(self._bytes(12))
+        name, size, decode = self._channels[channel]
+        self.recorder.sampled(time, name, decode(self._bytes(size)))
 
     def _time(self) -> None:
         (self.now,) = _TIME.unpack(self._bytes(8))

@@ -143,6 +143,8 @@ extern csp_kernel csp;
 /* The program's main defines these. A communication: the number of the channel or external port, the value, and the numbers of the
  * processes that write and read, 0 for the environment. */
 void csp_observe(uint32_t channel, const void *value, uint32_t writer, uint32_t reader);
+/* The tick of a sampled input: its sample, whether it is read or not. */
+void csp_observe_sample(uint32_t port, const void *value);
 /* A safe value is handed over. */
 void csp_observe_release(uint32_t port, const void *value);
 /* A process (its number), or a named group or flattened process (numbered after the processes), has begun or ended; generated code calls them. */
@@ -150,6 +152,7 @@ void csp_observe_begin(uint32_t number);
 void csp_observe_end(uint32_t number);
 #else
 #define csp_observe(channel, value, writer, reader) ((void)(channel), (void)(value), (void)(writer), (void)(reader))
+#define csp_observe_sample(port, value) ((void)(port), (void)(value))
 #define csp_observe_release(port, value) ((void)(port), (void)(value))
 #define csp_observe_begin(number) ((void)(number))
 #define csp_observe_end(number) ((void)(number))

@@ -104,6 +104,7 @@ void csp_sampled_tick(csp_sampled_input *port)
         return;
     }
     port->sampled = true;
+    csp_observe_sample(port->medium.number, port->value);
     for (csp_sampled_end *end = port->ends; end != NULL; end = end->next) {
         if (end->begun || end->pace->followed) {
             sample(end);

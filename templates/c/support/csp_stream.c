@@ -127,14 +127,24 @@ void csp_observe(uint32_t channel, const void *value, uint32_t writer, uint32_t 
     put(value, known->channel_sizes[channel]);
 }
 
-void csp_observe_release(uint32_t port, const void *value)
+static void tell_value(uint8_t kind, uint32_t port, const void *value)
 {
     if (port < observed_channels) {
-        put_kind(6);
+        put_kind(kind);
         put_time(csp.now);
         put_number(port);
         put(value, known->channel_sizes[port]);
     }
+}
+
+void csp_observe_sample(uint32_t port, const void *value)
+{
+    tell_value(12, port, value);
+}
+
+void csp_observe_release(uint32_t port, const void *value)
+{
+    tell_value(6, port, value);
 }
 
 static void begins_or_ends(uint8_t kind, uint32_t number)

@@ -13,6 +13,7 @@
  *     9  missed samples of a port: channel (4), count (4)
  *    10  the end: csp_ending (1), time (8), duration of the run in seconds (8, a double), exception ("": the environment failed), message, place
  *    11  execution times, with CSP_MEASURE: number of a process (4), its longest step in nanoseconds (8), number of its steps (8)
+ *    12  a sample of a sampled input, read or not: time (8), channel (4), value
  */
 #ifndef CSP_STREAM_H
 #define CSP_STREAM_H

@@ -61,6 +61,12 @@ void csp_observe(uint32_t channel, const void *value, uint32_t writer, uint32_t 
     write_record("", (uint64_t)csp.now, network_channel_names[channel], bits);
 }
 
+void csp_observe_sample(uint32_t port, const void *value)
+{
+    (void)port;
+    (void)value;
+}
+
 void csp_observe_release(uint32_t port, const void *value)
 {
     uint64_t bits = 0U;

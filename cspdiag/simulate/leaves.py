@@ -1,0 +1,86 @@
+"""Values of arrays and structs as numbers: in columns of their own for people and tables, in one array for numpy."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING, Any
+
+from cspdiag.model.types import ArrayType, BoolType, EnumType, IntType, RealType, StructType, TimeType, Type
+
+if TYPE_CHECKING:
+    import numpy
+
+Picker = Callable[[Any], Any]
+"""Takes one number out of a value."""
+
+
+def leaves(name: str, type_: Type) -> Iterator[tuple[str, Type, Picker]]:
+    """The numbers that a value of a port consists of, with what each is called: ``gyro[0]``, ``pose.x``, ``arms[1].angle``."""
+    match type_:
+        case ArrayType(element=element, size=size):
+            for index in range(size or 0):
+                yield from _inside(f"{name}[{index}]", element, index)
+        case StructType(fields=fields):
+            for index, (field, kind) in enumerate(fields):
+                yield from _inside(f"{name}.{field}", kind, index)
+        case _:
+            yield name, type_, _itself
+
+
+def _inside(name: str, type_: Type, index: int) -> Iterator[tuple[str, Type, Picker]]:
+    for full, kind, pick in leaves(name, type_):
+        yield full, kind, _at(index, pick)
+
+
+def _at(index: int, pick: Picker) -> Picker:
+    return lambda value: pick(value[index])
+
+
+def _itself(value: Any) -> Any:
+    return value
+
+
+def column(values: list[Any], type_: Type) -> numpy.ndarray:
+    """Values as an array of their type: shape ``(n,)``, for arrays ``(n, size)``; structs have a field of numpy for each of theirs."""
+    import numpy
+
+    found = numpy.empty(len(values), dtype=_dtype(type_))
+    if values:
+        found[:] = [_plain(value, type_) for value in values]
+    return found
+
+
+def _dtype(type_: Type) -> Any:
+    match type_:
+        case BoolType():
+            return bool
+        case IntType() | TimeType() | EnumType():
+            return "i8"
+        case RealType():
+            return float
+        case StructType(fields=fields):
+            return [(name, *_field(kind)) for name, kind in fields]
+        case ArrayType():
+            return _field(type_)
+        case _:
+            return object
+
+
+def _field(type_: Type) -> tuple[Any, ...]:
+    """The type of numpy and, for arrays, the shape."""
+    shape: list[int] = []
+    while isinstance(type_, ArrayType):
+        shape.append(type_.size or 0)
+        type_ = type_.element
+    return (_dtype(type_), tuple(shape)) if shape else (_dtype(type_),)
+
+
+def _plain(value: Any, type_: Type) -> Any:
+    """Lists for arrays and tuples for structs, which is how numpy tells them apart."""
+    match type_:
+        case ArrayType(element=element):
+            return [_plain(part, element) for part in value]
+        case StructType(fields=fields):
+            return tuple(_plain(part, kind) for part, (_, kind) in zip(value, fields, strict=True))
+        case _:
+            return value
