@@ -4,6 +4,7 @@
 #include "csp_simulation.h"
 
 #include <errno.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <time.h>
