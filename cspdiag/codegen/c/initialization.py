@@ -209,7 +209,8 @@ class _Initialization:
                         if access == "variable"
                         else self._attached(connection)
                     )
-            fields.append(f".{name} = {{{KINDS[access]}, {at}}}")
+            size = f"sizeof({self.writer.members.types.type_name(port.type)})"
+            fields.append(f".{name} = {{{KINDS[access]}, {at}, {size}}}")
         if fields:
             arguments.append(f"&(const struct {struct}_ports){{{', '.join(fields)}}}")
         return [*found, f"{struct}_initialize({', '.join([*arguments, *given])});"]

@@ -84,7 +84,18 @@ class Names:
         return name
 
 
-FILES = ("types", "constants", "network", "main", "main_simulation", "port", "exceptions", "environment", "values")
+FILES = (
+    "types",
+    "constants",
+    "network",
+    "main",
+    "main_simulation",
+    "port",
+    "exceptions",
+    "environment",
+    "values",
+    "types_by_hand",
+)
 """Stems of files of a package that no class may be stored in."""
 
 _OF_NETWORK = _words("external present brought port_table process_name channel_name exception_names copy_name")

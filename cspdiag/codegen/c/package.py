@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from weakref import ref
 
+from cspdiag.codegen.c.by_hand import checks_file
 from cspdiag.codegen.c.definitions import constants_header, types_header
 from cspdiag.codegen.c.environments import environment_files
 from cspdiag.codegen.c.external import external_files
@@ -105,6 +106,7 @@ def generate(
         files.update(made)
     by_hand = external_files(network, texts)
     files.update(by_hand)
+    files.update(checks_file(lowered, names, types))
     files.update(network_files(lowered, names, types))
     program = sorted(path for path in files if path.endswith(".c"))
     render = renderer("c")

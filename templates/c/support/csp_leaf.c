@@ -1,6 +1,8 @@
 /* Ports of processes that are written by hand. */
 #include "csp_leaf.h"
 
+#include "csp_text.h"
+
 void csp_in_init(csp_in *in, csp_connection connection, csp_ends *ends)
 {
     in->connection = connection;
@@ -32,9 +34,34 @@ void csp_out_init(csp_out *out, csp_connection connection)
     out->medium = (connection.kind == CSP_END_VARIABLE) ? NULL : (csp_medium *)connection.at;
 }
 
+static void describe_size(const csp_operands *operands, char *text, size_t size)
+{
+    text[0] = '\0';
+    csp_append(text, size, "a variable of ");
+    csp_append_integer(text, size, operands->integers[0]);
+    csp_append(text, size, " bytes for values of ");
+    csp_append_integer(text, size, operands->integers[1]);
+}
+
+/* The types of a process by hand are known to its compiler only: what is read or written has at least to be as large as a value. */
+static bool fits(csp_party *party, const csp_connection *connection, size_t size)
+{
+    if (size == connection->size) {
+        return true;
+    }
+    (void)csp_raise(party, (uint16_t)CSP_FAULT_EXCEPTION, NULL);
+    csp.error.describe = describe_size;
+    csp.error.operands.integers[0] = (int64_t)size;
+    csp.error.operands.integers[1] = (int64_t)connection->size;
+    return false;
+}
+
 csp_progress csp_in_read(csp_party *party, csp_in *in, void *value, size_t size)
 {
     void *const at = in->connection.at;
+    if (!fits(party, &in->connection, size)) {
+        return CSP_FAILS;
+    }
     if (in->connection.kind == CSP_END_VARIABLE) {
         (void)memcpy(value, at, size);
         return CSP_DONE;
@@ -73,6 +100,9 @@ csp_progress csp_in_read_again(csp_party *party, csp_in *in, void *value, size_t
 csp_progress csp_out_write(csp_party *party, csp_out *out, void *value, size_t size)
 {
     void *const at = out->connection.at;
+    if (!fits(party, &out->connection, size)) {
+        return CSP_FAILS;
+    }
     if (out->connection.kind == CSP_END_VARIABLE) {
         if (at != NULL) {
             (void)memcpy(at, value, size);

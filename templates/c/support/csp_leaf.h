@@ -75,6 +75,7 @@ typedef enum csp_end_kind {
 typedef struct csp_connection {
     csp_end_kind kind;
     void *at;
+    size_t size; /* of its values */
 } csp_connection;
 
 typedef struct csp_in {
@@ -98,7 +99,7 @@ void csp_out_init(csp_out *out, csp_connection connection);
 
 csp_progress csp_in_read(csp_party *party, csp_in *in, void *value, size_t size);
 csp_progress csp_in_read_again(csp_party *party, csp_in *in, void *value, size_t size);
-/* A value for the outside has to be finite: csp_finite of csp_arithmetic.h refuses others. */
+/* A variable of another size than the values of the port is a fault. A value for the outside has to be finite: csp_finite of csp_arithmetic.h refuses others. */
 csp_progress csp_out_write(csp_party *party, csp_out *out, void *value, size_t size);
 
 #define CSP_READ(in, variable, PLACE, FAILED)                                                                          \

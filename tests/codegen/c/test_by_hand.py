@@ -1,0 +1,154 @@
+"""Control laws and processes that are written by hand in C have the types of their ports, or are refused in words."""
+
+from __future__ import annotations
+
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from cspdiag import pipeline
+from cspdiag.diagnostics import SourceFile
+from cspdiag.network.ir import Network
+from cspdiag.simulate.native import run as native
+from cspdiag.sources import read_source
+from tests.c_kernel.building import STRICT
+from tests.codegen.c.test_leaves import HEADER, NEEDS_COMPILER, SOURCE
+from tests.codegen.c.test_package import COMPILERS, written
+
+MS = 1_000_000
+
+PROGRAM = """
+submodel Valve(gain: double) c "valve.c" {
+  in  level   : double
+  in  count   : int
+  out opening : double
+}
+
+submodel Doubled {
+  in  level   : double
+  out opening : double
+
+  valve : Valve(gain = 1)
+  valve.level = level
+  valve.count = 2
+  opening = 2 * valve.opening
+}
+
+process Tank {
+  in  level   : double @ 10 ms
+  out opening : double @ 10 ms
+
+  communication {
+    valve : VALVE
+    level         -> valve.level
+    valve.opening -> opening
+    COUNT
+  }
+
+  composition {
+    mu valve
+  }
+}
+"""
+
+LAW = """
+#ifndef VALVE_H
+#define VALVE_H
+#include <stdint.h>
+struct valve { MEMBERS double gain; };
+void valve_initialize(struct valve *self, double gain);
+void valve_reset(struct valve *self);
+void valve_calculate(struct valve *self);
+#endif
+"""
+
+
+def network_of(text: str, folder: Path) -> Network:
+    built = pipeline.build(SourceFile(name=str(folder / "tank.csp"), text=text), read_source)
+    assert built.network is not None, [found.message for found in built.checked.report.diagnostics]
+    return built.network
+
+
+def compiled(folder: Path, compiler: str, members: str, *, nested: bool, dialect: str = "-std=c99") -> str:
+    """What a compiler says of the package, with these members in the header by hand."""
+    (folder / "valve.c").write_text('#include "valve.h"\n')
+    (folder / "valve.h").write_text(LAW.replace("MEMBERS", members))
+    law, count = ("Doubled", "") if nested else ("Valve(gain = 2)", "var n : int = 1  n -> valve.count")
+    network = network_of(PROGRAM.replace("VALVE", law).replace("COUNT", count), folder)
+    package = written(pipeline.generate(network, read_source, "c"), folder / "package")
+    sources = [str(path) for path in package.glob("*.c") if path.name != "main_simulation.c"]
+    flags = [compiler, *STRICT, dialect, "-fsyntax-only", f"-I{package}", f"-I{package / 'support'}"]
+    return subprocess.run([*flags, *sources], capture_output=True, text=True, check=False).stderr
+
+
+@NEEDS_COMPILER
+@pytest.mark.parametrize("compiler", COMPILERS)
+@pytest.mark.parametrize("nested", [False, True])
+def test_members_of_a_law_have_the_types_of_its_ports(compiler: str, nested: bool, tmp_path: Path) -> None:
+    assert compiled(tmp_path, compiler, "double level; int64_t count; double opening;", nested=nested) == ""
+
+
+@NEEDS_COMPILER
+@pytest.mark.parametrize("compiler", COMPILERS)
+@pytest.mark.parametrize("nested", [False, True])
+@pytest.mark.parametrize(
+    ("members", "member", "type_"),
+    [
+        ("float level; int64_t count; double opening;", "level", "double"),
+        ("double level; double count; double opening;", "count", "int64_t"),
+        ("double level; int64_t count; float opening;", "opening", "double"),
+        ("double level; int32_t count; double opening;", "count", "int64_t"),
+    ],
+)
+def test_other_types_are_refused_in_words(
+    compiler: str, nested: bool, members: str, member: str, type_: str, tmp_path: Path
+) -> None:
+    said = compiled(tmp_path, compiler, members, nested=nested)
+    assert f"valve.h: the member `{member}` of `struct valve` has to be `{type_}`, as the port is (tank.csp:" in said
+
+
+@NEEDS_COMPILER
+@pytest.mark.parametrize("flags", [["-std=c11", "-U__GNUC__"], ["-std=c99", "-U__GNUC__"]])
+def test_other_compilers_find_it_too(flags: list[str], tmp_path: Path) -> None:
+    """Those without the words of GNU: by C11, or by the sizes."""
+    source = tmp_path / "law.c"
+    body = (
+        'struct law {{ {type} level; }};\nCSP_REQUIRE_MEMBER(struct law, level, double, level_must_be_double, "no");\n'
+    )
+    support = Path(__file__).parents[3] / "templates" / "c" / "support"
+    for type_, expected in (("double", 0), ("float", 1)):
+        source.write_text('#include "csp_by_hand.h"\n' + body.format(type=type_))
+        command = [COMPILERS[0], *flags, f"-I{support}", "-fsyntax-only", str(source)]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        assert done.returncode == expected, done.stderr
+
+
+@NEEDS_COMPILER
+def test_a_variable_of_another_size_is_a_fault_of_a_process_by_hand(tmp_path: Path) -> None:
+    (tmp_path / "scale.c").write_text(SOURCE)
+    (tmp_path / "scale.h").write_text(
+        HEADER.replace("int64_t gain, value, other", "int64_t gain, other; int32_t value")
+    )
+    text = """
+process Scale(gain: int) c "scale.c" { in input : int  in offset : int = 7  out output : int }
+process Top {
+  in  level : int @ 1 ms
+  out shown : int
+  communication {
+    scale : Scale(gain = 3)
+    level        -> scale.input
+    scale.output -> shown
+  }
+  composition { scale }
+}
+submodel World { in shown : int  out level : int  level = 5 }
+environment Bench for Top step 1 ms {
+  world : World
+  shown       -> world.shown
+  world.level -> level
+}
+"""
+    run = native.simulate(network_of(text, tmp_path), read_source, until=10 * MS, options=("-O0",))
+    assert run.outcome.ended == "failed"
+    assert "a variable of 4 bytes for values of 8" in str(run.outcome.error)
