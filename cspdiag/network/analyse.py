@@ -23,6 +23,7 @@ from cspdiag.network.period_origins import PeriodOrigins
 from cspdiag.network.periods import Rates, check_event_ports, net_rates
 from cspdiag.network.rate_boundaries import RateBoundaries
 from cspdiag.network.relations import Relations
+from cspdiag.network.releases import check_releases
 from cspdiag.network.shapes import Overrides, Shape, attached_key
 from cspdiag.network.submodels import needs_sample
 from cspdiag.network.usage import check_usage
@@ -88,6 +89,7 @@ class Analysis:
             waiting.process(placed)
             check_guards(placed, self.report)
             check_progress(placed, waiting, self.report)
+            check_releases(placed, self.report)
             self._check_samples(placed)
         if not self.report.has_errors and any(
             kind == "sampled" for placed in self.contexts.placed for kind, _ in placed.facts.values()

@@ -24,14 +24,21 @@ from cspdiag.network.actions import (
     WhileLoop,
 )
 from cspdiag.network.contexts import Placed
-from cspdiag.network.diagnostics_alternatives import BranchNeverChosen, SamePortTwice
+from cspdiag.network.diagnostics_alternatives import BranchNeverChosen, SamePortTwice, TimeOutNeverElapses
 from cspdiag.network.diagnostics_runs import EndlessLoop, InstanceNeverRun, NoComposition, RunTwiceAtOnce
 from cspdiag.network.ends import all_actions
 from cspdiag.network.expression_walk import walk
 from cspdiag.network.expressions import Expression, LiteralValue
 from cspdiag.network.relations import UsesByKey, end_key, run_key, variables_read
 from cspdiag.network.shapes import InstanceShape, Key, Shape, attached_key
-from cspdiag.network.waiting import Waiting, is_open, read_may_wait, write_may_wait
+from cspdiag.network.waiting import (
+    Waiting,
+    is_open,
+    known_duration,
+    read_may_wait,
+    sample_period,
+    write_may_wait,
+)
 from cspdiag.syntax import ast
 
 
@@ -77,6 +84,7 @@ def check_progress(placed: Placed, waiting: Waiting, report: Report) -> None:
                 _check_loop(placed, waiting, action, action.condition, report)
             case Choice():
                 _check_branches(placed, action, report)
+                _check_time_outs(placed, action, report)
             case InterruptOn():
                 _never_holds(action.branch, report)
             case _:
@@ -142,6 +150,34 @@ def _check_branches(placed: Placed, choice: Choice, report: Report) -> None:
                 seen[end] = branch
         if branch.condition is None and _is_always_ready(placed, branch.event):
             always = branch
+
+
+def _check_time_outs(placed: Placed, choice: Choice, report: Report) -> None:
+    """A time-out beside the samples of an input, or beside a branch that is always ready, must come before them to be chosen at all."""
+    sooner: tuple[int, Branch, Key | None] | None = None
+    for branch in choice.branches:
+        if branch.condition is not None:
+            continue
+        if _is_always_ready(placed, branch.event):
+            sooner = (0, branch, None)
+        elif isinstance(branch.event, ReadyEvent | InputEvent):
+            key = end_key(branch.event.source)
+            period = sample_period(placed, key)
+            if period and (sooner is None or period < sooner[0]):
+                sooner = (period, branch, key)
+    if sooner is None:
+        return
+    period, other, port = sooner
+    for branch in choice.branches:
+        waits = known_duration(placed, branch.event.duration) if isinstance(branch.event, AfterEvent) else 0
+        behind = choice.prioritized and other.span.start < branch.span.start
+        # Behind one that is always ready nothing has a turn, and that is said already.
+        if (waits > period and (period or not behind)) or (period and waits == period and behind):
+            report.add(
+                TimeOutNeverElapses(
+                    span=branch.event.span, waits=waits, port=port, period=period, earlier=other.event.span
+                )
+            )
 
 
 def _never_holds(branch: Branch, report: Report) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from cspdiag.diagnostics import Diagnostic, Label, Span
 from cspdiag.diagnostics.record import record
+from cspdiag.model.durations import duration
 
 
 @record
@@ -267,3 +268,135 @@ class SamePortTwice(Diagnostic):
     @property
     def labels(self) -> tuple[Label, ...]:
         return (Label(self.first, "the other branch"),)
+
+
+@record
+class TimeOutNeverElapses(Diagnostic):
+    """A time-out stands beside a branch that is always chosen before it elapses.
+
+    `after 50 ms` counts from the beginning of the alternative. Where a sample comes every 10 ms, the alternative chooses it long before, and
+    begins again, with a new time-out, when a loop comes back to it. What is to happen every so often beside the samples is counted in samples, or belongs to a
+    process in parallel.
+
+    Refused::
+
+        process Main {
+          in  angle : double @ 10 ms
+          out motor : double @ 10 ms
+          out alive : int
+          communication {
+            var now   : double = 0
+            var times : int    = 0
+          }
+          composition {
+            mu (
+              angle ? now -> motor ! now
+              []
+              after 50 ms -> (times := times + 1 ; alive ! times)
+            )
+          }
+        }
+
+    Mended::
+
+        process Main {
+          in  angle : double @ 10 ms
+          out motor : double @ 10 ms
+          out alive : int
+          communication {
+            var now   : double = 0
+            var times : int    = 0
+          }
+          composition {
+            (mu (angle ? now ; motor ! now))
+            ||
+            (mu (wait 50 ms ; times := times + 1 ; alive ! times))
+          }
+        }
+    """
+
+    code = "W0615"
+    title = "time-out that never elapses"
+    severity = "warning"
+
+    waits: int
+    port: str | None
+    """The sampled input that is read before; None where a branch is always ready."""
+    period: int
+    earlier: Span
+
+    @property
+    def message(self) -> str:
+        if self.port is None:
+            return f"these {duration(self.waits)} never elapse: another branch is ready at once"
+        return f"these {duration(self.waits)} never elapse: a sample of `{self.port}` comes every {duration(self.period)}, and is read before"
+
+    @property
+    def help(self) -> str | None:
+        if self.port is None:
+            return "a time-out is for an alternative that waits: leave one of the two away"
+        return f"count samples of `{self.port}` instead, or let a process in parallel `wait {duration(self.waits)}`"
+
+    @property
+    def labels(self) -> tuple[Label, ...]:
+        return (Label(self.earlier, "always ready" if self.port is None else f"chosen within {duration(self.period)}"),)
+
+
+@record
+class ReleaseNotToldApart(Diagnostic):
+    """A guard waits for a `bool` event, and nobody looks at the value.
+
+    An event comes when its value changes: a button that is pressed gives `true`, and `false` when it is released. A guard without a look
+    at the value takes either. What is to happen at the press only looks at the variable, and goes on where it is false.
+
+    Refused::
+
+        process Main {
+          in  halt  : bool
+          in  angle : double @ 1 ms
+          out motor : double @ 1 ms
+          communication {
+            var pressed : bool   = false
+            var now     : double = 0
+          }
+          composition {
+            (mu (angle ? now ; motor ! 1 - now)) interrupt halt ? pressed -> motor ! 0
+          }
+        }
+
+    Mended::
+
+        process Main {
+          in  halt  : bool
+          in  angle : double @ 1 ms
+          out motor : double @ 1 ms
+          communication {
+            var pressed : bool   = false
+            var now     : double = 0
+          }
+          composition {
+            mu (
+              (mu (angle ? now ; motor ! 1 - now)) interrupt halt ? pressed -> skip
+            ) until pressed ;
+            motor ! 0
+          }
+        }
+    """
+
+    code = "W0616"
+    title = "guard that takes a release for a press"
+    severity = "warning"
+
+    port: str
+    variable: str
+    is_interrupt: bool
+
+    @property
+    def message(self) -> str:
+        return f"`{self.port}` comes when it becomes true and when it becomes false, and nobody looks at `{self.variable}` to tell the two apart"
+
+    @property
+    def help(self) -> str | None:
+        if self.is_interrupt:
+            return f"go on after a release: `mu (... interrupt {self.port} ? {self.variable} -> skip) until {self.variable}`"
+        return f"look at the value: `{self.port} ? {self.variable} -> if {self.variable} then ...`"

@@ -93,3 +93,71 @@ class PortUnused(Diagnostic):
         if self.direction == "in":
             return f"use it, leave it away, or say that it is ignored with `{self.port} -> _`"
         return "write it with `!` or connect an instance to it, or leave it away"
+
+
+@record
+class InputDiscarded(Diagnostic):
+    """A control law has an input that none of its equations uses.
+
+    Each time it runs the law waits for a value of it and takes it, and then forgets it. That is hardly meant: an equation uses another name, or the input
+    is left over.
+
+    Refused::
+
+        submodel Controller {
+          in  setpoint : double
+          in  angle    : double
+          out voltage  : double
+          voltage = 2 * setpoint
+        }
+
+        process Main {
+          in  setpoint : double @ 1 ms
+          in  angle    : double @ 1 ms
+          out voltage  : double @ 1 ms
+          communication {
+            law : Controller
+            setpoint    -> law.setpoint
+            angle       -> law.angle
+            law.voltage -> voltage
+          }
+          composition { mu law }
+        }
+
+    Mended::
+
+        submodel Controller {
+          in  setpoint : double
+          in  angle    : double
+          out voltage  : double
+          voltage = 2 * (setpoint - angle)
+        }
+
+        process Main {
+          in  setpoint : double @ 1 ms
+          in  angle    : double @ 1 ms
+          out voltage  : double @ 1 ms
+          communication {
+            law : Controller
+            setpoint    -> law.setpoint
+            angle       -> law.angle
+            law.voltage -> voltage
+          }
+          composition { mu law }
+        }
+    """
+
+    code = "W0514"
+    title = "input that no equation uses"
+    severity = "warning"
+
+    port: str
+    submodel: str
+
+    @property
+    def message(self) -> str:
+        return f"no equation of `{self.submodel}` uses its input `{self.port}`: its values are taken and discarded"
+
+    @property
+    def help(self) -> str | None:
+        return "use it in an equation, or leave the input away"

@@ -41,14 +41,11 @@ from cspdiag.network.actions import (
     WhileLoop,
     WriteValue,
 )
-from cspdiag.network.constant_value import constant_value
 from cspdiag.network.contexts import Placed
 from cspdiag.network.diagnostics_rates import SamplesMissed
-from cspdiag.network.expressions import Expression
 from cspdiag.network.relations import end_key
-from cspdiag.network.shapes import UNKNOWN_PERIOD, InstanceShape, Key
-from cspdiag.network.waiting import inputs_of
-from cspdiag.syntax import ast
+from cspdiag.network.shapes import InstanceShape, Key
+from cspdiag.network.waiting import inputs_of, known_duration, sample_period
 
 _MANY = 1 << 40
 """More reads than anybody counts: those of a loop inside."""
@@ -127,9 +124,6 @@ class _Sequence:
         self.placed = placed
         self.known = known
         self.report = report
-        self.values = {
-            node.name.text: value for node, value in placed.shape.values.items() if isinstance(node, ast.Parameter)
-        }
         self.ready: frozenset[Key] = frozenset()
         """Events that a guard has found ready, so that what follows it reads them without waiting."""
         self.tolerated = False
@@ -145,7 +139,7 @@ class _Sequence:
             case WriteValue() | AssignValue() | SkipStep() | ResetInstance():
                 return _INSTANT
             case WaitStep():
-                waits = self._duration(action.duration)
+                waits = known_duration(self.placed, action.duration)
                 return Part(time=Gap(waits, None, action.span) if waits else _NOTHING, wait=waits, reads={})
             case StopStep() | RaiseException():
                 return _NEVER_ENDS
@@ -207,14 +201,7 @@ class _Sequence:
         return self.placed.facts[key][0] == "event" and key not in self.ready
 
     def _period(self, key: Key) -> int:
-        """The period of a sampled input; 0 for what is none, or where it is not known."""
-        kind, period = self.placed.facts[key]
-        return period if kind == "sampled" and period is not None and period != UNKNOWN_PERIOD else 0
-
-    def _duration(self, expression: Expression) -> int:
-        """Of a delay, as far as it is known."""
-        value = constant_value(expression, lambda name: self.values.get(name.name))
-        return value if isinstance(value, int) and value > 0 else 0
+        return sample_period(self.placed, key)
 
     def _choice(self, action: Choice) -> Part:
         """An alternative among nothing but events waits for one of them; else a branch is chosen, for all that is certain, at once."""
@@ -243,7 +230,7 @@ class _Sequence:
                 taken = Reads(before=_NOTHING, past=None, after=_NOTHING, least=1, most=1, span=event.span)
                 return self._sequence((Part(time=_NOTHING, wait=0, reads={key: taken}), following))
             case AfterEvent(duration=duration, span=span):
-                passed = self._duration(duration)
+                passed = known_duration(self.placed, duration)
                 nothing = Reads(before=None, past=_NOTHING, after=None, least=0, most=0, span=span)
                 time = Gap(passed, None, span) if passed else _NOTHING
                 delay = Part(time=time, wait=passed, reads=dict.fromkeys(guarded, nothing))

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping
 from cspdiag.diagnostics import Report
 from cspdiag.diagnostics.record import node, replaced
 from cspdiag.model.program import BuiltinSymbol, Program
+from cspdiag.network.diagnostics_usage import InputDiscarded
 from cspdiag.network.expressions import Value
 from cspdiag.network.ir import ClassParameter, Direction, Port, SubmodelClass
 from cspdiag.network.lower_expression import lower_expression
@@ -144,11 +145,24 @@ def check(program: Program, report: Report, samples: Iterable[tuple[ast.Submodel
     for definition in in_processes:
         for sample in periods.get(definition, [None]):
             _check(program, definition, sample, report, environment=False)
+        _check_inputs(program, definition, report)
     libraries = {item for tree in program.trees if tree.source.name.startswith("std/") for item in tree.items}
     for candidate in program.definitions.values():
         is_used = candidate in in_processes or candidate in elsewhere or candidate in libraries
         if isinstance(candidate, ast.SubmodelDefinition) and not is_used:
             _check(program, candidate, None, report, environment=True)
+
+
+def _check_inputs(program: Program, definition: ast.SubmodelDefinition, report: Report) -> None:
+    """Warn of inputs that no equation uses: the law takes their values and discards them."""
+    if definition.external is not None or definition in program.poisoned:
+        return
+    used = {
+        program.bindings.get(part) for part in nodes(*definition.items) if isinstance(part, ast.Name | ast.Reference)
+    }
+    for symbol in program.scopes[definition].ports.values():
+        if symbol.declaration.direction == "in" and symbol not in used:
+            report.add(InputDiscarded(span=symbol.port.span, port=symbol.name, submodel=definition.name.text))
 
 
 def _check(

@@ -29,9 +29,12 @@ from cspdiag.network.actions import (
     WhileLoop,
     WriteValue,
 )
+from cspdiag.network.constant_value import constant_value
 from cspdiag.network.contexts import NetKind, Placed, port_facts
+from cspdiag.network.expressions import Expression
 from cspdiag.network.relations import end_key
-from cspdiag.network.shapes import InstanceShape, Key, attached_key
+from cspdiag.network.shapes import UNKNOWN_PERIOD, InstanceShape, Key, attached_key
+from cspdiag.syntax import ast
 
 _NEVER_READ_WAITS: frozenset[NetKind] = frozenset({"var", "constant"})
 _NEVER_WRITE_WAITS: frozenset[NetKind] = frozenset({"var", "sampled", "event", "discard", "overwrite"})
@@ -50,6 +53,19 @@ def write_may_wait(placed: Placed, key: Key) -> bool:
 def is_open(placed: Placed, key: Key) -> bool:
     """Whether nothing is known about what is behind a port or channel."""
     return placed.facts[key][0] == "open"
+
+
+def sample_period(placed: Placed, key: Key) -> int:
+    """The period of a sampled input in nanoseconds; 0 for what is none, or where it is not known."""
+    kind, period = placed.facts[key]
+    return period if kind == "sampled" and period is not None and period != UNKNOWN_PERIOD else 0
+
+
+def known_duration(placed: Placed, expression: Expression) -> int:
+    """The nanoseconds of a delay; 0 where they are not known here."""
+    values = {node.name.text: value for node, value in placed.shape.values.items() if isinstance(node, ast.Parameter)}
+    value = constant_value(expression, lambda name: values.get(name.name))
+    return value if isinstance(value, int) and value > 0 else 0
 
 
 def inputs_of(instance: InstanceShape) -> Iterator[Key | None]:
