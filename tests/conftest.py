@@ -1,9 +1,19 @@
 from __future__ import annotations
 
+import ctypes
 import os
+import signal
+import sys
+import time
+from collections.abc import Generator
+from contextlib import suppress
+from pathlib import Path
 
 import hypothesis
 import pytest
+
+_BECOME_PARENT_OF_ORPHANS = 36
+"""PR_SET_CHILD_SUBREAPER of Linux."""
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -11,6 +21,54 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         "--update-cases", action="store_true", help="rewrite the expected blocks of the literate cases in tests/cases"
     )
     parser.addoption("--update-golden", action="store_true", help="rewrite the generated packages in tests/golden")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    # What a script starts with & ignores SIGINT, and so would everything that it starts in turn.
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(_BECOME_PARENT_OF_ORPHANS, 1, 0, 0, 0)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_call(item: pytest.Item) -> Generator[None, None, None]:
+    """No test leaves a process behind, its own or one that its own has left."""
+    before = _processes()
+    try:
+        yield
+    finally:
+        left = _processes() - before
+        deadline = time.monotonic() + 2
+        while left and time.monotonic() < deadline:
+            time.sleep(0.02)
+            left &= _processes()
+        names = [_killed(process) for process in left]
+    if names:
+        pytest.fail(f"processes were left behind: {', '.join(names)}")
+
+
+def _processes() -> set[int]:
+    """Children of this process that run."""
+    found = set()
+    for task in Path("/proc/self/task").glob("*/children"):
+        with suppress(OSError):
+            found |= {int(number) for number in task.read_text().split()}
+    return {process for process in found if _state(process) not in ("Z", "X", "")}
+
+
+def _state(process: int) -> str:
+    with suppress(OSError):
+        return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0]
+    return ""
+
+
+def _killed(process: int) -> str:
+    name = str(process)
+    with suppress(OSError):
+        name = Path(f"/proc/{process}/cmdline").read_text().replace("\0", " ").strip() or name
+        os.kill(process, signal.SIGKILL)
+    return name
 
 
 # The same examples on every run; HYPOTHESIS_PROFILE=explore looks for new ones.
