@@ -11,6 +11,7 @@ from tests.oracle.generate_timed import timed
 from tests.oracle.judged import Judgement, verify
 from tests.oracle.properties import Answer, deadlock_free, livelock_free, only_stopped, schedulable, terminates
 from tests.oracle.text import text
+from tests.oracle.traces import compare_traces
 from tests.oracle.tree import Program
 
 
@@ -89,7 +90,16 @@ def _schedulable(case: Case) -> Outcome:
     return judged(program, "schedulable", lambda: schedulable(explore(program, free=False, wcet=True)))
 
 
+def _trace(case: Case) -> Outcome:
+    """Both ways to run Python, and every fourth program in C, which has to be compiled."""
+    program = timed(case.seed, outputs=True) if case.seed % 3 == 0 else closed(case.seed)
+    targets = ("-O0", "-O1", "C", "C -O1") if case.seed % 4 == 0 else ("-O0", "-O1")
+    counted, wrong = compare_traces(program, 41_300_000, targets)
+    return Outcome(counted, wrong, text(program), program)
+
+
 COMPARISONS = {
+    "trace": Comparison(_trace),
     "schedulable": Comparison(_schedulable),
     "deadlock": _closed("deadlock free", _deadlock),
     "livelock": _closed("livelock free", _livelock),

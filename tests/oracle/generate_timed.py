@@ -3,6 +3,7 @@ several ports of one period or of several, partners that keep a loop waiting, an
 
 from __future__ import annotations
 
+from dataclasses import replace
 from random import Random
 
 from tests.oracle.text import uses
@@ -179,7 +180,8 @@ def _shares(body: Comp, event: Event) -> bool:
     return event.channel + "?" in uses(body, {}) or event.target.name in repr(body)
 
 
-def timed(seed: int) -> Program:
+def timed(seed: int, *, outputs: bool = False) -> Program:
+    """A program with sampled inputs; with `outputs` its laws write sampled ones, too."""
     rng = Random(seed)
     parts = [_Timed(rng, owner) for owner in range(rng.choice([1, 1, 2, 2, 3]))]
     periods = [value * MS for value in rng.choice([(5,), (10,), (4, 8), (5, 10), (3, 6), (4, 6)])]
@@ -188,12 +190,16 @@ def timed(seed: int) -> Program:
     wcet = rng.random() < 0.4
     for part in parts:
         for _ in range(rng.choice([0, 1, 1, 2])):
-            port = Port(f"x{len(ports)}", True, INT, rng.choice(periods), domain=domain, values=((0, 0),))
+            port = Port(f"x{len(ports)}", True, INT, rng.choice(periods), domain=domain, values=_values(rng))
             ports.append(port)
             if rng.random() < 0.6:
                 long = rng.choice(WCET) if wcet else 1000
                 name = f"law{len(ports)}"
                 part.laws.append(_law(rng, name, port, part, long))
+                if outputs and rng.random() < 0.7:
+                    out = Port(f"y{len(ports)}", False, INT, rng.choice(periods), rng.random() < 0.3)
+                    ports.append(out)
+                    part.laws[-1] = _writing(part.laws[-1], out)
             else:
                 part.samples.append(port)
         if rng.random() < 0.3:
@@ -225,6 +231,23 @@ def timed(seed: int) -> Program:
         ports=tuple(ports),
         laws=tuple(law for part in parts for law in part.laws),
         step=MS,
+    )
+
+
+def _values(rng: Random) -> tuple[tuple[int, int], ...]:
+    """What the environment that is printed offers, changing between the instants of all grids."""
+    first, second = rng.randint(1, 20), rng.randint(21, 38)
+    return (0, rng.randrange(2)), (first * MS + MS // 2, rng.randrange(3)), (second * MS + MS // 2, rng.randrange(3))
+
+
+def _writing(law: Law, port: Port) -> Law:
+    """The law with one more output, which counts its runs besides."""
+    ref = Ref("n", INT)
+    count = ("n", INT, 0, Bin("%", Bin("+", ref, Lit(1, INT), INT), Lit(4, INT), INT))
+    return replace(
+        law,
+        outputs=(*law.outputs, ("z", INT, port.name, Bin("+", Ref("x", INT), ref, INT))),
+        states=(count,),
     )
 
 

@@ -75,7 +75,7 @@ def run(text: str, until: str, *options: str) -> RunOutput | None:
 
 def ending(summary: str) -> str:
     """How a run ended, from the sentence that says so."""
-    for words, name in (("deadlock", "deadlock"), ("time limit", "limit"), ("terminated", "terminated")):
+    for words, name in (("deadlock", "deadlock"), ("time limit", "limit"), ("ended by itself", "terminated")):
         if words in summary:
             return name
     for name in ("Timeout", "Fault"):

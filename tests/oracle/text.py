@@ -82,6 +82,21 @@ def literal(value: Value, kind: Type) -> str:
             return "[" + ", ".join(literal(v, element) for v in value) + "]"
 
 
+def shown(value: Value, kind: Type) -> object:
+    """A value as traces in JSON have it."""
+    match kind:
+        case Struct(_, fields):
+            assert isinstance(value, tuple)
+            return {name: shown(part, inner) for (name, inner), part in zip(fields, value, strict=True)}
+        case Array(element, _):
+            assert isinstance(value, tuple)
+            return [shown(part, element) for part in value]
+        case Enum():
+            return str(value).partition(".")[2]
+        case _:
+            return value
+
+
 def expression(expr: Expr) -> str:
     match expr:
         case Lit(value, kind):
