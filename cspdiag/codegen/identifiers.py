@@ -5,18 +5,15 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 
+from cspdiag.network.distinct_names import DistinctNames
+
 
 def distinct(names: Iterable[str], prefix: str = "") -> list[str]:
     """An identifier for each name, all different; ``prefix`` keeps them apart from words of the language."""
-    taken: set[str] = set()
+    given = DistinctNames()
     found = []
     for name in names:
         plain = re.sub(r"\W+", "_", name).strip("_") or "unnamed"
-        identifier = base = f"{prefix}{plain}" if prefix or not plain[0].isdigit() else f"_{plain}"
-        number = 1
-        while identifier in taken:
-            number += 1
-            identifier = f"{base}_{number}"
-        taken.add(identifier)
-        found.append(identifier)
+        base = f"{prefix}{plain}" if prefix or not plain[0].isdigit() else f"_{plain}"
+        found.append(given.fresh(base, f"{base}_{{}}".format))
     return found

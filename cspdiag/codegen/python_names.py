@@ -9,6 +9,7 @@ import re
 from collections.abc import Iterable, Mapping
 from functools import cache
 
+from cspdiag.network.distinct_names import DistinctNames
 from cspdiag.network.ir import Network, ProcessClass
 
 
@@ -69,7 +70,7 @@ class Names:
     """Gives out Python names, each once."""
 
     def __init__(self, taken: Iterable[str] = ()) -> None:
-        self._taken = set(taken)
+        self._names = DistinctNames(taken)
         self._given: dict[str, str] = {}
 
     def __getitem__(self, text: str) -> str:
@@ -80,17 +81,16 @@ class Names:
 
     def __contains__(self, name: str) -> bool:
         """Whether a Python name is taken."""
-        return name in self._taken
+        return name in self._names.taken
 
     def fresh(self, text: str) -> str:
         """A new name, as near to ``text`` as may be."""
         wanted = identifier(text)
-        name, count = wanted, 1
-        while name in self._taken:
-            count += 1
-            name = f"{wanted}_" if count == 2 and not wanted.endswith("_") else f"{wanted.rstrip('_')}_{count}"
-        self._taken.add(name)
-        return name
+
+        def numbered(count: int) -> str:
+            return f"{wanted}_" if count == 2 and not wanted.endswith("_") else f"{wanted.rstrip('_')}_{count}"
+
+        return self._names.fresh(wanted, numbered)
 
 
 @cache

@@ -32,6 +32,7 @@ from cspdiag.draw.scene import (
 )
 from cspdiag.draw.scene_geometry import every
 from cspdiag.draw.text_metrics import runs_width
+from cspdiag.network.distinct_names import DistinctNames
 
 _UNSEEN = re.compile(
     r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u2028\u2029\u202a-\u202e\u2066-\u2069\ufeff\ud800-\udfff\ufffe\uffff]"
@@ -136,7 +137,7 @@ class _Writer:
         self._role = role
         self._colours = colours(scheme)
         self._name = name
-        self._given: set[str] = set()
+        self._given = DistinctNames()
 
     def opening(self, scene: Scene) -> list[str]:
         size = f'width="{_number(scene.width)}" height="{_number(scene.height)}"'
@@ -189,12 +190,7 @@ class _Writer:
         wanted = "-".join(word for word in words if word) or "part"
         if not wanted[0].isalpha():
             wanted = f"part-{wanted}"
-        name, count = wanted, 1
-        while name in self._given:
-            count += 1
-            name = f"{wanted}-{count}"
-        self._given.add(name)
-        return name
+        return self._given.fresh(wanted, lambda count: f"{wanted}-{count}")
 
     def _paint(self, fill: Ink | None, stroke: Ink | None) -> str:
         """Classes, and attributes for viewers that know no custom properties."""

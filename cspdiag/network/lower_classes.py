@@ -16,6 +16,7 @@ from cspdiag.model.program import Program, Value
 from cspdiag.model.types import UNKNOWN, TimeType
 from cspdiag.network.actions import ChannelEnd, PortEnd
 from cspdiag.network.definitions import Definitions, arguments_of
+from cspdiag.network.distinct_names import DistinctNames
 from cspdiag.network.ends import ReadingEnds, with_ends
 from cspdiag.network.expressions import Expression, FunctionCall, LiteralValue, ParameterValue
 from cspdiag.network.ir import (
@@ -60,6 +61,7 @@ class Classes:
         self.relations = relations
         self.report = report
         self.made: dict[str, ProcessClass | SubmodelClass] = {}
+        self._distinct = DistinctNames(program.definitions)
         self.class_of: dict[Occurrence | LawOccurrence, str] = {}
         self._names: dict[ProcessClass | SubmodelClass, str] = {}
         self._ends: dict[Shape, ReadingEnds] = {}
@@ -89,10 +91,9 @@ class Classes:
         known = self._names.get(cls)
         if known is not None:
             return known
-        name, number = cls.name, 1
-        while name in self.made or (number > 1 and name in self.program.definitions):
-            number += 1
-            name = f"{cls.name}_{number}"
+        name = cls.name
+        if name in self.made:
+            name = self._distinct.fresh(name, lambda number: f"{cls.name}_{number}")
         self._names[cls] = name
         self.made[name] = replaced(cls, name=name)
         return name

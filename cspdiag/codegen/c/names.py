@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping
 
+from cspdiag.network.distinct_names import DistinctNames
 from cspdiag.network.ir import Network
 
 
@@ -57,10 +58,8 @@ class Names:
     """Gives out C names, each once."""
 
     def __init__(self, taken: Iterable[str] = ()) -> None:
-        self._taken = set(taken)
+        self._names = DistinctNames(taken)
         self._given: dict[str, str] = {}
-        self._counts: dict[str, int] = {}
-        """The last number that was tried for a name: those below are taken."""
 
     def __getitem__(self, text: str) -> str:
         """The name that was given for a name of the text; made at the first time."""
@@ -70,18 +69,12 @@ class Names:
 
     def __contains__(self, name: str) -> bool:
         """Whether a C name is taken."""
-        return name in self._taken
+        return name in self._names.taken
 
     def fresh(self, text: str) -> str:
         """A new name, as near to ``text`` as may be."""
         wanted = identifier(text)
-        name, count = wanted, self._counts.get(wanted, 1)
-        while name in self._taken:
-            count += 1
-            name = f"{wanted.rstrip('_')}_{count}"
-        self._counts[wanted] = count
-        self._taken.add(name)
-        return name
+        return self._names.fresh(wanted, lambda count: f"{wanted.rstrip('_')}_{count}")
 
 
 FILES = (

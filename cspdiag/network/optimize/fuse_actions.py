@@ -21,6 +21,7 @@ from cspdiag.network.actions import (
     WaitStep,
     WhileLoop,
 )
+from cspdiag.network.distinct_names import DistinctNames
 from cspdiag.network.expressions import BinaryOperation, Expression, LiteralValue, UnaryOperation, VariableValue
 from cspdiag.network.ir import LocalChannel
 from cspdiag.network.optimize.changes import in_sequence
@@ -48,7 +49,7 @@ class Composition:
         closing: bool,
     ) -> None:
         self._place = place
-        self._taken = {*taken, *path.made}
+        self._names = DistinctNames((*taken, *path.made))
         self._followed = followed
         self._closing = closing
         self._loop = path.outcome.position if isinstance(path.outcome, Loops) else None
@@ -70,12 +71,7 @@ class Composition:
         return frozenset(self._counters)
 
     def _counter(self, name: str, initial: LiteralValue) -> str:
-        number = 1
-        unique = name
-        while unique in self._taken:
-            number += 1
-            unique = f"{name}_{number}"
-        self._taken.add(unique)
+        unique = self._names.fresh(name, lambda number: f"{name}_{number}")
         self._counters[unique] = initial
         return unique
 

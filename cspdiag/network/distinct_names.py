@@ -1,0 +1,28 @@
+"""Names that are given out once each."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+
+
+class DistinctNames:
+    """Keeps the names that are taken, and numbers those that are wanted again.
+
+    The last number of each name is remembered, so that a thousand equal wishes cost a thousand steps, not half a million.
+    """
+
+    def __init__(self, taken: Iterable[str] = ()) -> None:
+        self.taken = set(taken)
+        self._numbers: dict[str, int] = {}
+
+    def fresh(self, wanted: str, numbered: Callable[[int], str]) -> str:
+        """``wanted`` if it is free, else the first of ``numbered(2)``, ``numbered(3)``, … that is; it is taken from now on."""
+        name, number = wanted, self._numbers.get(wanted, 1)
+        if number > 1:
+            name = numbered(number)
+        while name in self.taken:
+            number += 1
+            name = numbered(number)
+        self._numbers[wanted] = number
+        self.taken.add(name)
+        return name
