@@ -7,8 +7,9 @@ it says what its elements said, by construction.
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 from cspdiag.codegen.python_code import (
     PRODUCT,
@@ -32,6 +33,8 @@ from cspdiag.codegen.python_statements import Block, Line, Statement, Unpack, li
 
 LEAST = 3
 """Fewer elements than this stay as they are."""
+
+T = TypeVar("T")
 
 _INDEX = re.compile(r"(?<=\[)\d+(?=\])|^\d+$")
 
@@ -67,10 +70,11 @@ def rolled_list(elements: Sequence[Code], variable: str) -> Code:
         if whole is not None:
             return Comprehension(whole, f"for {variable} in range({len(elements)})")
     items: list[Code] = []
+    runs = _Runs([element.flat for element in elements])
     start = 0
     while start < len(elements):
-        end = _run_end([element.flat for element in elements], start)
-        part = template(elements[start:end], variable, start) if end - start >= LEAST else None
+        end = runs.end(start)
+        part: Code | None = _rolled(end - start, _template_from(elements, variable, start))
         if part is None:
             items.append(elements[start])
             start += 1
@@ -80,9 +84,13 @@ def rolled_list(elements: Sequence[Code], variable: str) -> Code:
     return Items("[]", tuple(items))
 
 
+def _template_from(elements: Sequence[Code], variable: str, start: int) -> Callable[[int], Code | None]:
+    return lambda count: template(elements[start : start + count], variable, start)
+
+
 def template(elements: Sequence[Code], variable: str, start: int) -> Code | None:
     """The expression of ``variable`` that gives the elements, counted from ``start``; None if there is none."""
-    if len({_skeleton(element.flat) for element in elements}) > 1:
+    if len({re.sub(r"\d+", "#", element.flat) for element in elements}) > 1:
         return None
     try:
         return _code(elements, Counting(variable, start, len(elements)))
@@ -102,11 +110,11 @@ def statements_template(
 
 def rolled_steps(groups: Sequence[tuple[Statement, ...]], variable: str) -> tuple[Statement, ...]:
     """Statements one behind the other, where at least three times the same but for an index as a loop."""
-    texts = ["\n".join(lines(group, "")) for group in groups]
+    runs = _Runs(["\n".join(lines(group, "")) for group in groups])
     result: list[Statement] = []
     start = 0
     while start < len(groups):
-        loop = _loop(groups, texts, start, variable)
+        loop = _loop(groups, runs, start, variable)
         if loop is None:
             result += groups[start]
             start += 1
@@ -120,49 +128,67 @@ _LONGEST_BODY = 4
 
 
 def _loop(
-    groups: Sequence[tuple[Statement, ...]], texts: Sequence[str], start: int, variable: str
+    groups: Sequence[tuple[Statement, ...]], runs: _Runs, start: int, variable: str
 ) -> tuple[Statement, int] | None:
     for size in range(1, _LONGEST_BODY + 1):
-        count = (len(groups) - start) // size
-        chunks = ["\n".join(texts[start + n * size : start + (n + 1) * size]) for n in range(count)]
-        end = _run_end(chunks, 0) if count >= LEAST else 0
-        if end < LEAST:
-            continue
-        bodies = [
-            tuple(item for group in groups[start + n * size : start + (n + 1) * size] for item in group)
-            for n in range(end)
-        ]
-        body = statements_template(bodies, variable, 0)
-        if body is not None:
-            counter = "_" if chunks[0] == chunks[1] else variable
-            return Block(Line(f"for {counter} in range({end}):"), body), start + end * size
+
+        def body(count: int, size: int = size) -> tuple[Statement, ...] | None:
+            rounds = [groups[start + n * size : start + (n + 1) * size] for n in range(count)]
+            bodies = [tuple(item for group in groups_ for item in group) for groups_ in rounds]
+            return statements_template(bodies, variable, 0)
+
+        end = runs.end(start, size)
+        count = (end - start) // size
+        statements = _rolled(count, body)
+        if statements is not None:
+            counter = "_" if runs.is_repeated(start, size) else variable
+            return Block(Line(f"for {counter} in range({count}):"), statements), end
     return None
 
 
-def _skeleton(text: str) -> str:
-    return re.sub(r"\d+", "#", text)
+def _rolled(count: int, attempt: Callable[[int], T | None]) -> T | None:
+    """What ``attempt`` makes of ``count`` elements; it is asked about three first, so that those that never become a loop cost little."""
+    if count < LEAST or attempt(LEAST) is None:
+        return None
+    return attempt(count)
 
 
-def _run_end(texts: Sequence[str], start: int) -> int:
-    """The end of the longest run of texts from ``start`` whose numbers stay or count up by one."""
-    if start + 1 >= len(texts):
-        return start + 1
-    skeleton = _skeleton(texts[start])
-    numbers = _numbers(texts[start])
-    change: list[int] | None = None
-    end = start + 1
-    while end < len(texts) and _skeleton(texts[end]) == skeleton:
-        following = _numbers(texts[end])
-        changed = [after - before for before, after in zip(numbers, following, strict=True)]
-        if any(step not in (0, 1) for step in changed) or (change is not None and changed != change):
-            break
-        numbers, change = following, changed
-        end += 1
-    return end
+class _Runs:
+    """Texts of which neighbours differ by numbers that stay or count up by one."""
 
+    def __init__(self, texts: Sequence[str]) -> None:
+        self._texts = texts
+        self._skeletons = [re.sub(r"\d+", "#", text) for text in texts]
+        self._numbers = [[int(number) for number in re.findall(r"\d+", text)] for text in texts]
+        self._breaks: dict[int, int] = {}
+        """Where the last run that was followed breaks off, by the size of its rounds."""
 
-def _numbers(text: str) -> list[int]:
-    return [int(number) for number in re.findall(r"\d+", text)]
+    def end(self, start: int, size: int = 1) -> int:
+        """The end of the longest run of rounds of ``size`` texts from ``start``."""
+        if start + 2 * size > self._breaks.get(size, 0):
+            self._breaks[size] = self._break(start, size)
+        return start + (self._breaks[size] - start) // size * size
+
+    def _break(self, start: int, size: int) -> int:
+        """The first text that goes on from none one round before it as that did from the one before."""
+        place = start + size
+        while place < len(self._texts):
+            change = self._change(place - size, place)
+            if change is None or (place >= start + 2 * size and change != self._change(place - 2 * size, place - size)):
+                break
+            place += 1
+        return min(place, len(self._texts))
+
+    def is_repeated(self, start: int, size: int) -> bool:
+        """Whether the round after that from ``start`` is the same."""
+        return self._texts[start : start + size] == self._texts[start + size : start + 2 * size]
+
+    def _change(self, before: int, after: int) -> list[int] | None:
+        """By how much each number of a text differs from that of one before; None where more than that differs."""
+        if self._skeletons[before] != self._skeletons[after]:
+            return None
+        steps = [b - a for a, b in zip(self._numbers[before], self._numbers[after], strict=True)]
+        return steps if all(step in (0, 1) for step in steps) else None
 
 
 def _code(elements: Sequence[Code], counting: Counting) -> Code:
