@@ -8,16 +8,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from cspdiag.cli.failure import WRONG_USAGE, described
+from cspdiag.cli.missed import told_of_timeout
 from cspdiag.cli.terminal import say
 
 if TYPE_CHECKING:
     from cspdiag.model.program import Program
+    from cspdiag.pipeline import Checked
     from cspdiag.simulate.result import Run
 
 _Writer = Callable[[Path], object]
 
 
-def conclude(arguments: Namespace, result: Run, program: Program | None) -> int:
+def conclude(arguments: Namespace, result: Run, checked: Checked) -> int:
     """Write what was asked for, tell how the run ended, and return the exit code.
 
     The files of a run that was stopped are written like those of any other. A signal during that, after a run that ended by itself, ends the command.
@@ -26,7 +28,7 @@ def conclude(arguments: Namespace, result: Run, program: Program | None) -> int:
 
     if result.outcome.deadlock is not None:
         say(result.outcome.deadlock.text)
-    wanted = list(_wanted(arguments, result, program))
+    wanted = list(_wanted(arguments, result, checked.program))
     if stopping.signal:
         missing = _write(wanted)
     else:
@@ -37,7 +39,7 @@ def conclude(arguments: Namespace, result: Run, program: Program | None) -> int:
             left = ", ".join(str(path) for path, _ in wanted)
             say(f"cspdiag: stopped by {name_of_signal(stopped.signal)} before {left} had been written")
             return stopped.exit_code
-    _tell(arguments, result, [str(path) for path, _ in wanted if path not in missing])
+    _tell(arguments, result, checked, [str(path) for path, _ in wanted if path not in missing])
     return result.outcome.exit_code or (WRONG_USAGE if missing else 0)
 
 
@@ -65,7 +67,7 @@ def _write(wanted: list[tuple[Path, _Writer]]) -> list[Path]:
     return missing
 
 
-def _tell(arguments: Namespace, result: Run, written: list[str]) -> None:
+def _tell(arguments: Namespace, result: Run, checked: Checked, written: list[str]) -> None:
     from cspdiag.runtime.exceptions import described
 
     if arguments.quiet:
@@ -73,6 +75,9 @@ def _tell(arguments: Namespace, result: Run, written: list[str]) -> None:
             say(f"cspdiag: {described(error)}")
         return
     say(result.summary())
+    timeout = told_of_timeout(result, checked.report.diagnostics)
+    if timeout is not None:
+        say(timeout)
     if written:
         say(f"  wrote {', '.join(written)}")
     if arguments.draw_deadlock is not None and result.outcome.deadlock is None:

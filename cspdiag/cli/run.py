@@ -102,7 +102,7 @@ def run(arguments: Namespace) -> int:
         except Stopped as stopped:
             say(f"cspdiag: stopped by {name_of_signal(stopped.signal)} before the run began")
             return stopped.exit_code
-        return conclude(arguments, result, built.checked.program)
+        return conclude(arguments, result, built.checked)
 
 
 def _end_by_force(errors: Sequence[BaseException]) -> None:

@@ -201,16 +201,23 @@ class SamplesMissed(Diagnostic):
     def message(self) -> str:
         every = f"`{self.port}`, which comes every {duration(self.period)}"
         if self.event is not None:
-            return f"between two reads of {every}, this waits for the event `{self.event}`: if that takes longer, samples are missed"
+            return f"between two reads of {every}, this {self.meanwhile}: if that takes longer, samples are missed"
         taken = "one sample" if self.reads == 1 else f"{self.reads} samples"
-        turn = f"each turn of the loop waits {duration(self.waits)}"
+        turn = f"each turn of the loop {self.meanwhile}"
         if self.slower is not None:
-            return f"{turn} for `{self.slower}` and takes {taken} of {every}: {self._missed}"
+            return f"{turn} and takes {taken} of {every}: {self._missed}"
         if self.waits >= 2 * self.period and self.reads == 1:
-            return f"between two reads of {every}, this waits {duration(self.waits)}: samples are missed"
+            return f"between two reads of {every}, this {self.meanwhile}: samples are missed"
         if self.waits > self.reads * self.period:
             return f"{turn} and takes {taken} of {every}: {self._missed}"
         return f"{turn} and takes {taken} of {every}: as soon as anything else takes time, samples are missed"
+
+    @property
+    def meanwhile(self) -> str:
+        """What is done between two reads."""
+        if self.event is not None:
+            return f"waits for the event `{self.event}`"
+        return f"waits {duration(self.waits)}" + ("" if self.slower is None else f" for `{self.slower}`")
 
     @property
     def _missed(self) -> str:
