@@ -74,7 +74,7 @@ def rolled_list(elements: Sequence[Code], variable: str) -> Code:
     start = 0
     while start < len(elements):
         end = runs.end(start)
-        part: Code | None = _rolled(end - start, _template_from(elements, variable, start))
+        part = _rolled(end - start, _template_from(elements, variable, start))
         if part is None:
             items.append(elements[start])
             start += 1
@@ -146,7 +146,7 @@ def _loop(
     return None
 
 
-def _rolled(count: int, attempt: Callable[[int], T | None]) -> T | None:
+def _rolled(count: int, attempt: Callable[[int], T]) -> T | None:
     """What ``attempt`` makes of ``count`` elements; it is asked about three first, so that those that never become a loop cost little."""
     if count < LEAST or attempt(LEAST) is None:
         return None
