@@ -47,7 +47,7 @@ def image(package: Path, trouble: str) -> Path:
 
 def emulated(package: Path, trouble: str) -> tuple[int, list[str]]:
     """The status of the emulator, and what came by the serial line."""
-    command = [*MACHINE, *CLOCK, "-kernel", image(package, trouble)]
+    command: list[str | Path] = [*MACHINE, *CLOCK, "-kernel", image(package, trouble)]
     completed = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
     return completed.returncode, completed.stdout.splitlines()
 
@@ -99,7 +99,8 @@ def test_firmware_has_no_heap(package: Path) -> None:
 
 def test_without_a_debugger_the_program_goes_on(package: Path) -> None:
     """What is written for debuggers is then a fault of the processor, which is no fault of the program."""
-    command = ["qemu-system-arm", "-machine", "mps2-an385", "-nographic", *CLOCK, "-kernel", image(package, "fault")]
+    board = ("qemu-system-arm", "-machine", "mps2-an385", "-nographic")
+    command: list[str | Path] = [*board, *CLOCK, "-kernel", image(package, "fault")]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
         lines = [process.stdout.readline().strip() for _ in range(4)]

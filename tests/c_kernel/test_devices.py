@@ -48,7 +48,7 @@ def machine(tmp_path_factory: pytest.TempPathFactory) -> Path:
         (folder / path).write_text(text)
     hosted = ("csp_port_", "csp_simulation", "csp_stream", "main_")
     sources = [file for file in sorted(folder.rglob("*.c")) if not file.name.startswith(hosted)]
-    flags = (*STRICT, "-O1", "-DCSP_GRACE=1U", "-DCSP_TRACE=0", f"-I{folder}", f"-I{folder / 'support'}")
+    flags = (*STRICT, "-O1", "-DCSP_TRACE=0", f"-I{folder}", f"-I{folder / 'support'}")
     port = SUPPORT / "csp_port_posix.c"
     run("gcc", *flags, *sources, port, DEVICES / "machine.c", "-lm", "-pthread", "-o", folder / "machine")
     return folder / "machine"

@@ -11,7 +11,7 @@
 #include "csp_program.h"
 
 #ifndef CSP_GRACE
-#define CSP_GRACE 2U /* seconds */
+#define CSP_GRACE 1U /* second, less than who starts the program waits before it kills it */
 #endif
 
 /* Around a run, in the thread that makes it; perhaps once more around that. */

@@ -4,15 +4,9 @@
 #include "csp_simulation.h"
 
 #include <errno.h>
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <time.h>
-#include <unistd.h>
-#ifdef __linux__
-#include <signal.h>
-#include <sys/prctl.h>
-#endif
 
 #include "csp_arithmetic.h"
 #include "csp_signals.h"
@@ -55,24 +49,6 @@ static bool read_observed(const char *text, csp_observed *observed)
     return false;
 }
 
-/* Whoever wants the records of this run wants its end as well: it is killed with its parent, if that has the number that it says. Elsewhere than on
- * Linux it ends when it tries to write the next record. */
-static bool end_with_parent(const char *text)
-{
-    char *end = NULL;
-    const long parent = strtol(text, &end, 10);
-    if ((end == text) || (*end != '\0')) {
-        return false;
-    }
-#ifdef __linux__
-    (void)prctl(PR_SET_PDEATHSIG, SIGKILL);
-#endif
-    if ((long)getppid() != parent) {
-        exit(EXIT_FAILURE);
-    }
-    return true;
-}
-
 static bool read_options(int count, char **options, request *asked)
 {
     for (int index = 1; index < count; index += 2) {
@@ -89,8 +65,6 @@ static bool read_options(int count, char **options, request *asked)
             understood = read_duration(value, &asked->parent);
         } else if (strcmp(option, "--observe") == 0) {
             understood = read_observed(value, &asked->observed);
-        } else if (strcmp(option, "--parent") == 0) {
-            understood = end_with_parent(value);
         } else {
             understood = false;
         }
@@ -202,10 +176,14 @@ int csp_simulate(int count, char **options, const csp_program *program, const cs
     const double began = seconds_now();
     const csp_ending ending = csp_run(&run, asked.until);
     const double duration = seconds_now() - began;
-    if (asked.observed != CSP_SILENT) {
-        csp_stream_end(&run, ending, duration);
-    } else {
+    const int status = csp_exit_status(ending);
+    if (asked.observed == CSP_SILENT) {
         show(&run, ending, duration);
+    } else if (!csp_stream_end(&run, ending, duration)) {
+        (void)fprintf(stderr, "standard output did not take everything that was told\n");
+        return (status == EXIT_SUCCESS) ? EXIT_FAILURE : status;
+    } else {
+        /* It is told. */
     }
-    return csp_exit_status(ending);
+    return status;
 }

@@ -15,6 +15,16 @@ enum { BUFFER = 1 << 16, TEXT = 2048, BETWEEN_TIMES = 1 << 12 };
 static unsigned char buffer[BUFFER];
 static size_t used;
 static bool silent;
+static bool lost; /* not all could be written */
+
+/* What cannot be told need not be run. */
+static void send(const void *data, size_t size)
+{
+    if (!lost && ((fwrite(data, 1U, size, stdout) != size) || (fflush(stdout) != 0))) {
+        lost = true;
+        csp_request_stop();
+    }
+}
 
 #if CSP_MEASURE
 
@@ -30,8 +40,7 @@ static int64_t time_used(void)
 static void flush(void)
 {
     const int64_t before = time_used();
-    (void)fwrite(buffer, 1U, used, stdout);
-    (void)fflush(stdout);
+    send(buffer, used);
     used = 0;
     telling += time_used() - before;
 }
@@ -40,8 +49,7 @@ static void flush(void)
 
 static void flush(void)
 {
-    (void)fwrite(buffer, 1U, used, stdout);
-    (void)fflush(stdout);
+    send(buffer, used);
     used = 0;
 }
 
@@ -56,7 +64,7 @@ static void put(const void *data, size_t size)
         flush();
     }
     if (size > BUFFER) {
-        (void)fwrite(data, 1U, size, stdout);
+        send(data, size);
         return;
     }
     (void)memcpy(&buffer[used], data, size);
@@ -337,7 +345,7 @@ static void tell_execution_times(void)
 
 #endif
 
-void csp_stream_end(const csp_program *program, csp_ending ending, double duration)
+bool csp_stream_end(const csp_program *program, csp_ending ending, double duration)
 {
 #if CSP_MEASURE
     tell_execution_times();
@@ -359,4 +367,5 @@ void csp_stream_end(const csp_program *program, csp_ending ending, double durati
     put(&duration, sizeof duration);
     put_failure(program, ending == CSP_FAILED);
     flush();
+    return !lost;
 }

@@ -25,7 +25,7 @@ typedef enum csp_observed { CSP_SILENT, CSP_OBSERVE_NONE, CSP_OBSERVE_PORTS, CSP
 
 /* Before the run. */
 void csp_stream_begin(const csp_program *program, const csp_names *names, csp_observed observed);
-/* After it. */
-void csp_stream_end(const csp_program *program, csp_ending ending, double duration);
+/* After it; false: not everything could be written. */
+bool csp_stream_end(const csp_program *program, csp_ending ending, double duration);
 
 #endif

@@ -1,0 +1,84 @@
+"""A simulation without an end ends when it is told to, or when its parent does."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from cspdiag import pipeline
+from cspdiag.diagnostics import SourceFile
+from cspdiag.simulate.native.build import Build
+from tests.c_kernel.building import need
+from tests.conformance.sources import read
+
+ENDLESS = """
+process Pulse {
+  in  slow : bool
+  out beat : bool
+  composition { (mu (wait 1 ms ; beat ! true)) || mu (after 1 ms -> skip []> after 1 ms -> skip) }
+}
+submodel Nobody { in beat : bool  out slow : bool  slow = false }
+environment Bench for Pulse step 1 ms {
+  nobody : Nobody
+  beat        -> nobody.beat
+  nobody.slow -> slow
+}
+"""
+
+PARENT = """
+import os, subprocess, sys
+subprocess.Popen([*sys.argv[1:], "--parent", str(os.getpid())])
+print("started", flush=True)
+sys.stdin.read()
+"""
+
+
+@pytest.fixture(scope="module")
+def simulation() -> Path:
+    need("gcc")
+    network = pipeline.build(SourceFile(name="pulse.csp", text=ENDLESS), read).network
+    assert network is not None
+    files = pipeline.generate(network, read, "c")
+    ports = ("csp_port_posix.c", "csp_port_cortex_m.c", "csp_port_cortex_m_startup.c")
+    sources = [path for path in files if path.endswith(".c") and not path.endswith(ports)]
+    return Build(files, sources, ("-O1", "-DCSP_TRACE=1")).executable()
+
+
+@pytest.mark.parametrize("number", ["SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT", "SIGPIPE"])
+def test_a_signal_ends_it(simulation: Path, number: str) -> None:
+    sent = signal.Signals[number]
+    with subprocess.Popen([simulation, "--observe", "ports"], stdout=subprocess.PIPE) as process:
+        assert process.stdout is not None
+        process.stdout.read(1)
+        process.send_signal(sent)
+        process.stdout.read()
+    assert process.returncode == 128 + sent
+
+
+def test_it_ends_when_nobody_reads_any_longer(simulation: Path) -> None:
+    with subprocess.Popen([simulation, "--observe", "ports"], stdout=subprocess.PIPE) as process:
+        assert process.stdout is not None
+        process.stdout.read(1)
+        process.stdout.close()
+        assert process.wait(timeout=60) == 128 + signal.SIGPIPE
+
+
+def test_it_ends_with_its_parent(simulation: Path) -> None:
+    """Its end closes the stream that it has from its parent."""
+    command = [sys.executable, "-c", PARENT, str(simulation)]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE) as parent:
+        assert parent.stdout is not None
+        assert parent.stdout.readline() == b"started\n"
+        parent.kill()
+        parent.stdout.read()
+
+
+def test_a_full_disk_ends_it(simulation: Path) -> None:
+    with Path("/dev/full").open("wb") as full:
+        done = subprocess.run([simulation, "--observe", "ports"], stdout=full, stderr=subprocess.PIPE, check=False)
+    assert done.returncode == 1
+    assert done.stderr.startswith(b"standard output did not take everything")
