@@ -340,4 +340,4 @@ class NotProved(Diagnostic):
     def help(self) -> str | None:
         if not self.candidate:
             return None
-        return "\n".join(("this state could not be excluded:", *self.candidate))
+        return "\n".join(("this could not be ruled out:", *self.candidate))

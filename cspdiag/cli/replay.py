@@ -68,6 +68,7 @@ def _network(arguments: Namespace, trace: Trace) -> Network | None:
 
 def _told(network: Network, trace: Trace, result: Replay) -> Iterator[str]:
     from cspdiag.runtime.durations import shown
+    from cspdiag.simulate.replay.names import below, in_words
     from cspdiag.simulate.replay.values import types_of, written
 
     types = types_of(network)
@@ -79,9 +80,9 @@ def _told(network: Network, trace: Trace, result: Replay) -> Iterator[str]:
         name = channel.removeprefix(f"{trace.process}.")
         yield f"{number + 1:>5}  {when}{name}  {written(value, types[channel])}"
     if result.deadlock is not None:
-        yield result.deadlock.text
+        yield below(result.deadlock, trace.process).text
     total = len(trace.steps) + len(trace.cycle)
     if result.divergence is None:
         yield f"replayed: the program did all {total} steps"
     else:
-        yield f"not replayed: after {result.steps} of {total} steps, {result.divergence}"
+        yield f"not replayed: after {result.steps} of {total} steps, {in_words(result.divergence, trace.process)}"

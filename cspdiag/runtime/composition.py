@@ -13,6 +13,7 @@ from inspect import iscoroutine, isfunction
 from types import coroutine
 from typing import Any, TypeAlias, TypeVar, cast
 
+from .durations import shown
 from .exceptions import Cancelled
 from .process import Process
 from .routine import Branch, Routine, routine_task
@@ -242,7 +243,7 @@ class _Delay:
         return scheduler.timers.stop(self._instant, self)
 
     def waits_for(self, party: Party) -> Waits:
-        return (("for a delay to pass", None),)
+        return ((f"until {shown(self._instant)}", None),)
 
 
 @coroutine

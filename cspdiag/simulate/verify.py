@@ -186,6 +186,7 @@ class Verifier:
         from cspdiag.simulate.execute import BodyError
         from cspdiag.simulate.replay.attempts import replay
         from cspdiag.simulate.replay.guided_told import retold
+        from cspdiag.simulate.replay.names import in_words
         from cspdiag.simulate.replay.told import with_values
         from cspdiag.simulate.replay.trace import read_trace
 
@@ -206,7 +207,7 @@ class Verifier:
         except LimitError as stop:
             return not_replayed(answer, str(stop))
         if result.divergence is not None:
-            return not_replayed(answer, result.divergence)
+            return not_replayed(answer, in_words(result.divergence, network.top))
         found = with_values(found, result, network)
         found = with_rounds(found, ((added.before, added.told) for added in result.added))
         found = replace(found, reason=result.judgement or found.reason)

@@ -82,4 +82,8 @@ def test_a_replay_says_who_is_stuck_and_when(tmp_path: Path, capsys: pytest.Capt
     told = capsys.readouterr().err
     assert "deadlock at" not in told
     assert "stuck at 3 ms" in told
-    assert told.index("Plant.panel waits to write") < told.index("while others go on:") < told.index("Plant.heart")
+    assert (
+        told.index("panel waits to write panel.command")
+        < told.index("while others go on:")
+        < told.index("heart waits until")
+    )

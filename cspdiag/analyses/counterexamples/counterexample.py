@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, TypeAlias
 
 from cspdiag.analyses.proofs.verdict import Move, Refuted
@@ -18,12 +18,13 @@ SILENT: frozenset[str] = frozenset({"internal", "variable", "start", "end", "can
 
 @dataclass(frozen=True)
 class Party:
-    """A process that takes part in a step: what it did before, and where the text says so. ``name`` is that below the outermost process."""
+    """A process that takes part in a step: what it did before, and where the text says so. ``name`` is that below the outermost process, ``role`` as in ``Event.roles``."""
 
     name: str
     path: str
     words: str = ""
     span: Span | None = None
+    role: str = ""
 
 
 @dataclass(frozen=True)
@@ -105,6 +106,8 @@ class _Teller:
                 yield Step("internal", "", None, parties)
             else:
                 event = self._system.events[move.event]
+                roles = (event.role(component) for component, _ in move.moves)
+                parties = tuple(replace(party, role=role) for party, role in zip(parties, roles, strict=True))
                 yield Step(event.kind, event.channel, event.value, parties)
             for component, after in move.moves:
                 state[component] = after
@@ -125,10 +128,11 @@ class _Teller:
             if not components[index].process or state[index] in components[index].terminal:
                 continue
             absent = dict.fromkeys(
-                other
+                partner
                 for event in sorted(offered[index] - {INTERNAL})
                 for other in self._system.events[event].parties
                 if event not in offered[other]
+                for partner in self._partners(other, self._system.events[event].role(index))
             )
             channels = dict.fromkeys(
                 self._system.events[event].channel for event in sorted(offered[index] - {INTERNAL})
@@ -138,6 +142,19 @@ class _Teller:
             partners = tuple(dict.fromkeys(map(self._name, absent)))
             ended = tuple(self._name(other) for other in absent if self._has_ended(other, state[other]))
             yield Waiting(party.name, components[index].path, words, party.span, tuple(channels), partners, ended)
+
+    def _partners(self, absent: int, role: str) -> Iterable[int]:
+        """Who would have to come for a party that is absent: itself, or for the memory of a channel those on the other side of it."""
+        if self._system.components[absent].process:
+            return (absent,)
+        others = "!" if role == "?" else "?"
+        return (
+            partner
+            for event in self._system.events
+            if absent in event.parties and len(event.parties) == len(event.roles)
+            for partner in event.parties
+            if event.role(partner) == others
+        )
 
     def _has_ended(self, index: int, state: int) -> bool:
         """Whether a process is at its end, and does not wait for branches of its own or to be started."""

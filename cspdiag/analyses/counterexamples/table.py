@@ -2,36 +2,44 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 from cspdiag.analyses.counterexamples.counterexample import Counterexample, Party, Step
 from cspdiag.analyses.counterexamples.rounds import Repeated, repeated
 from cspdiag.diagnostics.snippet import printable
 
+_MARKS = {"!": "writes", "?": "reads", "*": "does something else"}
 _KINDS = {"sample": "sample", "miss": "missed", "exception": "raise", "failure": "raise", "ready": "ready"}
 
 
 def table(found: Counterexample, width: int = 120) -> str:
     """The steps that a diagram shows, with the line of the text in the column of everybody who takes part; empty without any.
 
-    ``!`` marks who writes, ``?`` who reads, ``*`` who does something else. Where the names of the processes would make it wider than ``width``
+    ``!`` marks who writes, ``?`` who reads, ``*`` who does something else; a key says so. Where the names of the processes would make it wider than ``width``
     characters, the columns have numbers, and the names follow.
     """
     steps = [step for step in found.steps if step.shown]
     cycle = [step for step in found.cycle if step.shown]
-    names = list(dict.fromkeys(party.name for step in (*steps, *cycle) for party in step.parties))
+    names = list(dict.fromkeys(party.name for step in (*steps, *cycle) for party in step.parties if party.role != "."))
     if not names:
         return ""
     files = {party.span.file for step in (*steps, *cycle) for party in step.parties if party.span is not None}
     rows = list(_rows((*steps, *cycle), names, found.process, told_files=len(files) > 1))
     lines = _aligned([["", "", *names], *rows])
     legend = [f"lines of {printable(file)}" for file in files] if len(files) == 1 else []
+    legend.append(_key(cell for row in rows for cell in row[2:]))
     if max(map(len, lines)) > width:
         lines = _aligned([["", "", *(f"({number})" for number in range(1, len(names) + 1))], *rows])
         legend = [f"({number}) {name}" for number, name in enumerate(names, start=1)] + legend
     if cycle:
         lines.insert(len(lines) - len(cycle), "then again and again:")
     return "".join(f"{line}\n" for line in (*lines, *_wrapped(legend, width)))
+
+
+def _key(cells: Iterable[str]) -> str:
+    """What the marks mean that there are."""
+    marks = {cell[0] for cell in cells if cell}
+    return ", ".join(f"{mark} {meaning}" for mark, meaning in _MARKS.items() if mark in marks)
 
 
 def _rows(steps: Sequence[Step], names: Sequence[str], process: str, *, told_files: bool) -> Iterator[list[str]]:
@@ -81,6 +89,8 @@ def _place(party: Party, told_file: bool) -> str:
 def _direction(step: Step, party: Party) -> str:
     if step.kind == "ready":
         return "*"
+    if party.role:
+        return party.role
     told = _told_direction(party)
     others = [other for other in step.parties if other is not party]
     if told is None and len(others) == 1 and step.kind == "communication":

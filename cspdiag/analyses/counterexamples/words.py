@@ -42,10 +42,13 @@ def headline(found: Counterexample) -> str:
     stuck = len(found.ring) or len(found.waiting)
     match found.failure:
         case "deadlock" | "knot":
-            alone = "a process waits for what never comes" if not found.ring else "a process waits for itself"
-            many = f"{stuck} processes wait {'for each other' if found.ring else 'for what never comes'}"
-            others = "" if found.failure == "deadlock" else " for ever, while others go on"
-            return f"can {'deadlock' if not others else 'get stuck'}: {when}, {many if stuck != 1 else alone}{others}"
+            is_knot = found.failure == "knot"
+            ever = " for ever" * is_knot
+            who = "a process waits" if stuck == 1 else f"{stuck} processes wait"
+            each = "itself" if stuck == 1 else "each other"
+            wait = f" for {each}{ever}" if found.ring else f"{ever} for what never comes"
+            others = ", while others go on" * is_knot
+            return f"can {'get stuck' if is_knot else 'deadlock'}: {when}, {who}{wait}{others}"
         case "livelock":
             return f"can livelock: {when}, it can go on for ever without a communication that anybody sees"
         case "no termination":

@@ -151,7 +151,7 @@ def _by_stubborn_sets(question: Question, limits: Limits) -> Verdict:
 
     if question.structure.fails and not question.together:
         # A knot that a failure ends is not kept by what stubborn sets leave out.
-        return Unknown("stubborn", "a failure may end what is stuck")
+        return Unknown("stubborn", "a missed sample or a fault may end the wait of those who seem stuck")
     search = stubborn.deadlock_free if question.together else stubborn.knot_free
     return search(question.system, limits)
 

@@ -29,12 +29,15 @@ def by_rules(question: Question, limits: Limits) -> Verdict:
         chooses = unsteady(question.structure)
         if chooses is not None:
             name = question.system.components[chooses].name
-            return Unknown("rules", f"`{name}` chooses, and there are circles of waiting")
+            return Unknown("rules", f"`{name}` has an alternative, and processes may wait for each other in a circle")
         if question.structure.fails and not question.together:
-            return Unknown("rules", "a failure may end what is stuck, so that the only run does not show it")
+            return Unknown(
+                "rules",
+                "a missed sample or a fault may end the wait of those who seem stuck, which the only run does not show",
+            )
         run = question.structure.remembered("run", lambda: the_run(question.structure, limits, MOST_MOVES))
         if run is None:
-            return Unknown("rules", f"the run did not come round within {MOST_MOVES} communications")
+            return Unknown("rules", f"the only run that there is has not begun anew within {MOST_MOVES} communications")
         return _judged(question, run)
     except LimitError as limit:
         return Unknown("rules", str(limit))
@@ -61,12 +64,17 @@ def _judged(question: Question, run: Run) -> Verdict:
     if stuck:
         return Refuted("rules", moves_of(question.structure, run), tuple(stuck))
     if rules_forms.is_io_par(question.structure):
-        return Proved("rules", "every process shares all its events once a round, in any order: an I/O-PAR network")
+        return Proved(
+            "rules", "in each round every process communicates once with each partner, in any order: an I/O-PAR network"
+        )
     if not run.period:
         return Proved(
-            "rules", f"no process chooses, and the only run ends after {len(run.taken)} steps with all processes"
+            "rules",
+            f"no process has a choice, and the only run that there is ends after {len(run.taken)} steps with all processes",
         )
-    return Proved("rules", f"no process chooses, and the only run comes round after {len(run.taken)} steps")
+    return Proved(
+        "rules", f"no process has a choice, and the only run that there is begins anew after {len(run.taken)} steps"
+    )
 
 
 def _order_in_words(question: Question) -> str:
@@ -88,7 +96,7 @@ def _order_in_words(question: Question) -> str:
     servers = rules_forms.client_server_order(structure)
     if servers is not None:
         return f"a client-server network without circles{_listed(question, servers)}"
-    return f"everybody waits only for those before, in the order{_listed(question, order)}"
+    return f"each process waits only for those before it, in the order{_listed(question, order)}"
 
 
 def _listed(question: Question, order: Sequence[int]) -> str:

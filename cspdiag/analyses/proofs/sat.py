@@ -118,7 +118,9 @@ class _Exclusion:
         while (model := self.solver.solve(assumed)) is not None:
             self.limits.check()
             if sum(self.used) >= self.most:
-                return Unknown(self.method, f"candidates were left after {self.most} refinements")
+                return Unknown(
+                    self.method, f"states in which processes seem stuck were left after {self.most} refinements"
+                )
             candidate, stuck = self.encoding.states(model), self.encoding.stuck_components(model)
             if self.examine is not None and sum(self.used[1:]) >= self.examined_at:
                 self.examined_at *= 2
@@ -132,7 +134,11 @@ class _Exclusion:
                     break
             else:
                 ended = f"the time limit of {self.limits.seconds:.3g} s was reached"
-                reason = ended if self.limits.remaining <= 0 else "a candidate could not be excluded"
+                reason = (
+                    ended
+                    if self.limits.remaining <= 0
+                    else "a state in which processes seem stuck could not be ruled out"
+                )
                 return Unknown(self.method, reason, candidate, stuck)
         return None
 
@@ -155,8 +161,10 @@ class _Exclusion:
 def _reason(traps: int, invariants: int) -> str:
     helped = [f"{traps} trap{'s' if traps > 1 else ''}"] if traps else []
     helped += [f"{invariants} invariant{'s' if invariants > 1 else ''}"] if invariants else []
-    limits = f", and that {' and '.join(helped)} allow{'s' if traps + invariants == 1 else ''}," if helped else ""
-    return f"in no states that neighbours can be in together{limits} would anybody wait for ever"
+    also = f", and by {' and '.join(helped)}" if helped else ""
+    return (
+        f"every state in which a process would wait for ever is ruled out by looking at two neighbours at a time{also}"
+    )
 
 
 def exclude_by_trap(question: Question, encoding: Encoding, candidate: Sequence[int]) -> list[Clause]:

@@ -75,7 +75,10 @@ def knot_free(system: System, limits: Limits) -> Verdict:
     Unknown where events are failures: one may end a knot, so that what is left out does not keep it.
     """
     if any(event.kind == "failure" for event in system.events):
-        return Unknown("stubborn", "a failure may end what is stuck, and order matters then")
+        return Unknown(
+            "stubborn",
+            "a missed sample or a fault may end the wait of those who seem stuck, and then the order of steps matters",
+        )
     graph = _Graph([system.initial], {system.initial: 0}, [None])
     try:
         sets, offers = ClosedSets(system, limits), Offers(system)

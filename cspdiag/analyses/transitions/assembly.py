@@ -142,9 +142,10 @@ class Assembly:
         type_: Any = None,
         *,
         visible: bool = False,
+        roles: str = "",
     ) -> int:
         text = _text(value, type_)
-        self.events.append(Event(channel, parties, kind, text, visible))
+        self.events.append(Event(channel, parties, kind, text, visible, roles))
         return len(self.events) - 1
 
     def _for(self, strand: Strand, label: Label, event: int) -> None:
@@ -167,10 +168,13 @@ class Assembly:
         elif alone is not None:
             medium = resolve(strand.occurrence, label[1])
             value = label[2] if len(label) > 2 else UNKNOWN
-            event = self._event(medium.name, (strand.number,), alone[0], value, medium.type, visible=alone[1])
+            role = "!" if kind == "output" else "*" if kind == "ready" else "?"
+            event = self._event(
+                medium.name, (strand.number,), alone[0], value, medium.type, visible=alone[1], roles=role
+            )
             self._for(strand, label, event)
         elif kind == "time":
-            self._for(strand, label, self._event(f"{strand.name}: {label[1]}", (strand.number,), "time"))
+            self._for(strand, label, self._event(f"{strand.name}: {label[1]}", (strand.number,), "time", roles="*"))
         elif kind in ("read", "write", "guarded", "bind", "bound", "load", "store", "delivered", "withdrawn"):
             self._uses[resolve(strand.occurrence, label[1])].append((strand, label))
         elif kind == "fork" or kind == "join":
@@ -236,7 +240,7 @@ class Assembly:
                     continue
                 met |= {(writer, written), (reader, read)}
                 parties = (writer.number, reader.number)
-                event = self._event(medium.name, parties, "communication", value, medium.type)
+                event = self._event(medium.name, parties, "communication", value, medium.type, roles="!?")
                 self._for(writer, written, event)
                 self._for(reader, read, event)
             for use in (*writing.get(value, ()), *reading.get(value, ())):
@@ -256,7 +260,8 @@ class Assembly:
     def _alone(self, medium: Medium, use: Use, value: Known) -> None:
         strand, label = use
         parties = (strand.number, self._nobody_number())
-        self._for(strand, label, self._event(medium.name, parties, "communication", value, medium.type))
+        roles = "?." if label[0] == "read" else "!."
+        self._for(strand, label, self._event(medium.name, parties, "communication", value, medium.type, roles=roles))
 
     def _with(
         self, medium: Medium, uses: list[Use], number: int, kinds: tuple[str, ...], kind: EventKind
@@ -266,7 +271,8 @@ class Assembly:
         for strand, label in uses:
             if label[0] in kinds:
                 value = self._value(medium, label)
-                event = self._event(medium.name, (strand.number, number), kind, value, medium.type)
+                roles = {"read": "?.", "write": "!.", "guarded": "!."}.get(label[0], "*.")
+                event = self._event(medium.name, (strand.number, number), kind, value, medium.type, roles=roles)
                 self._for(strand, label, event)
                 found.setdefault(value, []).append(event)
         return found
@@ -325,7 +331,8 @@ class Assembly:
             parties = (strand.number, *latches)
             if label[0] == "write":
                 value = self._value(medium, label)
-                event = self._event(f"{medium.name} (written)", parties, "take", value, medium.type)
+                roles = "!" + "." * len(latches)
+                event = self._event(f"{medium.name} (written)", parties, "take", value, medium.type, roles=roles)
                 writes.setdefault(value, []).append(event)
             elif label[0] == "delivered":
                 event = self._event(f"{medium.name} (taken by all)", (*parties, *absent), "delivered")
@@ -349,8 +356,9 @@ class Assembly:
             fitting = [[use for use in ends if self._value(medium, use[1]) == value] for ends in readers]
             self._limit(medium, prod(map(len, fitting)))
             for chosen in product(*fitting):
-                parties = (strand.number, *dict.fromkeys(reader.number for reader, _ in chosen), *absent)
-                event = self._event(medium.name, parties, "communication", value, medium.type)
+                reading = tuple(dict.fromkeys(reader.number for reader, _ in chosen))
+                parties, roles = (strand.number, *reading, *absent), f"!{'?' * len(reading)}{'.' * len(absent)}"
+                event = self._event(medium.name, parties, "communication", value, medium.type, roles=roles)
                 self._for(strand, label, event)
                 for reader, read in chosen:
                     self._for(reader, read, event)

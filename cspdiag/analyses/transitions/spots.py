@@ -19,6 +19,7 @@ from cspdiag.network.actions import (
     StopStep,
     WaitStep,
 )
+from cspdiag.network.dump_expression import expression_text
 
 MISSED_A_SAMPLE = "raises Timeout"
 """Where a missed sample has ended the outermost process."""
@@ -101,7 +102,7 @@ def _action(frame: Frame) -> Spot:
         case ReadValue():
             return Spot("waits to read", context.reference(action.source), node.span)
         case WaitStep():
-            return Spot("waits for a delay to pass", None, node.span)
+            return Spot(f"is in `wait {expression_text(action.duration)}`", None, node.span)
         case StopStep():
             return Spot("waits for ever, at stop", None, node.span)
         case ParallelSteps():
@@ -127,8 +128,8 @@ def _guard(branch: Branch, context: Context) -> tuple[str, Reference | None]:
             return "waits to read", context.reference(source)
         case OutputEvent(sink=sink):
             return "waits to write", context.reference(sink)
-        case AfterEvent():
-            return "waits for a time-out", None
+        case AfterEvent(duration=duration):
+            return f"waits for `after {expression_text(duration)}`", None
     return "goes on", None
 
 

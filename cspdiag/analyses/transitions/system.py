@@ -44,7 +44,7 @@ class Event:
     """Something that happens to all its parties at once.
 
     ``channel`` is the hierarchical name as in traces; ``value`` the value as text where values are tracked. ``visible`` events are those that a specification sees:
-    they pass an external port.
+    they pass an external port. ``roles`` says what each party does: ``!`` writes, ``?`` reads, ``*`` something else, ``.`` is no process; nothing where that is not told.
     """
 
     channel: str
@@ -52,6 +52,12 @@ class Event:
     kind: EventKind = "communication"
     value: str | None = None
     visible: bool = False
+    roles: str = ""
+
+    def role(self, party: int) -> str:
+        """What a party does, or nothing."""
+        position = self.parties.index(party)
+        return self.roles[position] if position < len(self.roles) else ""
 
     def __str__(self) -> str:
         return with_value(self.channel, self.value)

@@ -162,7 +162,7 @@ class _Teller:
     def _taken(self, value: str | None, best: _Match, same: Sequence[_Match]) -> Step:
         """The step; from now on the components are where it leads, whatever the value."""
         event = self._system.events[best.event]
-        parties = tuple(self._party(number, best.event) for number in event.parties)
+        parties = tuple(replace(self._party(number, best.event), role=event.role(number)) for number in event.parties)
         events = {match.event for match in same}
         for number in event.parties:
             after = frozenset(

@@ -2,14 +2,34 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Protocol
 
+from cspdiag.runtime.deadlock import DeadlockReport, WaitingProcess
 from cspdiag.settings import SettingError, parse_duration
 from cspdiag.simulate.replay.trace import TraceStep
 
 UNFIT = 3
 WRITTEN = " (written)"
 """With this ends the name of the event in which a broadcast is begun; each of its readers takes the value in an event of its own."""
+
+
+def in_words(text: str, top: str) -> str:
+    """A sentence with names as people are told them: below the outermost process ``top``."""
+    return text.replace(f"`{top}.", "`")
+
+
+def below(report: DeadlockReport, top: str) -> DeadlockReport:
+    """A report with such names."""
+
+    def short(process: WaitingProcess) -> WaitingProcess:
+        waits = process.waits
+        for channel in process.channels:
+            waits = waits.replace(channel, channel.removeprefix(f"{top}."))
+        return replace(process, path=process.path.removeprefix(f"{top}."), waits=waits)
+
+    lists = (tuple(map(short, processes)) for processes in (report.waiting, report.cycle, report.others))
+    return DeadlockReport(report.time, *lists)
 
 
 class Named(Protocol):
