@@ -11,6 +11,9 @@ from cspdiag.analyses.timing.result import Refusal
 from cspdiag.analyses.timing.starts import Starts, round_period
 from cspdiag.analyses.timing.task import ONCE
 
+LARGEST_NUMBER_OF_COMMUNICATIONS = 1_000
+"""On one channel in one period, before the search for what they begin is given up."""
+
 
 @dataclass(frozen=True, slots=True)
 class Demand:
@@ -80,7 +83,7 @@ class Demands:
         for one in behaviours:
             self.own[one.number] = list(self._of(one, refusals))
         for one in behaviours:
-            self._spread_from(one)
+            self._spread_from(one, refusals)
 
     def _of(self, one: Behaviour, refusals: list[Refusal]) -> Iterator[Demand]:
         for job in one.jobs:
@@ -129,7 +132,7 @@ class Demands:
             return 0 if is_asked else period
         return 0
 
-    def _spread_from(self, one: Behaviour) -> None:
+    def _spread_from(self, one: Behaviour, refusals: list[Refusal]) -> None:
         """The communications in the jobs of a thread begin jobs in others, and these in others again."""
         pending: list[_Begun] = []
         for job in one.jobs:
@@ -147,6 +150,9 @@ class Demands:
             known = (begun.thread, begun.channel, begun.writes, begun.period, begun.count)
             if known in self._activated:
                 continue
+            if begun.count > LARGEST_NUMBER_OF_COMMUNICATIONS:
+                refusals.append(_without_end(one, begun))
+                return
             self._activated.add(known)
             for other in self.taking_part(begun.channel, writes=not begun.writes):
                 if other.number != begun.thread:
@@ -189,6 +195,17 @@ class Demands:
     def activators(self, channel: str, *, writes: bool) -> set[int]:
         """The threads that communicate on a channel, on that side."""
         return {number for number, other, side, _, _ in self._activated if (other, side) == (channel, writes)}
+
+
+def _without_end(one: Behaviour, begun: _Begun) -> Refusal:
+    """Communications that seem to begin others, and these more of them."""
+    name = begun.channel.rpartition(".")[2]
+    return Refusal(
+        one.thread.path,
+        f"how often it makes others communicate on `{name}` in a period cannot be bounded",
+        one.thread.places[one.thread.entry].span,
+        f"let who reads or writes `{name}` do so once in each of its rounds",
+    )
 
 
 def _unknown_rate(one: Behaviour, job: Job) -> Refusal:

@@ -197,7 +197,13 @@ class Threads(Places):
                     return begun
                 return self.place(context, action, successors=[begun, handler])
             case InterruptOn():
-                offers = [replace(offer, is_certain=False) for offer in self._guard(action.branch, context, following)]
+                if not self.may_hold(action.branch, context):
+                    return self._action(action.body, context, following)
+                offers = self._guard(action.branch, context, following)
+                if not offers:
+                    # A guard that never waits abandons the body wherever that would wait first.
+                    offers = [Offer("delay", self._guarded(action.branch, context, following), action.span)]
+                offers = [replace(offer, is_certain=False) for offer in offers]
                 inner = replace(context, interrupts=(*context.interrupts, *offers))
                 return self._action(action.body, inner, following)
             case Group():

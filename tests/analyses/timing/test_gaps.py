@@ -140,6 +140,13 @@ def test_joints_that_wait_for_a_supervisor() -> None:
     assert missed(network_of(text), 1)
 
 
+def test_a_partner_that_may_be_abandoned_at_once() -> None:
+    """The guard is always ready, so that the value is never written."""
+    text = program("mu (p -> (a ; (s ! n interrupt skip -> skip))) || mu (b ; s ? w)", "channel s : double")
+    assert report_of(text).is_schedulable is None
+    assert missed(network_of(text), 1)
+
+
 def test_a_pair_that_spins_above_a_loop() -> None:
     """Time stands still where it computes nothing, so it is not run."""
     text = program("(mu (s ! n) || mu (s ? w ; c)) ||> mu a", "channel s : double")
@@ -190,3 +197,13 @@ def test_what_a_hand_written_process_reads_cannot_be_seen() -> None:
     assert [refusal.reason for refusal in report.refusals] == [
         "its body is written by hand, and whether it takes each sample of `x` cannot be seen"
     ]
+
+
+def test_communications_that_begin_ever_more_of_each_other_are_not_counted_for_ever() -> None:
+    text = program(
+        "mu (a ; s ! n ; s ! n) || mu (s ? v -> (t ! v ; t ! v) [] q -> b) || mu (t ? w -> (s ! w ; s ! w) [] e ? k -> skip)",
+        "channel s : double any  channel t : double",
+    ).replace("e    : double", "e    : int").replace("out p, q, e : double", "out p, q : double  out e : int").replace("double(n - n % 8)", "n - n % 8")  # fmt: skip
+    report = report_of(text)
+    assert report.is_schedulable is None
+    assert any("in a period cannot be bounded" in refusal.reason for refusal in report.refusals)

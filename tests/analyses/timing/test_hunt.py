@@ -6,7 +6,7 @@ from tests.analyses.timing.hunt import hunt
 
 
 def test_what_is_proved_of_random_programs_holds_in_their_runs() -> None:
-    found = hunt(0, 60)
+    found = hunt(0, 75)
     assert found.wrong == []
     assert found.answers["proved"] >= 20
     assert found.answers["unknown"] >= 10
