@@ -39,13 +39,17 @@ def mode_groups(network: Network) -> tuple[ModeGroup, ...]:
 def _branches(body: act.Action) -> tuple[act.Action, ...]:
     match body:
         case act.ParallelSteps(steps=steps):
-            return steps
+            return tuple(part for step in steps for part in (_branches(step) if _is_parallel(step) else (step,)))
         case act.Group(body=inner) if isinstance(inner, act.ParallelSteps):
-            return inner.steps
+            return _branches(inner)
         case act.CatchException(body=inner) | act.InterruptOn(body=inner) | act.Repeat(body=inner):
             return _branches(inner)
         case _:
             return (body,)
+
+
+def _is_parallel(step: act.Action) -> bool:
+    return isinstance(step, act.ParallelSteps)
 
 
 def _group(network: Network, top: ProcessClass, branch: act.Action) -> ModeGroup:

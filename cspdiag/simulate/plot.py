@@ -1,19 +1,31 @@
-"""One figure of a run: a column for each part of the program that runs in parallel, a row for each unit, the modes behind.
+"""One figure of a run: lanes of what runs, of events and of conditions above; below them curves, a panel for each unit, with their names beside.
 
-Needs matplotlib (``pip install "cspdiag[plot]"``), which is imported when a plot is made.
+A program of parallel parts that have modes and ports of their own has a column for each. Needs matplotlib (``pip install "cspdiag[plot]"``), which is
+imported when a plot is made.
 """
 
 from __future__ import annotations
 
 import io
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from cspdiag.model.types import BoolType, EnumType, IntType, RealType, Type
-from cspdiag.simulate.files import readable, write_whole
+from cspdiag.simulate.files import write_whole
 from cspdiag.simulate.modes import ModeGroup, mode_groups
+from cspdiag.simulate.plot_lanes import (
+    FAINT,
+    LANE_HEIGHT,
+    Lane,
+    activity_lanes,
+    are_events,
+    draw_lanes,
+    one_after_the_other,
+    process_lanes,
+    series_lane,
+)
+from cspdiag.simulate.plot_series import Series, quantity, series_of, shortened, stairs, thinned
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -21,8 +33,15 @@ if TYPE_CHECKING:
 
     from cspdiag.simulate.result import Run
 
-_MODE_COLORS = ("#dbe9f6", "#e3f1dc", "#fdebd3", "#eee3f3", "#f9dfe1", "#e4e4e4")
 _LINE_COLORS = ("#1f4e79", "#c0504d", "#4f8a3c", "#7f5fa0", "#b07d2b", "#3a8f99")
+_DASHES = ((), (5, 1.5), (1, 1), (6, 1.5, 1, 1.5), (3, 1, 1, 1, 1, 1), (8, 3))
+"""Colours are told apart on a screen, dashes in grey print as well."""
+_MOST_CURVES = 6
+"""Of one panel; more have another one."""
+_THIN = "   ·   thin: nobody read it"
+_MOST_COLUMNS = 3
+_PANEL_HEIGHT = 1.7
+_COLUMN_WIDTH = 4.8
 _STYLE = {
     "font.family": "DejaVu Sans",
     "font.size": 9,
@@ -30,12 +49,23 @@ _STYLE = {
     "axes.spines.right": False,
     "axes.linewidth": 0.6,
     "axes.titlesize": 10,
-    "lines.linewidth": 1.1,
-    "legend.framealpha": 0.7,
-    "legend.edgecolor": "none",
+    "lines.linewidth": 1.2,
+    "legend.frameon": False,
     "legend.fontsize": 8,
+    "legend.handlelength": 2.6,
+    "text.parse_math": False,
     "svg.hashsalt": "cspdiag",
 }
+
+
+class _Column(NamedTuple):
+    """What stands below each other: a part of the program, its lanes, and its curves by panel."""
+
+    group: ModeGroup
+    lanes: list[Lane]
+    panels: dict[tuple[str, int], list[Series]]
+    events: list[float]
+    has_unread: bool
 
 
 def plot(run: Run, path: Path | None) -> Figure:
@@ -44,34 +74,36 @@ def plot(run: Run, path: Path | None) -> Figure:
     from matplotlib.figure import Figure
 
     with mpl.rc_context(_STYLE):  # type: ignore[arg-type]
-        groups = _columns(run)
-        rows = _rows(run, groups)
-        figure = Figure(figsize=(max(5.2, 4.6 * len(groups)), 1.1 + 1.75 * max(2, len(rows))), layout="constrained")
-        heights = [0.4 if unit == _TRUTH else 1.0 for unit in rows] or [1.0]
-        axes = figure.subplots(
-            len(heights), len(groups), sharex=True, sharey="row", squeeze=False, height_ratios=heights
-        )
-        if not rows:
-            _activities(run, axes[0, 0])
-        for column, group in enumerate(groups):
-            for row, unit in enumerate(rows):
-                _panel(run, axes[row, column], group, unit, rows[unit], top=row == 0)
-                if column == 0:
-                    axes[row, column].set_ylabel(unit or "value")
-            _name_modes(run, axes[0, column], group)
-            axes[-1, column].set_xlabel("time (s)")
+        columns = _columns(run)
+        rows = list(dict.fromkeys(row for column in columns for row in column.panels))
+        lanes = max(len(column.lanes) for column in columns)
+        heights = [LANE_HEIGHT * lanes + 0.05] * bool(lanes) + [_PANEL_HEIGHT] * len(rows) or [_PANEL_HEIGHT]
+        width = 1.6 + _COLUMN_WIDTH * len(columns) * (1 if len(columns) > 1 else 1.35)
+        figure = Figure(figsize=(width, 0.9 + sum(heights) + 0.1 * len(heights)), layout="constrained")
+        grid = figure.add_gridspec(len(heights), len(columns), height_ratios=heights)
+        shared: dict[int, Axes] = {}
+        for position, column in enumerate(columns):
+            first: Axes | None = None
+            for row in range(len(heights)):
+                is_lanes = bool(lanes) and row == 0
+                axes = figure.add_subplot(
+                    grid[row, position], sharex=first, sharey=None if is_lanes else shared.get(row)
+                )
+                first = first or axes
+                axes.set_xlim(0, max(run.outcome.time / 1e9, 1e-6))
+                if is_lanes:
+                    inches = _COLUMN_WIDTH * (0.62 if len(columns) > 1 else 1.12)
+                    draw_lanes(axes, column.lanes, axes.get_xlim()[1], inches)
+                elif rows:
+                    shared.setdefault(row, axes)
+                    _panel(run, axes, column, rows[row - bool(lanes)])
+                axes.tick_params(axis="x", labelbottom=row == len(heights) - 1, length=3 * (row == len(heights) - 1))
+            assert first is not None
+            first.set_title(shortened(column.group.name, 40), fontweight="bold")
+            axes.set_xlabel("time (s)" + (_THIN if column.has_unread and position == 0 else ""))
         if path is not None:
             write_whole(path, _rendered(figure, path.suffix.lstrip(".") or "svg"))
     return figure
-
-
-def _columns(run: Run) -> Sequence[ModeGroup]:
-    """The parallel parts, if each has modes and ports of its own to show; else everything in one column."""
-    groups = [group for group in mode_groups(run.network) if group.ports]
-    if groups and all(len(group.modes) > 1 for group in groups):
-        return groups
-    modes = groups[0].modes if len(groups) == 1 and len(groups[0].modes) > 1 else {}
-    return [ModeGroup(run.network.top, modes, tuple(port.name for port in run.network.external_ports))]
 
 
 def svg_text(run: Run) -> str:
@@ -80,170 +112,137 @@ def svg_text(run: Run) -> str:
 
 
 def _rendered(figure: Figure, kind: str) -> bytes:
+    import matplotlib as mpl
+
     buffer = io.BytesIO()
     metadata: dict[str, Any] = {"Date": None} if kind == "svg" else {}
-    figure.savefig(buffer, format=kind, dpi=160, metadata=metadata)
+    with mpl.rc_context(_STYLE):  # type: ignore[arg-type]
+        figure.savefig(buffer, format=kind, dpi=160, metadata=metadata)
     return buffer.getvalue()
 
 
-def _rows(run: Run, groups: Sequence[ModeGroup]) -> Mapping[str, set[str]]:
-    """Signals by what is on the vertical axis, measured quantities before outputs."""
-    used = {name for group in groups for name in group.ports}
-    rows: dict[str, set[str]] = {}
-    for port in sorted(run.network.external_ports, key=lambda port: port.direction == "out"):
-        signal = run.signals[port.name]
-        a_line = port.period is not None or isinstance(port.type, RealType)
-        if port.name in used and a_line and len(signal.time) and signal.value.dtype != object:
-            rows.setdefault(_quantity(port.type), set()).add(port.name)
-    return rows
+def _columns(run: Run) -> list[_Column]:
+    """The parallel parts, if each has modes and ports of its own to show; else everything in one column."""
+    every = series_of(run)
+    groups = mode_groups(run.network)
+    with_ports = [group for group in groups if group.ports]
+    if 1 < len(with_ports) <= _MOST_COLUMNS and all(len(group.modes) > 1 for group in with_ports):
+        columns = [_column(run, group, [group], _used(every, group)) for group in with_ports]
+        if any(column.panels for column in columns):
+            return columns
+    ports = tuple(port.name for port in run.network.external_ports)
+    modes = groups[0].modes if len(groups) == 1 else {}
+    whole = ModeGroup(run.network.top, modes, ports)
+    shown = [group for group in groups if len(groups) > 1 or len(group.modes) > 1]
+    return [_column(run, whole, shown, every)]
 
 
-_QUANTITIES = {
-    "rad": "angle (rad)",
-    "V": "voltage (V)",
-    "A": "current (A)",
-    "rad/s": "speed (rad/s)",
-    "m": "position (m)",
-    "m/s": "speed (m/s)",
-    "N": "force (N)",
-    "N*m": "torque (N·m)",
-    "K": "temperature (K)",
-    "Pa": "pressure (Pa)",
-    "W": "power (W)",
-    "Hz": "frequency (Hz)",
-}
+def _used(every: Sequence[Series], group: ModeGroup) -> list[Series]:
+    return [series for series in every if series.port in group.ports]
 
 
-def _quantity(kind: Type) -> str:
-    if isinstance(kind, RealType) and kind.unit.text:
-        return _QUANTITIES.get(kind.unit.text, f"({kind.unit.text})")
-    match kind:
-        case RealType():
-            return "dimensionless"
-        case BoolType():
-            return _TRUTH
-        case EnumType():
-            return kind.name
-        case _:
-            return "value"
+def _column(run: Run, group: ModeGroup, parts: Sequence[ModeGroup], every: Sequence[Series]) -> _Column:
+    lanes = activity_lanes(run, parts)
+    panels: dict[tuple[str, int], list[Series]] = {}
+    events: list[float] = []
+    for series in every:
+        if series.is_discrete or are_events(series):
+            lanes.append(series_lane(run, series))
+            if series.is_event:
+                events += series.time[series.changes].tolist()
+            continue
+        panels.setdefault(_panel_for(panels, series, every), []).append(series)
+    if not lanes and not panels:
+        lanes = process_lanes(run)
+    marks = events if len(events) <= _MOST_MARKS else []
+    return _Column(group, lanes, panels, marks, any(bool(series.unread.any()) for series in every))
 
 
-_TRUTH = "condition"
+def _panel_for(
+    panels: Mapping[tuple[str, int], list[Series]], series: Series, every: Sequence[Series]
+) -> tuple[str, int]:
+    """The last panel of the unit, unless it is full; what belongs to one port stays together as far as it fits."""
+    unit = quantity(series.type)
+    number = max((number for name, number in panels if name == unit), default=0)
+    present = panels.get((unit, number), [])
+    of_port = [other for other in every if other.port == series.port and quantity(other.type) == unit]
+    begins = series is of_port[0] and len(of_port) <= _MOST_CURVES
+    is_full = len(present) + (len(of_port) if begins else 1) > _MOST_CURVES
+    return unit, number + (is_full and bool(present))
 
 
-def _name_values(run: Run, axes: Axes, names: set[str]) -> None:
-    """Truth values and literals on the vertical axis by their names."""
-    kind = run.signals[min(names)].type
-    literals = ("false", "true") if isinstance(kind, BoolType) else kind.literals if isinstance(kind, EnumType) else ()
-    if literals:
-        axes.set_yticks(range(len(literals)), literals)
-        axes.set_ylim(-0.1, len(literals) - 0.9)
+_MOST_MARKS = 40
+"""Events beyond this number are not marked behind the curves."""
 
 
-def _panel(run: Run, axes: Axes, group: ModeGroup, unit: str, names: set[str], top: bool) -> None:
-    for activity in run.activities:
-        if activity.path in group.modes:
-            end = run.outcome.time if activity.end is None else activity.end
-            position = list(group.modes).index(activity.path)
-            axes.axvspan(
-                activity.start / 1e9, end / 1e9, color=_MODE_COLORS[position % len(_MODE_COLORS)], linewidth=0, zorder=0
+def _panel(run: Run, axes: Axes, column: _Column, row: tuple[str, int]) -> None:
+    unit, number = row
+    end = axes.get_xlim()[1]
+    for bar in one_after_the_other(run, column.group):
+        axes.axvspan(bar.start, bar.end, color=bar.color, alpha=0.45, linewidth=0, zorder=0)
+    for instant in column.events:
+        axes.axvline(instant, color=FAINT, linewidth=0.5, linestyle=(0, (1, 2)), zorder=0.5)
+    styles = ((color, _DASHES[at % len(_DASHES)]) for at, color in enumerate(_LINE_COLORS * 9))
+    for series in column.panels.get(row, ()):
+        color, dashes = next(styles)
+        told = shortened(series.name) if len(series.time) else f"{shortened(series.name)} (no value)"
+        is_read = not series.unread.all() or not len(series.time)
+        if is_read:
+            axes.plot(
+                *stairs(series, end, unread=False), label=told, color=color, linestyle=(0, dashes), **_mark(series)
             )
-    color = iter(_LINE_COLORS * 4)
-    for name in group.ports:
-        if name in names:
-            times, values = _held(run, name)
-            axes.plot(times, values, drawstyle="steps-post", label=name, color=next(color))
-    for name, (times, values) in _variables(run, group, unit).items():
-        axes.plot(times, values, drawstyle="steps-post", label=name, color=next(color), linewidth=0.9, zorder=1.5)
-    for instant, label in _events(run, group):
-        axes.axvline(instant, color="#555555", linewidth=0.7, linestyle=(0, (3, 2)))
-        if top:
-            axes.annotate(
-                label, (instant, 1), xycoords=("data", "axes fraction"), xytext=(-2, -3),
-                textcoords="offset points", rotation=90, va="top", ha="right", fontsize=6.5, color="#555555",
-            )  # fmt: skip
-    _name_values(run, axes, names)
-    axes.set_xlim(0, max(run.outcome.time / 1e9, 1e-9))
+        if series.unread.any():
+            # The length of dashes is in widths of their line.
+            thin: dict[str, Any] = {
+                "color": color,
+                "linewidth": 0.45,
+                "linestyle": (0, tuple(2.5 * part for part in dashes)),
+            }
+            axes.plot(*stairs(series, end, unread=True), label=None if is_read else told, **thin, **_mark(series))
+    for name, line in _variables(run, column.group, unit).items() if number == 0 else ():
+        color, dashes = next(styles)
+        axes.plot(
+            *_steps(line, end), label=shortened(name), color=color, linestyle=(0, dashes), linewidth=0.8, zorder=1.5
+        )
+    axes.set_ylabel(unit)
+    if not any(len(series.time) for series in column.panels.get(row, ())) and len(axes.lines) <= len(column.events) + 1:
+        axes.set_yticks([])
     axes.grid(axis="y", linewidth=0.3, color="#bbbbbb")
     if axes.lines:
-        axes.legend(loc="best")
+        axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1), borderaxespad=0)
 
 
-def _held(run: Run, name: str) -> tuple[list[float], list[float]]:
-    """A signal with its last value held to the end of the run."""
-    signal = run.signals[name]
-    times, values = signal.time.tolist(), signal.value.astype(float).tolist()
-    return [*times, run.outcome.time / 1e9], [*values, *values[-1:]]
+def _mark(series: Series) -> dict[str, Any]:
+    """One value that comes at the end of a run has no line to be seen by."""
+    return {"marker": "o", "markersize": 3, "markevery": [0]} if len(series.time) == 1 else {}
 
 
-_MOST_EVENTS = 20
-"""More changes than this are a signal, not events to be marked."""
+Points = list[tuple[float, float]]
 
 
-def _events(run: Run, group: ModeGroup) -> list[tuple[float, str]]:
-    """Instants at which event ports of whole numbers, truth values or literals changed, with what they changed to."""
-    labels: dict[float, list[str]] = {}
-    for port in run.network.external_ports:
-        if port.name in group.ports and port.period is None and isinstance(port.type, IntType | BoolType | EnumType):
-            signal = run.signals[port.name]
-            changes = [
-                position
-                for position in range(len(signal.value))
-                if position == 0 or signal.value[position] != signal.value[position - 1]
-            ]
-            if len(changes) <= _MOST_EVENTS:
-                for position in changes:
-                    shown = readable(signal.value[position], port.type)
-                    if isinstance(port.type, BoolType):
-                        shown = "true" if shown else "false"
-                    labels.setdefault(float(signal.time[position]), []).append(f"{port.name} = {shown}")
-    return [(instant, ", ".join(texts)) for instant, texts in labels.items()]
+def _steps(line: Points, end: float) -> tuple[Any, Any]:
+    import numpy
+
+    time, value = numpy.array(line).T
+    return thinned(numpy.repeat(time, 2)[1:], numpy.repeat(value, 2)[:-1], end)
 
 
-def _variables(run: Run, group: ModeGroup, quantity: str) -> dict[str, tuple[list[float], list[float]]]:
+def _variables(run: Run, group: ModeGroup, unit: str) -> dict[str, Points]:
     """Variables of the group's quantity; those of one name in several modes make one line, with gaps between."""
+    return dict(_sorted_lines(run, group, unit))
+
+
+def _sorted_lines(run: Run, group: ModeGroup, unit: str) -> Iterator[tuple[str, Points]]:
     prefixes = tuple({prefix for path in group.modes for prefix in (f"{path}.", f"{path.rpartition('.')[0]}.")})
     prefixes = prefixes or (f"{group.name}.",)
-    found: dict[str, list[tuple[float, float]]] = {}
+    found: dict[str, Points] = {}
     for path, points in run.variables.items():
-        if path.startswith(prefixes) and _quantity(run.types[path]) == quantity:
+        if path.startswith(prefixes) and quantity(run.types[path]) == unit:
             line = found.setdefault(path.rpartition(".")[2], [])
             line += [(time / 1e9, value) for time, value in points]
             if path.startswith(tuple(f"{mode}." for mode in group.modes)):
                 line.append((points[-1][0] / 1e9, math.nan))
             else:
                 line.append((run.outcome.time / 1e9, points[-1][1]))
-    return {name: tuple(zip(*sorted(line, key=lambda point: point[0]), strict=True)) for name, line in found.items()}  # type: ignore[misc]
-
-
-_MOST_ACTIVITIES = 40
-"""A person does not read more bars than this; the first ones are shown."""
-
-
-def _activities(run: Run, axes: Axes) -> None:
-    """A bar for each process while it runs, for a program without signals."""
-    paths = list(dict.fromkeys(activity.path for activity in run.activities))[:_MOST_ACTIVITIES]
-    for activity in run.activities:
-        if activity.path in paths:
-            end = run.outcome.time if activity.end is None else activity.end
-            axes.barh(
-                paths.index(activity.path),
-                (end - activity.start) / 1e9,
-                left=activity.start / 1e9,
-                color=_MODE_COLORS[0],
-                edgecolor=_LINE_COLORS[0],
-                linewidth=0.6,
-            )
-    axes.set_yticks(range(len(paths)), paths, fontsize=6.5)
-    axes.invert_yaxis()
-
-
-def _name_modes(run: Run, axes: Axes, group: ModeGroup) -> None:
-    axes.set_title(group.name, pad=18, fontweight="bold")
-    for activity in run.activities:
-        if activity.path in group.modes:
-            end = run.outcome.time if activity.end is None else activity.end
-            axes.annotate(
-                group.modes[activity.path], ((activity.start + end) / 2e9, 1), xycoords=("data", "axes fraction"),
-                xytext=(0, 4), textcoords="offset points", ha="center", fontsize=7, color="#444444",
-            )  # fmt: skip
+    for name, line in found.items():
+        yield name, sorted(line, key=lambda point: point[0])

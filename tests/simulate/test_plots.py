@@ -1,0 +1,267 @@
+"""Plots: every part and port has a place of its own, and no text stands on another, on a curve or on a legend."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cache
+from itertools import combinations, pairwise
+from pathlib import Path
+
+import numpy
+import pytest
+
+import cspdiag
+from cspdiag.simulate.plot_series import series_of, shortened, stairs, thinned
+from cspdiag.simulate.result import Run
+from tests.simulate.test_samples import DRIVE
+
+pytest.importorskip("matplotlib")
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
+from matplotlib.transforms import Bbox
+
+MODELS = Path(__file__).parents[2] / "models"
+
+STATIONS = """
+enum Phase { waiting, clamping, drilling, releasing_the_work_piece }
+
+process Clamp(n : int) { composition { wait 100 ms * (n + 1) } }
+process Drill { composition { wait 300 ms } }
+
+process Station(n : int) {
+  out busy  : bool  @ 50 ms
+  out phase : Phase @ 50 ms
+  communication {
+    clamp : Clamp(n = n)
+    drill : Drill
+  }
+  composition {
+    seq i < 3 : (busy ! true ; phase ! Phase.clamping ; clamp ; phase ! Phase.drilling ; drill ; busy ! false ;
+                 phase ! Phase.releasing_the_work_piece ; wait 200 ms)
+  }
+}
+
+process Line {
+  in  button   : int
+  out busy[5]  : bool  @ 50 ms
+  out phase[5] : Phase @ 50 ms
+  communication {
+    station[i < 5] : Station(n = i)
+    for i < 5 {
+      station[i].busy  -> busy[i]
+      station[i].phase -> phase[i]
+    }
+    var pressed : int
+  }
+  composition { (par i < 5 : station[i]) || (mu button ? pressed) }
+}
+
+submodel Hand {
+  out button : int
+  state t : int = 0
+  next t = t + 1
+  button = if t < 100 then 0 else if t < 104 then 12345 else t / 35
+}
+
+environment Bench for Line step 10 ms {
+  hand : Hand
+  hand.button -> button
+  for i < 5 {
+    busy[i]  -> _
+    phase[i] -> _
+  }
+}
+"""
+
+CURVES = """
+process Curves {
+  in  a_very_long_name_of_the_encoder_at_wheel[8] : double<rad> @ 10 ms
+  in  broken : double<V> @ 10 ms
+  in  once   : double<K> @ 70 ms
+  in  never  : double<W> @ 7 s
+  out nobody : int
+  composition { wait 100 ms }
+}
+
+submodel Wheels {
+  out a : double<rad>
+  out broken : double<V>
+  out once : double<K>
+  state t : int = 0
+  next t = t + 1
+  a = double(t) * 1<rad>
+  broken = (if t % 30 < 10 then 1e308 * 10.0 else double(t)) * 1<V>
+  once = double(t) * 1<K>
+}
+
+environment Bench for Curves step 1 ms {
+  wheels : Wheels
+  for i < 8 {
+    wheels.a -> a_very_long_name_of_the_encoder_at_wheel[i]
+  }
+  wheels.broken -> broken
+  wheels.once -> once
+  1<W> -> never
+  nobody -> _
+}
+"""
+
+PROGRAMS = {"stations": STATIONS, "drive": DRIVE, "curves": CURVES.replace("1<W> -> never", "wheels.power -> never")}
+PROGRAMS["curves"] = PROGRAMS["curves"].replace(
+    "  out once : double<K>\n  state", "  out once : double<K>\n  out power : double<W>\n  power = 1<W>\n  state"
+)
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Run]:
+    folder = tmp_path_factory.mktemp("plots")
+    found = {}
+    for name, text in PROGRAMS.items():
+        (folder / f"{name}.csp").write_text(text)
+        found[name] = cspdiag.load(str(folder / f"{name}.csp")).run("Bench", until="5 s")
+    for name in ("jiwy", "emergency", "watchdog", "buffer", "cascade", "dining", "ring"):
+        found[name] = cspdiag.load(str(MODELS / name / f"{name}.csp")).run(until="3 s")
+    return found
+
+
+NAMES = [*PROGRAMS, "jiwy", "emergency", "watchdog", "buffer", "cascade", "dining", "ring"]
+
+
+@cache
+def drawn(run: Run) -> Figure:
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    figure = run.plot()
+    FigureCanvasAgg(figure).draw()
+    return figure
+
+
+def boxes(figure: Figure) -> Iterator[tuple[str, Bbox]]:
+    """Every text that is seen, with its place on the page."""
+    renderer = figure.canvas.get_renderer()  # type: ignore[attr-defined]
+    for axes in figure.axes:
+        legend = axes.get_legend()
+        low, high = sorted(axes.get_ylim())
+        labels = [label for label in axes.get_yticklabels() if low <= label.get_position()[1] <= high]
+        texts = [*axes.texts, axes.title, axes.yaxis.label, *labels, *(legend.get_texts() if legend else [])]
+        for text in texts:
+            if text.get_text() and text.get_visible():
+                yield text.get_text(), text.get_window_extent(renderer)
+
+
+def lanes_of(figure: Figure) -> Axes:
+    return figure.axes[0]
+
+
+def names(axes: Axes) -> list[str]:
+    return [label.get_text() for label in axes.get_yticklabels()]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_no_text_stands_on_another(runs: dict[str, Run], name: str) -> None:
+    found = list(boxes(drawn(runs[name])))
+    crossing = [
+        (one, other)
+        for (one, here), (other, there) in combinations(found, 2)
+        if here.x0 < there.x1 - 1 and there.x0 < here.x1 - 1 and here.y0 < there.y1 - 2 and there.y0 < here.y1 - 2
+    ]
+    assert crossing == []
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_legends_stand_beside_the_curves_and_everything_on_the_page(runs: dict[str, Run], name: str) -> None:
+    figure = drawn(runs[name])
+    renderer = figure.canvas.get_renderer()  # type: ignore[attr-defined]
+    for axes in figure.axes:
+        legend = axes.get_legend()
+        if legend is not None:
+            box = legend.get_window_extent(renderer)
+            assert not any(box.overlaps(other.get_window_extent(renderer)) for other in figure.axes)
+    for text, box in boxes(figure):
+        assert -1 <= box.x0 <= box.x1 <= figure.bbox.x1 + 1, text
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_curves_of_a_panel_are_told_apart_without_colours(runs: dict[str, Run], name: str) -> None:
+    for axes in drawn(runs[name]).axes:
+        legend = axes.get_legend()
+        styles = (
+            [str(line.get_dash_capstyle()) + str(line._dash_pattern) for line in legend.get_lines()] if legend else []
+        )
+        assert len(set(styles)) == len(styles)
+
+
+def test_parallel_parts_have_lanes_of_their_own(runs: dict[str, Run]) -> None:
+    axes = lanes_of(drawn(runs["stations"]))
+    assert names(axes)[:5] == [f"station[{index}]" for index in range(5)]
+    bars = [patch for patch in axes.patches if isinstance(patch, Rectangle)]
+    for row in range(5):
+        own = sorted((bar.get_x(), bar.get_x() + bar.get_width()) for bar in bars if row < bar.get_y() < row + 1)
+        assert len(own) == 6
+        assert all(end <= start + 1e-9 for (_, end), (start, _) in pairwise(own))
+
+
+def test_conditions_and_literals_are_stacked(runs: dict[str, Run]) -> None:
+    axes = lanes_of(drawn(runs["stations"]))
+    assert [*names(axes)[-11:]] == ["button", *(f"busy[{n}]" for n in range(5)), *(f"phase[{n}]" for n in range(5))]
+    heights = [line.get_ydata() for line in axes.lines if len(line.get_ydata()) > 10]
+    assert len(heights) == 5
+    assert len({int(numpy.nanmin(values)) for values in heights}) == 5
+    told = " ".join(text for text, _ in boxes(drawn(runs["stations"])))
+    assert all(literal in told for literal in ("waiting", "clamping", "drilling", "releasing_the_work_piece"))
+
+
+def test_what_nobody_read_is_drawn_thin(runs: dict[str, Run]) -> None:
+    figure = drawn(runs["drive"])
+    axes = figure.axes[1]
+    speed = {line.get_linewidth(): line for line in axes.lines if line.get_color() == "#1f4e79"}
+    thick, thin = speed[max(speed)], speed[min(speed)]
+    assert thin.get_linewidth() < 0.5 < thick.get_linewidth()
+    read, unread = (numpy.asarray(line.get_ydata(), dtype=float) for line in (thick, thin))
+    assert numpy.nanmax(read) == 50.0
+    assert (numpy.nanmin(unread), numpy.nanmax(unread)) == (60.0, 240.0)
+    assert "thin: nobody read it" in figure.axes[-1].get_xlabel()
+
+
+def test_vectors_and_structs_are_curves(runs: dict[str, Run]) -> None:
+    told = [text for text, _ in boxes(drawn(runs["drive"]))]
+    assert {"gyro[0]", "gyro[1]", "gyro[2]", "pose.x", "pose.at[0]", "pose.at[1]", "shown[0]", "shown[1]"} <= set(told)
+
+
+def test_nothing_is_left_out(runs: dict[str, Run]) -> None:
+    for run in runs.values():
+        told = {text for text, _ in boxes(drawn(run))}
+        for series in series_of(run):
+            name = shortened(series.name)
+            assert {name, f"{name} (no value)"} & told, series.name
+
+
+def test_gaps_stay_gaps(runs: dict[str, Run]) -> None:
+    broken = next(series for series in series_of(runs["curves"]) if series.name == "broken")
+    _, value = stairs(broken, 0.1, unread=True)
+    assert numpy.isnan(value).any()
+    assert numpy.nanmax(value) < 1e6
+
+
+def test_a_long_run_has_no_more_points_than_can_be_seen() -> None:
+    time = numpy.arange(1_000_000) * 1e-3
+    value = numpy.sin(time)
+    value[500_000] = 7.0
+    value[700_000:710_000] = numpy.nan
+    few, seen = thinned(time, value, 1000.0)
+    assert len(few) < 8_000
+    assert (numpy.nanmax(seen), numpy.nanmin(seen)) == (7.0, numpy.nanmin(value))
+    assert numpy.isnan(seen).any()
+    assert (numpy.diff(few) >= 0).all()
+
+
+def test_a_long_name_keeps_both_ends() -> None:
+    assert shortened("speed") == "speed"
+    short = shortened("a_very_long_name_of_the_encoder_at_wheel[7]")
+    assert (short[:11], short[-8:], len(short)) == ("a_very_long", "wheel[7]", 30)
+
+
+def test_a_figure_is_the_same_every_time(runs: dict[str, Run]) -> None:
+    assert runs["emergency"]._repr_svg_() == runs["emergency"]._repr_svg_()
