@@ -76,11 +76,15 @@ class SampledEnd(LatchedEnd[T]):
                     end._hold(end._port.latest)
                 end._port.sessions_changed()
         if self.fresh:
-            self._port.missed += 1
-            self.overdue = self._port.on_miss == "timeout"
+            self.miss()
         self.value = value
         self._lacks = ""
         self._arrived()
+
+    def miss(self) -> None:
+        """A sample that nobody has taken and nobody will take."""
+        self._port.missed += 1
+        self.overdue = self._port.on_miss == "timeout"
 
     def _arrived(self) -> None:
         self.fresh = True
@@ -275,6 +279,13 @@ class SampledInput(In[T]):
             scheduler.sample_log.extend((scheduler.now, self.name, value))
         for end in self._ends_that_listen():
             end.sample(value)
+
+    def skip(self) -> None:
+        """A tick that has passed together with the next one: its sample is missed, and the driver is not asked."""
+        if self.line is not None:
+            for end in self.ends:
+                if end.begun:
+                    end.miss()
 
     def _keep_silent(self) -> None:
         """A tick for which a blocking driver has brought nothing: a sample that is missed, and after a while a Timeout in those who wait for it."""

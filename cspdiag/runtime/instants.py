@@ -91,12 +91,17 @@ class Instants:
         """The sample periods whose tick ``instant`` is."""
         return [period for period in self.periods if instant % period == 0]
 
-    def meet(self, instant: int) -> int | None:
-        """What happens at ``instant`` before any process runs, but for the timers; the next instant after it."""
+    def meet(self, instant: int, present: int = 0) -> int | None:
+        """What happens at ``instant`` before any process runs, but for the timers; the next instant after it.
+
+        Where it is ``present`` already, of several ticks that have passed only the last one asks the driver.
+        """
         if not self._cycles:
             return None
         phase = instant % self._hyperperiod
         distance, plan = self._phases.get(phase) or self._phase(phase)
+        if present and plan is not None and present - instant >= self._cycles[0]:
+            plan = self._plan(phase, present - instant)
         if plan is not None:
             if self._advance is not None:
                 try:
@@ -107,7 +112,7 @@ class Instants:
                 action()
         return instant + distance
 
-    def _plan(self, phase: int) -> Plan | None:
+    def _plan(self, phase: int, late: int = 0) -> Plan | None:
         if all(phase % cycle for cycle in self._cycles):
             return None
         inputs: list[Callable[[], None]] = []
@@ -116,9 +121,9 @@ class Instants:
             match port:
                 case SampledInput():
                     if phase % port.period == 0:
-                        inputs.append(port.at_tick())
+                        inputs.append(port.skip if port.period <= late else port.at_tick())
                 case EventInput():
-                    if port.polled and phase % self._grid == 0:
+                    if port.polled and phase % self._grid == 0 and self._grid > late:
                         inputs.append(port.at_grid())
                 case SampledOutput():
                     if phase % port.period == 0 and not port.immediate:

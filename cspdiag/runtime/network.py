@@ -157,7 +157,7 @@ class _Run:
     def _in_real_time(self) -> Outcome:
         """The same against the clock.
 
-        All instants that have passed are met before the next steps of processes, so that who computes too long finds its samples overwritten.
+        What passes while instants are met has to wait for the next turn: processes run in between, however slow drivers are. All instants that have passed are met before the next steps of processes, so that who computes too long finds its samples overwritten.
         """
         run_ready = scheduler.run_ready if self._tracked else scheduler.run_ready_routines
         while True:
@@ -168,12 +168,13 @@ class _Run:
             if not ready and not self._instants.can_come():
                 return self._deadlocked()
             instant = self._next_instant()
-            while self._reached(self._limited(instant), ready):
-                if instant is None or instant != self._limited(instant):
+            present = self._clock.now() if self._reached(self._limited(instant), ready) else -1
+            while (limited := self._limited(instant)) is not None and limited <= present:
+                stopping.check()
+                if instant is None or instant != limited:
                     return self._limit_reached()
-                self._meet(instant)
+                self._meet(instant, present)
                 instant = self._next_instant()
-                ready = True
             if self._devices.has_news:
                 self._take_over(instant)
 
@@ -246,12 +247,12 @@ class _Run:
             return timer
         return tick
 
-    def _meet(self, instant: int) -> None:
+    def _meet(self, instant: int, present: int) -> None:
         late = self._clock.now() - instant
         for period in self._instants.periods_at(instant):
             self._jitter[period].add(late)
         scheduler.now = instant
-        self._instants.meet(instant)
+        self._instants.meet(instant, present)
         scheduler.timers.fall_due(instant)
 
     def _release(self) -> list[BaseException]:

@@ -95,6 +95,37 @@ def test_a_process_that_computes_too_long_misses_samples() -> None:
     assert outcome.missed["x"] >= 1
 
 
+def test_a_driver_slower_than_its_period_keeps_no_process_from_running() -> None:
+    class Slow:
+        calls = 0
+
+        def read(self) -> float:
+            self.calls += 1
+            time.sleep(0.003)
+            return 1.0
+
+    slow, device, taken = Slow(), Device(), 0
+    port = SampledInput[float]("x", period=2 * ms, driver=slow)
+    out = SampledOutput[float]("y", period=2 * ms, driver=device, safe=-1.0)
+    end = port.reader()
+
+    async def top() -> None:
+        nonlocal taken
+        while True:
+            await end.read()
+            taken += 1
+
+    outcome = Network(Body(top), [port, out]).run(real_time=True, until=60_000 * ms)
+    assert isinstance(outcome.error, Timeout)
+    assert outcome.missed["x"] >= 1
+    assert taken >= 1
+    assert device.written == [-1.0]
+    counted = Network(Body(top), [port, out]).run(real_time=True, until=100 * ms, on_miss="count")
+    assert counted.ended == "time limit"
+    assert counted.missed["x"] >= 1
+    assert slow.calls < counted.time // (2 * ms) + outcome.time // (2 * ms)
+
+
 def test_events_of_a_blocking_driver_come_from_a_thread_of_their_own() -> None:
     class Button:
         blocking = True
