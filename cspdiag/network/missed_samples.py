@@ -12,7 +12,7 @@ from functools import reduce
 from typing import assert_never
 
 from cspdiag.diagnostics import Report, Span
-from cspdiag.diagnostics.record import node, record, replaced
+from cspdiag.diagnostics.record import node, replaced
 from cspdiag.network.actions import (
     Action,
     AfterEvent,
@@ -43,35 +43,13 @@ from cspdiag.network.actions import (
 )
 from cspdiag.network.contexts import Placed
 from cspdiag.network.diagnostics_rates import SamplesMissed
+from cspdiag.network.gaps import NOTHING, Elapsed, Gap, either, then
 from cspdiag.network.relations import end_key
 from cspdiag.network.shapes import InstanceShape, Key
 from cspdiag.network.waiting import inputs_of, known_duration, sample_period
 
 _MANY = 1 << 40
 """More reads than anybody counts: those of a loop inside."""
-
-
-@record
-class Gap:
-    """What certainly lies between two reads: nanoseconds of waiting, and an event that is waited for, with its place."""
-
-    duration: int = 0
-    event: Key | None = None
-    cause: Span | None = None
-
-    def then(self, later: Gap) -> Gap:
-        """One after the other."""
-        if later is _NOTHING:
-            return self
-        cause = self.cause if self.event or (self.duration >= later.duration and not later.event) else later.cause
-        return Gap(self.duration + later.duration, self.event or later.event, cause or later.cause)
-
-    def or_(self, other: Gap) -> Gap:
-        """The longer of two that may each happen."""
-        return self if (bool(self.event), self.duration) >= (bool(other.event), other.duration) else other
-
-
-_NOTHING = Gap()
 
 
 @node
@@ -98,7 +76,7 @@ class Part:
     reads: Mapping[Key, Reads]
 
 
-_INSTANT = Part(time=_NOTHING, wait=0, reads={})
+_INSTANT = Part(time=NOTHING, wait=0, reads={})
 _NEVER_ENDS = Part(time=None, wait=0, reads={})
 
 
@@ -140,7 +118,7 @@ class _Sequence:
                 return _INSTANT
             case WaitStep():
                 waits = known_duration(self.placed, action.duration)
-                return Part(time=Gap(waits, None, action.span) if waits else _NOTHING, wait=waits, reads={})
+                return Part(time=Gap(waits, None, action.span) if waits else NOTHING, wait=waits, reads={})
             case StopStep() | RaiseException():
                 return _NEVER_ENDS
             case SequentialSteps():
@@ -179,9 +157,9 @@ class _Sequence:
         """Reads that begin at once: a sample is taken when it is there, and then the events are waited for."""
         keys = list(keys)
         event = next((key for key in keys if self._is_event(key)), None)
-        time = _NOTHING if event is None else Gap(0, event, span)
+        time = NOTHING if event is None else Gap(0, event, span)
         reads = {
-            key: Reads(before=_NOTHING, past=None, after=time, least=1, most=1, span=span)
+            key: Reads(before=NOTHING, past=None, after=time, least=1, most=1, span=span)
             for key in keys
             if self._period(key)
         }
@@ -193,7 +171,7 @@ class _Sequence:
         if inside is None:
             return _INSTANT
         time = inside.time
-        if time is not None and time is not _NOTHING:
+        if time is not None and time is not NOTHING:
             time = replaced(time, cause=action.span)
         return Part(time=time, wait=inside.wait, reads={})
 
@@ -227,12 +205,12 @@ class _Sequence:
                 self.ready = was_ready
                 if isinstance(event, ReadyEvent) or not self._period(key):
                     return following
-                taken = Reads(before=_NOTHING, past=None, after=_NOTHING, least=1, most=1, span=event.span)
-                return self._sequence((Part(time=_NOTHING, wait=0, reads={key: taken}), following))
+                taken = Reads(before=NOTHING, past=None, after=NOTHING, least=1, most=1, span=event.span)
+                return self._sequence((Part(time=NOTHING, wait=0, reads={key: taken}), following))
             case AfterEvent(duration=duration, span=span):
                 passed = known_duration(self.placed, duration)
-                nothing = Reads(before=None, past=_NOTHING, after=None, least=0, most=0, span=span)
-                time = Gap(passed, None, span) if passed else _NOTHING
+                nothing = Reads(before=None, past=NOTHING, after=None, least=0, most=0, span=span)
+                time = Gap(passed, None, span) if passed else NOTHING
                 delay = Part(time=time, wait=passed, reads=dict.fromkeys(guarded, nothing))
                 return self._sequence((delay, self.part(branch.body)))
             case OutputEvent() | SkipEvent():
@@ -252,31 +230,31 @@ class _Sequence:
 
     def _sequence(self, parts: Iterable[Part]) -> Part:
         """One after another, with a look at what lies between the reads of each input."""
-        time: Gap | None = _NOTHING
+        elapsed = Elapsed()
         wait = 0
         reads: dict[Key, Reads] = {}
+        since: dict[Key, int] = {}
         for part in parts:
             for key, other in part.reads.items():
                 one = reads.get(key)
                 if one is not None:
+                    one = _later(one, elapsed.since(since[key]))
                     reads[key] = self._joined(key, one, other)
-                elif time is not None:
-                    reads[key] = replaced(other, before=_then(time, other.before), past=_then(time, other.past))
-            if part.time is not _NOTHING:
-                for key in [key for key in reads if key not in part.reads]:
-                    one = reads[key]
-                    reads[key] = replaced(one, past=_then(one.past, part.time), after=_then(one.after, part.time))
-            time = _then(time, part.time)
+                elif (before := elapsed.since(0)) is not None:
+                    reads[key] = replaced(other, before=then(before, other.before), past=then(before, other.past))
+            elapsed.add(part.time)
+            since.update(dict.fromkeys(part.reads, elapsed.position))
             wait += part.wait
-        return Part(time=time, wait=wait, reads=reads)
+        reads = {key: _later(found, elapsed.since(since[key])) for key, found in reads.items()}
+        return Part(time=elapsed.since(0), wait=wait, reads=reads)
 
     def _joined(self, key: Key, one: Reads, other: Reads) -> Reads:
         if one.after is not None and other.before is not None:
             self._check(key, one.after.then(other.before), one, other)
         return Reads(
-            before=_or(one.before, _then(one.past, other.before)),
-            past=_then(one.past, other.past),
-            after=_or(other.after, _then(one.after, other.past)),
+            before=either(one.before, then(one.past, other.before)),
+            past=then(one.past, other.past),
+            after=either(other.after, then(one.after, other.past)),
             least=one.least + other.least,
             most=one.most + other.most,
             span=other.span,
@@ -310,8 +288,11 @@ class _Sequence:
             if found.before is None or found.after is None:
                 continue
             # Between two reads there may also be a turn without one.
-            between = found.after.then(found.past or _NOTHING).then(found.before)
-            if self._check(key, between, found, found) or not 0 < found.most < _MANY:
+            between = found.after.then(found.past or NOTHING).then(found.before)
+            if self._check(key, between, found, found):
+                # What one input misses in a turn, others may miss too: it is one mistake.
+                return
+            if not 0 < found.most < _MANY:
                 continue
             taken = found.most * self._period(key)
             if self.tolerated or not taken:
@@ -319,8 +300,10 @@ class _Sequence:
             if slowest[0] > taken:
                 slower = body.reads[slowest[1]]
                 self._report_turns(key, found, slower.span, slowest[1], slowest[0], is_endless)
-            elif body.wait >= taken and body.time is not None and (cause := _cause(body, found)) is not None:
+                return
+            if body.wait >= taken and body.time is not None and (cause := _cause(body, found)) is not None:
                 self._report_turns(key, found, cause, None, body.wait, is_endless)
+                return
 
     def _report_turns(
         self, key: Key, found: Reads, cause: Span, slower: Key | None, waits: int, is_endless: bool
@@ -345,40 +328,34 @@ def _cause(body: Part, found: Reads) -> Span | None:
     return next((gap.cause for gap in (found.after, found.before, body.time) if gap is not None and gap.cause), None)
 
 
-def _then(first: Gap | None, second: Gap | None) -> Gap | None:
-    return None if first is None or second is None else first.then(second)
-
-
-def _or(one: Gap | None, other: Gap | None) -> Gap | None:
-    return one.or_(other) if one is not None and other is not None else one if other is None else other
+def _later(found: Reads, time: Gap | None) -> Reads:
+    """The reads of a part after which something took time, None where there is no way through that."""
+    if time is NOTHING:
+        return found
+    return replaced(found, past=then(found.past, time), after=then(found.after, time))
 
 
 def _either(parts: list[Part]) -> Part:
     """One of them."""
     if len(parts) == 1:
         return parts[0]
-    time = reduce(_or, (part.time for part in parts))
-    longest = next(part for part in parts if part.time == time)
+    slowest = sorted(parts, key=lambda part: (-1, 0) if part.time is None else part.time.rank, reverse=True)
     by_key: dict[Key, list[Reads]] = {}
     for part in parts:
         for key, found in part.reads.items():
             by_key.setdefault(key, []).append(found)
     reads: dict[Key, Reads] = {}
     for key, known in by_key.items():
-        without = None
-        if len(known) < len(parts):
-            without = time
-            if key in longest.reads:
-                without = reduce(_or, (part.time for part in parts if key not in part.reads))
+        without = next((part.time for part in slowest if key not in part.reads), None)
         reads[key] = Reads(
-            before=reduce(_or, (one.before for one in known)),
-            past=reduce(_or, (one.past for one in known), without),
-            after=reduce(_or, (one.after for one in known)),
+            before=reduce(either, (one.before for one in known)),
+            past=reduce(either, (one.past for one in known), without),
+            after=reduce(either, (one.after for one in known)),
             least=0 if len(known) < len(parts) else min(one.least for one in known),
             most=max(one.most for one in known),
             span=known[0].span,
         )
-    return Part(time=time, wait=min(part.wait for part in parts), reads=reads)
+    return Part(time=slowest[0].time, wait=min(part.wait for part in parts), reads=reads)
 
 
 def _beside(parts: list[Part]) -> Part:
@@ -390,7 +367,7 @@ def _beside(parts: list[Part]) -> Part:
             if key in reads or not ends:
                 found = Reads(before=None, past=None, after=None, least=0, most=_MANY, span=found.span)
             reads[key] = found
-    time = reduce(_or, (part.time for part in parts)) if ends else None
+    time = reduce(either, (part.time for part in parts)) if ends else None
     return Part(time=time, wait=max(part.wait for part in parts), reads=reads)
 
 
@@ -410,12 +387,12 @@ def _abandoned(body: Part) -> Part:
     reads = {
         key: Reads(
             before=found.before,
-            past=_NOTHING,
-            after=None if found.before is None and found.after is None else _NOTHING,
+            past=NOTHING,
+            after=None if found.before is None and found.after is None else NOTHING,
             least=0,
             most=found.most,
             span=found.span,
         )
         for key, found in body.reads.items()
     }
-    return Part(time=_NOTHING, wait=0, reads=reads)
+    return Part(time=NOTHING, wait=0, reads=reads)

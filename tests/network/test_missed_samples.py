@@ -11,6 +11,7 @@ import sys
 from cspdiag import pipeline
 from cspdiag.diagnostics.span import SourceFile
 from cspdiag.network.diagnostics_rates import SamplesMissed
+from cspdiag.network.gaps import NOTHING, Elapsed, Gap, then
 from cspdiag.runtime.exceptions import Timeout
 from cspdiag.simulate import execute
 from cspdiag.sources import read_source
@@ -83,6 +84,29 @@ def test_samples_that_are_said_to_be_missed_are() -> None:
     said, so, wrong = hunt(range(60))
     assert wrong == []
     assert said > 0.8 * so > 20
+
+
+def test_what_has_elapsed_is_what_the_steps_add_up_to() -> None:
+    chance = random.Random(5)
+    for _ in range(200):
+        steps: list[Gap | None] = [
+            chance.choice((NOTHING, Gap(chance.randint(1, 9)), Gap(chance.randint(1, 9)), Gap(0, f"e{number}"), None))
+            if chance.random() < 0.9 or number < 3
+            else NOTHING
+            for number in range(8)
+        ]
+        elapsed = Elapsed()
+        moments = []
+        for step in steps:
+            moments.append(elapsed.position)
+            elapsed.add(step)
+        for number, moment in enumerate(moments):
+            expected: Gap | None = NOTHING
+            for step in steps[number:]:
+                expected = then(expected, step)
+            found = elapsed.since(moment)
+            assert (found and found.rank) == (expected and expected.rank)
+            assert (found and found.event) == (expected and expected.event)
 
 
 if __name__ == "__main__":
