@@ -160,6 +160,8 @@ VALUES = {
     "a law at an output": Pair(
         "mu (i ? x ; o ! x)", "mu law", "unknown", COPIES, X, "law : Next i -> law.u law.y -> o", LAW
     ),
+    "a fault": Pair("i ? x ; o ! 1", "i ? x ; y := 10 / x ; o ! 1", "unknown", COPIES, X, XY),
+    "a certain fault": Pair("o ! 1", "o ! 10 / x", "refuted", declared=X),
     "a choice of its own": Pair(
         "o ! 5 ; o ! 6", "mu (j ? x ; o ! x) until x == 6", "unknown", declared=X, only_specified="in j : int"
     ),

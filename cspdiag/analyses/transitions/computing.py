@@ -105,10 +105,14 @@ class Computing:
 
     def compute_risk(self, configuration: Configuration, context: Context, expression: Expression) -> None:
         """Computes an expression whose value does not matter."""
-        if self.thread.facts.catches_faults and self.thread.facts.faults.of_expression(
-            expression, context.definition.name
-        ):
+        facts = self.thread.facts
+        if not (facts.catches_faults or facts.specification is not None):
+            return
+        if facts.faults.of_expression(expression, context.definition.name):
             self.risk(configuration, expression.span)
+            if facts.specification is not None:
+                what = f"`{expression_text(expression)}` in `{context.definition.name}` may end in a fault or not"
+                self.thread.abstracted(what, expression.span)
 
     def risk(self, configuration: Configuration, span: Span | None) -> None:
         """A step that may end in a fault, where faults are caught."""
