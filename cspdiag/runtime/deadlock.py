@@ -6,6 +6,7 @@ that wait, and in the attributes of their processes. A waiting process is the pa
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Container, Iterable, Iterator
 from dataclasses import dataclass
 from gc import get_referents
@@ -90,10 +91,13 @@ def _many(count: int) -> str:
 def report_deadlock(root: Task, now: int, stuck: Container[Task] | None = None) -> DeadlockReport:
     """Why nothing goes on below ``root``, or only what is not among those that are ``stuck``."""
     tasks = list(_leaves(root))
-    uses = [channels_used_by(task) for task in tasks]
     waits = [task.waits() for task in tasks]
+    users: defaultdict[int, list[int]] = defaultdict(list)
+    for index, task in enumerate(tasks):
+        for channel in channels_used_by(task):
+            users[channel].append(index)
     partners = [
-        [other for other in range(len(tasks)) if other != index and _identities(wait) & uses[other]]
+        sorted({other for channel in _identities(wait) for other in users[channel]} - {index})
         for index, wait in enumerate(waits)
     ]
     paths = [_path(task) for task in tasks]
