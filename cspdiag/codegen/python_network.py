@@ -13,7 +13,7 @@ from cspdiag.codegen.python_instances import keywords_of
 from cspdiag.codegen.python_names import Names, PackageNames
 from cspdiag.codegen.python_statements import Line, Statement, assign, lines
 from cspdiag.codegen.python_text import quoted
-from cspdiag.codegen.python_types import annotation, duration, literal
+from cspdiag.codegen.python_types import accepted, annotation, duration, literal
 from cspdiag.network.ir import ExternalPort, Network, ProcessClass
 
 
@@ -79,5 +79,7 @@ def _options(port: ExternalPort, imports: Imports) -> Iterable[Argument]:
             yield Argument(literal(port.safe, port.type, imports), "safe")
         if port.immediate:
             yield Argument(Atom("True"), "immediate")
-    elif port.period is None and port.kind != "sync":
+        return
+    if port.period is None and port.kind != "sync":
         yield Argument(Atom(quoted(port.kind)), "kind")
+    yield Argument(accepted(port.type, imports), "accepts")

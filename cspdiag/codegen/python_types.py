@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping
 from typing import assert_never
 
-from cspdiag.codegen.python_code import PRIMARY, PRODUCT, SIGN, Atom, Chain, Code, call, tuple_of
+from cspdiag.codegen.python_code import PRIMARY, PRODUCT, SIGN, Argument, Atom, Call, Chain, Code, call, tuple_of
 from cspdiag.codegen.python_imports import Imports
 from cspdiag.codegen.python_names import member_names
 from cspdiag.codegen.python_text import quoted
@@ -63,6 +63,35 @@ def annotation(type_: Type, imports: Imports) -> str:
             return imports.type_(type_.name)
         case ArrayType():
             return f"tuple[{annotation(type_.element, imports)}, ...]"
+        case UnknownType():
+            raise ValueError("a type that was reported cannot be generated")
+    assert_never(type_)
+
+
+def accepted(type_: Type, imports: Imports) -> Code:
+    """What makes a value of ``type_`` of one that a driver returns."""
+    match type_:
+        case BoolType():
+            return Atom(imports.runtime("boolean"))
+        case IntType():
+            of = imports.runtime(f"{'' if type_.signed else 'u'}int{type_.bits}")
+            return Call(imports.runtime("integer"), (Argument(Atom(of)),))
+        case TimeType():
+            return Call(imports.runtime("integer"), (Argument(Atom(imports.runtime("int64"))),))
+        case RealType():
+            return Atom(imports.runtime("single" if type_.bits == 32 else "double"))
+        case TextType():
+            return Atom(imports.runtime("text"))
+        case EnumType():
+            return Atom(imports.type_(type_.name))
+        case StructType():
+            fields = [accepted(field, imports) for _, field in type_.fields]
+            made = (Atom(imports.type_(type_.name)), *fields)
+            return Call(imports.runtime("record"), tuple(Argument(part) for part in made))
+        case ArrayType():
+            size = Atom(str(type_.size or 0))
+            parts = (accepted(type_.element, imports), size)
+            return Call(imports.runtime("array"), tuple(Argument(part) for part in parts))
         case UnknownType():
             raise ValueError("a type that was reported cannot be generated")
     assert_never(type_)

@@ -6,6 +6,7 @@ in prioritized parallel, in virtual or in real time. Needs nothing but the stand
 
 from __future__ import annotations
 
+from .accepted import array, boolean, double, integer, record, single, text
 from .alternative import Alternative
 from .any_channel import AnyChannel
 from .arithmetic import (
@@ -120,11 +121,14 @@ __all__ = [
     "Timeout",
     "Variable",
     "WaitingProcess",
+    "array",
     "atan2",
     "begin_delay",
+    "boolean",
     "ceil",
     "cos",
     "deadzone",
+    "double",
     "element",
     "end_group",
     "exp",
@@ -135,6 +139,7 @@ __all__ = [
     "int16",
     "int32",
     "int64",
+    "integer",
     "interrupt",
     "interrupted",
     "limit",
@@ -151,6 +156,7 @@ __all__ = [
     "quantize",
     "quotient",
     "read_all",
+    "record",
     "remainder",
     "replaced",
     "s",
@@ -158,10 +164,12 @@ __all__ = [
     "seconds",
     "sign",
     "sin",
+    "single",
     "sqrt",
     "start_group",
     "stop",
     "tan",
+    "text",
     "uint8",
     "uint16",
     "uint32",

@@ -11,6 +11,7 @@ from collections import deque
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Literal
 
+from .accepted import Accept
 from .drivers import NO_SAMPLE, Driver, Signal, name_of
 from .durations import ms, shown
 from .exceptions import ChannelMisuse, Timeout
@@ -186,14 +187,18 @@ class SampledEnd(LatchedEnd[T]):
 
 
 class SampledInput(In[T]):
-    """A sampled input of the outermost process; ``missed`` counts samples that were overwritten untaken, or did not come."""
+    """A sampled input of the outermost process; ``missed`` counts samples that were overwritten untaken, or did not come.
+
+    ``accepts`` makes values of the port's type of those that a driver returns, and refuses what it cannot take; None: takes anything.
+    """
 
     __slots__ = (
-        "_listening", "_silent", "driver", "ends", "latest", "line", "missed", "name", "on_miss", "period", "sampled",
+        "_listening", "_silent", "accepts", "driver", "ends", "latest", "line", "missed", "name", "on_miss", "period", "sampled",
     )  # fmt: skip
 
-    def __init__(self, name: str, *, period: int, driver: Driver | None = None) -> None:
+    def __init__(self, name: str, *, period: int, driver: Driver | None = None, accepts: Accept | None = None) -> None:
         self.name = name
+        self.accepts = accepts
         self.period = period
         self.driver = driver
         self.line: Any = driver
@@ -372,12 +377,18 @@ class EventInput(In[T]):
     With ``kind="broadcast"`` every reading end has a latch of its own; otherwise all readers share one, and a value goes to one of them.
     """
 
-    __slots__ = ("_last", "driver", "ends", "kind", "line", "name", "polled")
+    __slots__ = ("_last", "accepts", "driver", "ends", "kind", "line", "name", "polled")
 
     def __init__(
-        self, name: str, *, driver: Driver | None = None, kind: Literal["sync", "any", "broadcast"] = "sync"
+        self,
+        name: str,
+        *,
+        driver: Driver | None = None,
+        kind: Literal["sync", "any", "broadcast"] = "sync",
+        accepts: Accept | None = None,
     ) -> None:
         self.name = name
+        self.accepts = accepts
         self.driver = driver
         self.line: Any = driver
         self.polled = driver is not None

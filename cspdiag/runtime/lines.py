@@ -31,10 +31,11 @@ class DirectLine:
         self._watch = watch
         operation = "write" if isinstance(port, SampledOutput | EventOutput) else "read"
         self._call = Call(name_of(port.driver), port.name, operation, limit)
+        self._read = _reading(port)
 
     def read(self) -> Any:
         """One value. Raises DriverFailed."""
-        value = self._watch.call(self._call, self.driver.read)
+        value = self._watch.call(self._call, self._read)
         stopping.check()
         return value
 
@@ -42,6 +43,15 @@ class DirectLine:
         """Hands a value over. Raises DriverFailed."""
         self._watch.call(self._call, self.driver.write, value)
         stopping.check()
+
+
+def _reading(port: Port) -> Callable[[], Any]:
+    """Reads a value of the type of the port from its driver; raises what the driver raises, or TypeError and the like for another value."""
+    driver: Any = port.driver
+    accepts = None if isinstance(port, SampledOutput | EventOutput) else port.accepts
+    if accepts is None:
+        return lambda: driver.read()
+    return lambda: accepts(driver.read())
 
 
 class ThreadLine:
@@ -83,11 +93,12 @@ class EventLine(ThreadLine):
 
     def __init__(self, port: Port, bring: Bring) -> None:
         super().__init__(port, bring, "read")
+        self._read = _reading(port)
 
     def work(self) -> None:
         """See ``ThreadLine.work``."""
         while not self.closing:
-            self.bring((self.port, self.driver.read()))
+            self.bring((self.port, self._read()))
 
     def read(self) -> Any:
         """Nobody does that."""
@@ -99,6 +110,7 @@ class SampleLine(ThreadLine):
 
     def __init__(self, port: Port, bring: Bring) -> None:
         super().__init__(port, bring, "read")
+        self._read = _reading(port)
         self._wanted = threading.Semaphore(1)
         self._busy = True
         self._value: Any = NO_SAMPLE
@@ -109,7 +121,7 @@ class SampleLine(ThreadLine):
             self._wanted.acquire()
             if self.closing:
                 return
-            self._value = self.driver.read()
+            self._value = self._read()
             self._busy = False
 
     def read(self) -> Any:

@@ -4,7 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from .runtime import Driver, EventInput, EventOutput, Network, SampledInput, SampledOutput, ms
+from .runtime import (
+    Driver,
+    EventInput,
+    EventOutput,
+    Network,
+    SampledInput,
+    SampledOutput,
+    double,
+    ms,
+)
 from .spindle import Spindle
 from .types import Button
 
@@ -13,8 +22,10 @@ PORTS: tuple[str, ...] = ("panel", "feedback", "control", "brake", "halted")
 
 def build(drivers: Mapping[str, Driver]) -> Network:
     """Connect the outermost process to its drivers, one for each name in `PORTS`."""
-    panel = EventInput[Button]("Spindle.panel", driver=drivers["panel"])
-    feedback = SampledInput[float]("Spindle.feedback", period=2 * ms, driver=drivers["feedback"])
+    panel = EventInput[Button]("Spindle.panel", driver=drivers["panel"], accepts=Button)
+    feedback = SampledInput[float](
+        "Spindle.feedback", period=2 * ms, driver=drivers["feedback"], accepts=double
+    )
     control = SampledOutput[float](
         "Spindle.control", period=2 * ms, driver=drivers["control"], safe=0.0
     )

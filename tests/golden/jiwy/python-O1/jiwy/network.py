@@ -5,7 +5,17 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from .jiwy import Jiwy
-from .runtime import Driver, EventInput, Network, SampledInput, SampledOutput, ms
+from .runtime import (
+    Driver,
+    EventInput,
+    Network,
+    SampledInput,
+    SampledOutput,
+    double,
+    int64,
+    integer,
+    ms,
+)
 
 PORTS: tuple[str, ...] = (
     "joystick_horizontal",
@@ -21,19 +31,28 @@ PORTS: tuple[str, ...] = (
 def build(drivers: Mapping[str, Driver]) -> Network:
     """Connect the outermost process to its drivers, one for each name in `PORTS`."""
     joystick_horizontal = SampledInput[float](
-        "Jiwy.joystick_horizontal", period=2 * ms, driver=drivers["joystick_horizontal"]
+        "Jiwy.joystick_horizontal",
+        period=2 * ms,
+        driver=drivers["joystick_horizontal"],
+        accepts=double,
     )
     joystick_vertical = SampledInput[float](
-        "Jiwy.joystick_vertical", period=1 * ms, driver=drivers["joystick_vertical"]
+        "Jiwy.joystick_vertical", period=1 * ms, driver=drivers["joystick_vertical"], accepts=double
     )
     joystick_buttons = EventInput[int](
-        "Jiwy.joystick_buttons", driver=drivers["joystick_buttons"], kind="broadcast"
+        "Jiwy.joystick_buttons",
+        driver=drivers["joystick_buttons"],
+        kind="broadcast",
+        accepts=integer(int64),
     )
     feedback_horizontal = SampledInput[float](
-        "Jiwy.feedback_horizontal", period=2 * ms, driver=drivers["feedback_horizontal"]
+        "Jiwy.feedback_horizontal",
+        period=2 * ms,
+        driver=drivers["feedback_horizontal"],
+        accepts=double,
     )
     feedback_vertical = SampledInput[float](
-        "Jiwy.feedback_vertical", period=1 * ms, driver=drivers["feedback_vertical"]
+        "Jiwy.feedback_vertical", period=1 * ms, driver=drivers["feedback_vertical"], accepts=double
     )
     control_horizontal = SampledOutput[float](
         "Jiwy.control_horizontal", period=2 * ms, driver=drivers["control_horizontal"], safe=0.0
