@@ -118,10 +118,10 @@ def test_a_driver_slower_than_its_period_keeps_no_process_from_running() -> None
     outcome = Network(Body(top), [port, out]).run(real_time=True, until=60_000 * ms)
     assert isinstance(outcome.error, Timeout)
     assert outcome.missed["x"] >= 1
-    assert taken >= 1
     assert device.written == [-1.0]
-    counted = Network(Body(top), [port, out]).run(real_time=True, until=100 * ms, on_miss="count")
+    counted = Network(Body(top), [port, out]).run(real_time=True, until=300 * ms, on_miss="count")
     assert counted.ended == "time limit"
+    assert taken >= 1
     assert counted.missed["x"] >= 1
     assert slow.calls < counted.time // (2 * ms) + outcome.time // (2 * ms)
 
@@ -169,7 +169,8 @@ def test_a_blocking_sampled_driver_is_read_ahead_outside_the_scheduler() -> None
         for _ in range(3):
             assert await end.read() == 1.0
 
-    assert Network(Body(top), [port]).run(real_time=True).ended == "terminated"
+    # A busy machine may let this program miss samples; who reads is what is tested.
+    assert Network(Body(top), [port]).run(real_time=True, on_miss="count").ended == "terminated"
     assert device.threads == {"MainThread", "driver of x"}
     assert device.calls[-1] == "close"
 
