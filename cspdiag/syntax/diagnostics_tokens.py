@@ -372,4 +372,5 @@ class MissingUnitBrackets(Diagnostic):
             return f"write `{self.number} {_TIMES[self.unit]}`"
         if self.unit in _LONG_TIMES:
             return f"write `{float(self.number) * _LONG_TIMES[self.unit]:.15g} min`, the longest unit of time"
-        return f"write `{self.number}<{self.unit.replace(' ', '')}>`"
+        product = f", or `{self.number} * {self.unit}` for a product" if self.unit.isidentifier() else ""
+        return f"write `{self.number}<{self.unit.replace(' ', '')}>`{product}"

@@ -22,6 +22,7 @@ _NEVER_MEANT_AS_NAMES = frozenset(
 
 _CALCULATIONS = frozenset("+-*/^")
 _NUMBERS = frozenset(["NUMBER", "QUANTITY"])
+_BEGIN_PROCESSES = frozenset(["WAIT", "SKIP", "STOP", "MU", "WHILE", "IF", "RESET", "RAISE", "SEQ", "PAR", "ALT"])
 _LOOPS = frozenset(["loop", "repeat", "forever", "for"])
 
 _DIRECTIONS = {"input": "in", "inport": "in", "output": "out", "outport": "out"}
@@ -61,6 +62,8 @@ def _advice(situation: Situation) -> str | None:
 
 def _advice_in_composition(situation: Situation) -> str | None:
     before = situation.lexer.before
+    if before.text in _LOOPS or situation.text in _LOOPS or situation.kind == "DO":
+        return "repetition is `mu P`, `mu P until condition` or `while condition do P`"
     if situation.text == "{":
         for word in ("do", "then"):
             if situation.can(word):
@@ -68,11 +71,10 @@ def _advice_in_composition(situation: Situation) -> str | None:
         return "parentheses group processes: `mu (a ; b)`"
     if before.text == "?" and situation.kind != "NAME":
         return "what is read goes into a variable, declared in `communication`: `var x : bool`, then `port ? x`"
-    if before.text in _LOOPS or situation.text in _LOOPS or situation.kind == "DO":
-        return "repetition is `mu P`, `mu P until condition` or `while condition do P`"
     if before.text == "+" and situation.text in {"+", "="}:
         return "a variable is counted up by an assignment: `n := n + 1`"
-    if situation.kind == "NAME" and before.kind == "NAME" and situation.can(";"):
+    begins_process = situation.kind in _BEGIN_PROCESSES or (situation.kind == "NAME" and before.kind == "NAME")
+    if begins_process and situation.can(";"):
         return "an operator stands between two processes: `;` in sequence, `||` in parallel"
     return None
 

@@ -37,6 +37,9 @@ _GROUPED = re.compile(r"[0-9]+(?:_[0-9]+)+\b")
 _NO_FRACTION = re.compile(r"(?<![A-Za-z0-9_.])[0-9]+\.\Z")
 _HALVES = re.compile(r"[0-9]*[.,][0-9]*")
 _BARE_UNIT = re.compile(r"[A-Za-z][A-Za-z0-9/*^]*")
+_AFTER_NUMBER = re.compile(
+    r"(?<![A-Za-z0-9_.])(?P<number>[0-9]+(?:\.[0-9]+)?(?:[eE][+-]?[0-9]+)?)[ \t]*(?P<unit>[A-Za-z][A-Za-z0-9/*^]*)\Z"
+)
 _SPACED_UNIT = re.compile(
     r"(?P<number>[0-9][0-9.]*(?:[eE][+-]?[0-9]+)?)(?P<unit><[A-Za-z0-9/*^. -]* [A-Za-z0-9/*^. -]*>)"
 )
@@ -110,6 +113,12 @@ def unit(situation: Situation) -> Finding | None:
         if match is not None:
             span = Span(source, before.start, match.end())
             return MissingUnitBrackets(span, before.text, match.group()), Repair("remove", end=match.end())
+    line_start = source.text.rfind("\n", max(0, before.end - 200), before.end) + 1
+    match = _AFTER_NUMBER.search(source.text, line_start, before.end) if before.kind == "NAME" else None
+    if match is not None:
+        # The unit was taken for the name that begins the next declaration.
+        span = Span(source, match.start(), match.end())
+        return MissingUnitBrackets(span, match["number"], match["unit"]), None
     line_start = source.text.rfind("\n", max(0, situation.lexer.start - 200), situation.lexer.start) + 1
     for match in _SPACED_UNIT.finditer(source.text, line_start, situation.lexer.end + 80):
         if match.start() <= situation.lexer.start < match.end() + 1:
