@@ -30,6 +30,7 @@ TRIED = [
     ("a read exits", "package -O0", "real time", True),
     ("a read hangs", "package -O1", "real time", False),
     ("a write hangs", "package -O0", "real time", True),
+    ("a read hangs for good", "package -O0", "real time", False),
     ("a write raises", "package -O0", "real time", True),
     ("a write exits", "package -O0", "virtual time", False),
     ("a text", "package -O1", "real time", True),

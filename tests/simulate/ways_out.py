@@ -99,6 +99,11 @@ def fail(how):
         sys.exit(0)
     if how == "hangs":
         time.sleep(1000)
+    while how == "hangs for good":
+        try:
+            time.sleep(1000)
+        except BaseException:
+            pass
 
 
 class Device:
@@ -179,6 +184,7 @@ WAYS = (
     WayOut("a read raises", 1, "driver Card failed to read at port Main.level: OSError: cable out", "read raises"),
     WayOut("a read exits", 1, "driver Card failed to read at port Main.level: SystemExit: 0", "read exits"),
     WayOut("a read hangs", 1, "Main.level", "read hangs", real_time_only=True),
+    WayOut("a read hangs for good", 1, "Main.level", "read hangs for good", real_time_only=True),
     WayOut("a write raises", 1, "driver Card failed to write at port Main.valve: OSError: cable out", "write raises"),
     WayOut("a write exits", 1, "driver Card failed to write at port Main.valve: SystemExit: 0", "write exits"),
     WayOut(

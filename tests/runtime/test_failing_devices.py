@@ -1,0 +1,170 @@
+"""Devices that fail or fall silent, and signals: outputs are released, and somebody is told."""
+
+from __future__ import annotations
+
+import signal
+import threading
+
+import pytest
+
+from cspdiag.runtime import Alternative, EventOutput, Input, Network, SampledInput, Timeout, ms, stop, wait
+from tests.runtime.support import Body
+from tests.runtime.test_real_time import Device
+
+
+class Dumb:
+    """Its first ``reads`` succeed; then it does not come back until it is closed."""
+
+    blocking = True
+
+    def __init__(self, reads: int) -> None:
+        self.reads = reads
+        self.closed = threading.Event()
+
+    def read(self) -> float:
+        self.reads -= 1
+        if self.reads < 0:
+            self.closed.wait()
+        return 1.0
+
+    def close(self) -> None:
+        self.closed.set()
+
+
+def test_a_blocking_device_that_falls_silent_is_missed_samples_and_then_a_timeout_that_can_be_caught() -> None:
+    port = SampledInput[float]("Top.x", period=20 * ms, driver=Dumb(3))
+    caught: list[str] = []
+
+    async def top() -> None:
+        end = port.reader()
+        try:
+            while True:
+                await end.read()
+        except Timeout as error:
+            caught.append(str(error))
+
+    outcome = Network(Body(top), [port]).run(real_time=True)
+    assert outcome.ended == "terminated"
+    assert outcome.missed["Top.x"] >= 25
+    assert caught[0].startswith("driver Dumb has brought no sample of Top.x for ")
+
+
+def test_an_alternative_hears_of_a_silent_device_too() -> None:
+    port = SampledInput[float]("Top.x", period=50 * ms, driver=Dumb(1))
+    end = port.reader()
+    choice = Alternative(Input(end))
+
+    async def top() -> None:
+        while True:
+            await choice.select()
+
+    outcome = Network(Body(top), [port]).run(real_time=True)
+    assert isinstance(outcome.error, Timeout)
+
+
+def test_where_misses_are_counted_a_silent_device_is_counted() -> None:
+    port = SampledInput[float]("Top.x", period=20 * ms, driver=Dumb(2))
+
+    async def top() -> None:
+        end = port.reader()
+        while True:
+            await end.read()
+
+    outcome = Network(Body(top), [port]).run(real_time=True, on_miss="count", until=800 * ms)
+    assert outcome.ended == "time limit"
+    assert outcome.missed["Top.x"] >= 30
+
+
+def test_one_failed_write_does_not_take_the_safe_value_away() -> None:
+    class Motor:
+        blocking = True
+
+        def __init__(self) -> None:
+            self.written: list[float] = []
+
+        def write(self, value: float) -> None:
+            self.written.append(value)
+            if value == 2.0:
+                raise OSError("bus off")
+
+    motor = Motor()
+    u = EventOutput[float]("Top.u", driver=motor, safe=0.0)
+
+    async def top() -> None:
+        await u.write(2.0)
+        await wait(60_000 * ms)
+
+    outcome = Network(Body(top), [u]).run(real_time=True)
+    assert str(outcome.error) == "driver Motor failed to write at port Top.u: OSError: bus off"
+    assert motor.written == [2.0, 0.0]
+    assert outcome.release_errors == []
+    assert outcome.exit_code == 1
+
+
+@pytest.mark.parametrize("blocking", [False, True])
+def test_a_safe_value_that_fails_is_an_unsuccessful_end(blocking: bool) -> None:
+    motor = Device("write", blocking)
+    u = EventOutput[float]("Top.u", driver=motor, safe=0.0)
+
+    async def top() -> None:
+        await wait(5 * ms)
+
+    outcome = Network(Body(top), [u]).run(real_time=True)
+    assert outcome.ended == "terminated"
+    assert [str(error) for error in outcome.release_errors] == [
+        "driver Device failed to write at port Top.u: OSError: cable pulled"
+    ]
+    assert outcome.exit_code == 1
+
+
+def test_nothing_is_handed_to_an_output_after_its_safe_value() -> None:
+    motor = Device()
+    u = EventOutput[float]("Top.u", driver=motor, safe=0.0)
+
+    async def top() -> None:
+        try:
+            await stop()
+        finally:
+            await u.write(9.0)
+
+    Network(Body(top), [u]).run()
+    assert motor.written == [0.0]
+
+
+def test_a_signal_is_the_callers_again_when_the_run_is_over() -> None:
+    before = [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)]
+    u = EventOutput[float]("Top.u", driver=Device(), safe=0.0)
+
+    async def top() -> None:
+        signal.raise_signal(signal.SIGTERM)
+        await wait(60_000 * ms)
+
+    outcome = Network(Body(top), [u]).run(real_time=True)
+    assert (outcome.ended, outcome.signal, outcome.exit_code) == ("stopped", signal.SIGTERM, 143)
+    assert [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)] == before
+
+
+def test_a_handler_of_the_caller_is_kept_and_outputs_are_released() -> None:
+    motor = Device()
+    u = EventOutput[float]("Top.u", driver=motor, safe=0.0)
+
+    class AskedError(Exception):
+        pass
+
+    def ask(*_: object) -> None:
+        raise AskedError
+
+    async def top() -> None:
+        await u.write(3.0)
+        await wait(60_000 * ms)
+
+    main_thread = threading.main_thread().ident
+    assert main_thread is not None
+    before = signal.signal(signal.SIGTERM, ask)
+    try:
+        threading.Timer(0.05, signal.pthread_kill, (main_thread, signal.SIGTERM)).start()
+        with pytest.raises(AskedError):
+            Network(Body(top), [u]).run(real_time=True)
+    finally:
+        signal.signal(signal.SIGTERM, before)
+    assert motor.written == [3.0, 0.0]

@@ -1,0 +1,81 @@
+"""A native program ends when it is to: after a signal, after it has told its end, and with its parent."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from contextlib import suppress
+from pathlib import Path
+
+import pytest
+
+from cspdiag.runtime.stopping import stopping
+from cspdiag.simulate.native.keeper import Keeper
+
+ROOT = Path(__file__).parents[2]
+
+STUBBORN = ["sh", "-c", "trap '' INT TERM; exec sleep 60"]
+
+
+def test_a_program_that_ignores_a_signal_is_killed() -> None:
+    with stopping, subprocess.Popen(STUBBORN, start_new_session=True) as program, Keeper(program) as keeper:
+        time.sleep(0.2)
+        os.kill(os.getpid(), signal.SIGTERM)
+        assert program.wait(timeout=20) == -signal.SIGKILL
+    assert keeper.killed
+    assert str(keeper.account) == "the native program did not end within 2 s after SIGTERM, and was killed"
+
+
+def test_a_program_that_has_told_its_end_and_stays_is_killed() -> None:
+    with stopping, subprocess.Popen(["sleep", "60"], start_new_session=True) as program, Keeper(program) as keeper:
+        keeper.told()
+        assert program.wait(timeout=20) == -signal.SIGKILL
+    assert str(keeper.account) == "the native program did not end within 2 s after it had told its end, and was killed"
+
+
+ENDLESS = """\
+process Main { composition { (mu wait 1 ms) || (mu wait 1 ms) } }
+environment Bench for Main { }
+"""
+
+
+def children(process: int) -> set[int]:
+    found: set[int] = set()
+    for task in Path(f"/proc/{process}/task").glob("*/children"):
+        with suppress(OSError):
+            found |= {int(number) for number in task.read_text().split()}
+    return found
+
+
+def is_native(process: int) -> bool:
+    with suppress(OSError):
+        return "--observe" in Path(f"/proc/{process}/cmdline").read_text()
+    return False
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere it ends with the next record")
+@pytest.mark.skipif(not any(map(shutil.which, ("cc", "gcc", "clang"))), reason="there is no C compiler")
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM, signal.SIGHUP])
+def test_a_native_run_ends_with_its_parent(number: signal.Signals, tmp_path: Path) -> None:
+    (tmp_path / "main.csp").write_text(ENDLESS)
+    command = [sys.executable, "-m", "cspdiag", "run", "main.csp", "--target", "c", "--quiet"]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    with subprocess.Popen(command, cwd=tmp_path, env=environment, stderr=subprocess.PIPE, text=True) as parent:
+        try:
+            native: list[int] = []
+            deadline = time.monotonic() + 60
+            while not native and parent.poll() is None and time.monotonic() < deadline:
+                time.sleep(0.02)
+                native = [child for child in children(parent.pid) if is_native(child)]
+            assert native
+            parent.send_signal(number)
+            assert parent.wait(timeout=20) == (-number if number == signal.SIGKILL else 128 + number)
+            while is_native(native[0]) and time.monotonic() < deadline:
+                time.sleep(0.02)
+            assert not is_native(native[0])
+        finally:
+            parent.kill()
