@@ -64,7 +64,7 @@ from cspdiag.network.actions import (
     WriteValue,
 )
 from cspdiag.network.expressions import Expression
-from cspdiag.network.optimize.faults import may_fault
+from cspdiag.network.faults import may_fault
 from cspdiag.network.walk import mentions_variable, parts
 
 _MAY_FAULT = re.compile(r"[(/%]")
@@ -233,12 +233,13 @@ class Composition:
         return tuple(blocks)
 
     def _catch(self, action: CatchException) -> tuple[Statement, ...]:
-        exception = Atom(self.imports.exception(action.exception))
+        caught = [Atom(name) for name in self.imports.caught(action.exception)]
         body, handler = self.statements(action.body), self.statements(action.handler)
         if not handler:
             suppress = self.imports.standard("contextlib", "suppress")
-            return (Block(Line("with ", call(suppress, exception), ":"), body),)
-        return (Block(Line("try:"), body), Block(Line("except ", exception, ":"), handler))
+            return (Block(Line("with ", call(suppress, *caught), ":"), body),)
+        exceptions = caught[0] if len(caught) == 1 else tuple_of(caught)
+        return (Block(Line("try:"), body), Block(Line("except ", exceptions, ":"), handler))
 
     def _alone(self, event: Event) -> tuple[Statement, ...]:
         """A guard that is waited for by itself is the communication that it stands for."""

@@ -261,7 +261,7 @@ class EnvironmentWriter:
             yield assign("h", infix("/", PRODUCT, interval, Atom("steps")))
             yield from integration.loop(Atom("steps"))
         for state in integration.states:
-            yield assign(f"self.{state}", Atom(state))
+            yield assign(f"self.{state}", call(self.imports.runtime("finite"), Atom(state)))
 
     def _seconds(self, nanoseconds: str) -> Code:
         return infix("/", PRODUCT, Atom(nanoseconds), Atom(self.imports.runtime("s")))

@@ -58,7 +58,9 @@ _PRECEDENCE = {
 }  # fmt: skip
 
 _BUILTIN_FUNCTIONS = frozenset({"abs", "min", "max"})
-ROUNDED_FUNCTIONS = frozenset({"sqrt", "exp", "log", "sin", "cos", "tan", "atan2", "quantize", "deadzone"})
+ROUNDED_FUNCTIONS = frozenset(
+    {"sqrt", "exp", "log", "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "quantize", "deadzone"}
+)
 """Those whose result may need more digits than a binary32 argument has."""
 
 

@@ -53,6 +53,11 @@ class Imports:
             return self._from("exceptions", self.names.exceptions[name])
         return self.runtime(name)
 
+    def caught(self, name: str) -> list[str]:
+        """What a handler of an exception of the text catches: a ``Fault`` is also what Python raises for a division by zero."""
+        of_python = ["ArithmeticError"] if name == "Fault" and name not in self.names.exceptions else []
+        return [self.exception(name), *of_python]
+
     def constant(self, name: str) -> str | None:
         """A ``const`` of the text, or None where a name of the module hides it."""
         python = self.names.constants.get(name)

@@ -226,12 +226,13 @@ class _SubmodelWriter:
 
         statements: list[Statement] = [assign(self.names[name], Atom(f"self.{self.names[name]}")) for name in hoisted]
         statements += [self._equation(equation, printer) for equation in equations]
+        if class_.derivatives:
+            statements += self._integrate()
         statements += [
             Line(f"self.{self.names[name]} = ", printer.print(value), comment=self._next_place(name))
             for name, value in class_.next_values
         ]
-        if class_.derivatives:
-            statements += self._integrate()
+        statements += [assign(f"self.{state}", Atom(state)) for state in self._moved]
         statements += self._returned(statements, results, printer)
 
         return self._calculation(statements)
@@ -282,7 +283,12 @@ class _SubmodelWriter:
             yield assign("h", Atom("self._h"))
             yield from self.integration.loop(Atom("self._steps"))
         for state in self.integration.states:
-            yield assign(f"self.{state}", Atom(state))
+            yield assign(state, call(self.imports.runtime("finite"), Atom(state)))
+
+    @property
+    def _moved(self) -> list[str]:
+        """Continuous states, which take their values with the discrete ones."""
+        return self.integration.states if self.class_.derivatives else []
 
     def _returned(self, before: list[Statement], results: list[str], printer: Printer) -> Iterable[Statement]:
         if len(results) == 1:

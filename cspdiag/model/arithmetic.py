@@ -118,6 +118,21 @@ def _square_root(value: float) -> float:
     return math.sqrt(value)
 
 
+def _of_a_sine(function: Callable[[float], float]) -> Callable[[float], float]:
+    def angle(value: float) -> float:
+        if not -1 <= value <= 1:
+            raise UndefinedError("only numbers from -1 to 1 are the sine or cosine of an angle")
+        return function(value)
+
+    return angle
+
+
+def _finite(value: float) -> float:
+    if not math.isfinite(value):
+        raise OutOfRangeError("too large")
+    return value
+
+
 def _sign(value: float) -> float:
     if isinstance(value, int):
         return (value > 0) - (value < 0)
@@ -159,12 +174,16 @@ _FUNCTIONS: dict[str, Callable[..., float]] = {
     "sin": math.sin,
     "cos": math.cos,
     "tan": math.tan,
+    "asin": _of_a_sine(math.asin),
+    "acos": _of_a_sine(math.acos),
+    "atan": math.atan,
     "atan2": math.atan2,
     "floor": _whole(math.floor),
     "ceil": _whole(math.ceil),
     "round": _half_away,
     "quantize": _quantize,
     "deadzone": _deadzone,
+    "finite": _finite,
 }
 
 

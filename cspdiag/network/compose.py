@@ -45,6 +45,7 @@ from cspdiag.network.constant_value import constant_value
 from cspdiag.network.diagnostics_alternatives import MixedAlternative, UnguardedBranch
 from cspdiag.network.diagnostics_channels import LabelOfPortRead
 from cspdiag.network.expressions import Expression, LiteralValue, VariableValue
+from cspdiag.network.finite import assured
 from cspdiag.network.lower_expression import LoweringContext, lower_expression
 from cspdiag.network.places import ChannelPlace, Places, ProcessPort
 from cspdiag.network.relations import end_key
@@ -283,7 +284,7 @@ class _Composer:
             return None if isinstance(node, ast.Member) else self._value_of(node, values)
 
         known: dict[ast.Node, Value] = {key: value for key, value in values.items() if isinstance(key, ast.Replicator)}
-        return lower_expression(self.program, expression, LoweringContext(values=known, lower_name=lower_name))
+        return assured(lower_expression(self.program, expression, LoweringContext(values=known, lower_name=lower_name)))
 
     def _value_of(self, name: ast.Name | ast.Reference, values: Values) -> Expression | None:
         symbol = self.program.bindings.get(name)

@@ -85,10 +85,11 @@ class ConditionalValue(Typed):
 
 
 Function: TypeAlias = Literal[
-    "abs", "min", "max", "limit", "sign", "sqrt", "exp", "log", "sin", "cos", "tan", "atan2",
-    "floor", "ceil", "round", "quantize", "deadzone", "seconds",
+    "abs", "min", "max", "limit", "sign", "sqrt", "exp", "log", "sin", "cos", "tan", "asin", "acos",
+    "atan", "atan2", "floor", "ceil", "round", "quantize", "deadzone", "seconds", "finite",
 ]  # fmt: skip
-"""``seconds`` makes a double of a ``time``; the others are those of the language."""
+"""``seconds`` makes a double of a ``time``, ``finite`` gives a real that is neither infinite nor no number, or else a fault; the others are those of
+the language."""
 
 
 @record(kw_only=True)

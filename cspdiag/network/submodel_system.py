@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from cspdiag.diagnostics import Report
 from cspdiag.diagnostics.record import replaced
 from cspdiag.network.diagnostics_submodels import (
@@ -12,7 +14,9 @@ from cspdiag.network.diagnostics_submodels import (
 from cspdiag.network.discretize import Method, spectral_radius, statespace_increments, transfer_coefficients
 from cspdiag.network.equation_order import Item, ordered, provides, reads
 from cspdiag.network.expression_walk import signals_read, walk
-from cspdiag.network.expressions import Expression, PresentTime, Value
+from cspdiag.network.expressions import Expression, PresentTime, SignalValue, Value
+from cspdiag.network.faults import may_fault
+from cspdiag.network.finite import assured_law, within_domains
 from cspdiag.network.ir import ExternalCall, SubmodelClass, SubmodelEquation
 from cspdiag.network.submodel_draft import Draft, LinearOperator
 
@@ -45,19 +49,41 @@ def complete(system: SubmodelClass, draft: Draft, report: Report) -> SubmodelCla
     constants, equations = _constants_apart(items, outputs)
     kept = _alive(draft, constants, equations, outputs)
     constants = tuple(item for item in constants if item.name in kept)
-    equations = tuple(item for item in equations if not kept.isdisjoint(provides(item)))
+    plain = tuple(item for item in equations if not kept.isdisjoint(provides(item)))
+    equations, following = assured_law(plain, draft.next_values, outputs)
+    moving = [replaced(item, value=within_domains(item.value)) for item in _while_integrating(draft, plain)]
+    slopes = {name: within_domains(value) for name, value in draft.derivatives.items()}
+    equations, next_values = _computed_first(draft, equations, following)
     return replaced(
         system,
         parameters=tuple(draft.parameters.values()),
         constants=constants,
         states=tuple(draft.states.values()),
         equations=equations,
-        next_values=tuple((name, draft.next_values[name]) for name in draft.states if name in draft.next_values),
-        derivative_equations=_while_integrating(draft, equations),
-        derivatives=tuple((name, draft.derivatives[name]) for name in draft.states if name in draft.derivatives),
+        next_values=next_values,
+        derivative_equations=tuple(moving),
+        derivatives=tuple((name, slopes[name]) for name in draft.states if name in slopes),
         method="euler" if draft.methods and set(draft.methods) == {"euler"} else "rk4",
         step=min(draft.steps, default=None),
     )
+
+
+def _computed_first(
+    draft: Draft, equations: tuple[Item, ...], following: Mapping[str, Expression]
+) -> tuple[tuple[Item, ...], tuple[tuple[str, Expression], ...]]:
+    """Next values that may fault become equations of their own: they are computed before any state has changed."""
+    computed: list[Item] = list(equations)
+    next_values: list[tuple[str, Expression]] = []
+    for name, state in draft.states.items():
+        value = following.get(name)
+        if value is None:
+            continue
+        if may_fault(value) and not draft.closed:
+            local = draft.unique(f"{name}_next")
+            computed.append(SubmodelEquation(name=local, type=state.type, value=value, span=state.span))
+            value = SignalValue(type=state.type, name=local)
+        next_values.append((name, value))
+    return tuple(computed), tuple(next_values)
 
 
 def _shown(loop: tuple[Item, ...], draft: Draft) -> AlgebraicLoop:

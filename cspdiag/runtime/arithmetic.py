@@ -3,7 +3,7 @@
 Integers that leave their range are a ``Fault``, never a silent wrap. Functions of reals give a NaN or an infinity where IEEE 754 and C's ``libm`` do.
 
 Agreement with C: ``sqrt``, ``floor``, ``ceil``, ``nearest``, ``limit``, ``sign``, ``deadzone``, ``float32`` and ``remainder`` are exact, and the same
-bits everywhere. ``exp log sin cos tan atan2 power`` are the ``libm`` of the platform, as C calls it: the same bits on the same platform, but between
+bits everywhere. ``exp log sin cos tan asin acos atan atan2 power`` are the ``libm`` of the platform, as C calls it: the same bits on the same platform, but between
 platforms the last place may differ, and with it ``quantize`` only through its argument.
 """
 
@@ -147,6 +147,13 @@ def sqrt(x: float) -> float:
         return NOT_A_NUMBER
 
 
+def finite(x: float) -> float:
+    """``x``. Raises Fault for an infinity or a NaN: every real value of a program is a number."""
+    if x - x != 0.0:
+        raise Fault("a real value is infinite or no number")
+    return x
+
+
 def sin(x: float) -> float:
     """Sine; NaN at infinity."""
     try:
@@ -169,6 +176,21 @@ def tan(x: float) -> float:
         return math.tan(x)
     except ValueError:
         return NOT_A_NUMBER
+
+
+def asin(x: float) -> float:
+    """The angle of a sine; NaN outside -1 .. 1."""
+    return math.asin(x) if -1.0 <= x <= 1.0 else NOT_A_NUMBER
+
+
+def acos(x: float) -> float:
+    """The angle of a cosine; NaN outside -1 .. 1."""
+    return math.acos(x) if -1.0 <= x <= 1.0 else NOT_A_NUMBER
+
+
+def atan(x: float) -> float:
+    """The angle of a slope, in -pi/2 .. pi/2."""
+    return math.atan(x)
 
 
 def atan2(y: float, x: float) -> float:

@@ -33,6 +33,11 @@ class Fault(ProcessError):  # noqa: N818 - the name that the language gives it
         return self.message if self.place is None else f"{self.message}, in {self.place}"
 
 
+def fault_of(error: ArithmeticError, place: str | None) -> Fault:
+    """The fault that an error of Python's arithmetic is."""
+    return Fault("division by zero" if isinstance(error, ZeroDivisionError) else str(error), place)
+
+
 class DriverError(Exception):
     """A driver failed at ``open``, ``read``, ``write`` or ``close``; the run ends with its outputs released."""
 

@@ -10,10 +10,10 @@ from math import gcd, lcm
 from typing import Any, Protocol, TypeAlias
 
 from .durations import ms
-from .exceptions import EnvironmentFailure
+from .exceptions import EnvironmentFailure, fault_of
 from .external import EventOutput, Port, SampledOutput
 from .inputs import EventInput, SampledEnd, SampledInput
-from .places import statement_of
+from .places import raised_by_program, statement_of
 from .scheduler import scheduler
 
 Plan: TypeAlias = tuple[Callable[[], None], ...]
@@ -44,7 +44,15 @@ def start(environment: Environment) -> None:
     try:
         environment.start()
     except Exception as error:
-        raise EnvironmentFailure(type(environment).__name__, error, statement_of(error)) from error
+        raise failure_of(type(environment).__name__, error) from error
+
+
+def failure_of(environment: str, error: Exception) -> EnvironmentFailure:
+    """What ends the run; an error of arithmetic in an equation is a fault."""
+    place = statement_of(error)
+    if isinstance(error, ArithmeticError) and raised_by_program(error):
+        return EnvironmentFailure(environment, fault_of(error, None), place)
+    return EnvironmentFailure(environment, error, place)
 
 
 class Instants:
@@ -107,7 +115,7 @@ class Instants:
                 try:
                     self._advance(instant)
                 except Exception as error:
-                    raise EnvironmentFailure(self._environment, error, statement_of(error)) from error
+                    raise failure_of(self._environment, error) from error
             for action in plan:
                 action()
         return instant + distance

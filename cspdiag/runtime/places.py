@@ -36,6 +36,14 @@ def statement_of(error: BaseException) -> str | None:
     return place
 
 
+def raised_by_program(error: BaseException) -> bool:
+    """Whether generated code itself has raised ``error``, and not what it calls."""
+    traceback = error.__traceback__
+    while traceback is not None and traceback.tb_next is not None:
+        traceback = traceback.tb_next
+    return traceback is not None and source_line(traceback.tb_frame.f_code, traceback.tb_lineno) is not None
+
+
 def is_of_runtime(frame: FrameType) -> bool:
     """Whether a frame executes code of this package."""
     return str(frame.f_globals.get("__package__", "")) == _RUNTIME

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Generator
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from .exceptions import Fault, ProcessError
+from .exceptions import Fault, ProcessError, fault_of
 from .places import place_of
 from .scheduler import scheduler
 
@@ -59,7 +59,7 @@ class Process:
                 error.place = place_of(error, self)
             raise
         except ArithmeticError as error:
-            raise Fault(str(error), place_of(error, self)) from error
+            raise fault_of(error, place_of(error, self)) from error
         except Exception as error:
             if not hasattr(error, "__notes__"):
                 error.add_note(f"in {place_of(error, self)}")

@@ -10,7 +10,7 @@ from collections.abc import Callable, Generator, Iterator
 from types import FrameType
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
-from .exceptions import Fault, ProcessError
+from .exceptions import ProcessError, fault_of
 from .places import place_of
 from .rendezvous import Rendezvous
 from .scheduler import Join, Task, Waits, scheduler
@@ -77,7 +77,7 @@ class Part:
             if error.place is None:
                 error.place = place_of(error, self)
         elif isinstance(error, ArithmeticError):
-            raise Fault(str(error), place_of(error, self)) from error
+            raise fault_of(error, place_of(error, self)) from error
         elif isinstance(error, Exception) and not hasattr(error, "__notes__"):
             error.add_note(f"in {place_of(error, self)}")
 

@@ -16,7 +16,7 @@ from tests.conformance.sources import JUST_AFTER, InvalidProgramError, environme
 from tests.conformance.targets import REFERENCE, RefusedError, Target
 from tests.conformance.traces import Communication, Execution, compare, shown
 
-LIBRARY_FUNCTIONS = frozenset({"sin", "cos", "tan", "atan2", "exp", "log", "^"})
+LIBRARY_FUNCTIONS = frozenset({"sin", "cos", "tan", "asin", "acos", "atan", "atan2", "exp", "log", "^"})
 """The functions that the C standard leaves to the library's accuracy. A target that brings another library than this machine's may be one unit in
 the last place off in programs that use them; everything else (``+ - * /``, ``sqrt``, ``fmod``, rounding) is exact everywhere."""
 

@@ -172,6 +172,10 @@ def _function(function: str, arguments: list[Any]) -> Any:
             return low if x < low else high if x > high else x
         case "sign", [x]:
             return type(x)((x > 0) - (x < 0))
+        case "finite", [x]:
+            if not math.isfinite(x):
+                raise RaisedFaultError("infinite or no number")
+            return x
         case "seconds", [x]:
             return x / 1e9
         case "atan2", [y, x]:
@@ -179,7 +183,7 @@ def _function(function: str, arguments: list[Any]) -> Any:
         case "deadzone", [x, width]:
             return x - width if x > width else x + width if x < -width else type(x)(0)
         case "quantize", [x, step]:
-            return step * _half_away_from_zero(x / step)
+            return step * _half_away_from_zero(x / step) if step else math.nan
         case "round", [x]:
             return _half_away_from_zero(x)
         case "floor" | "ceil", [x]:

@@ -87,7 +87,7 @@ class Interpreter:
         """From one sample to the next: integrates over ``duration`` in seconds and takes the next values."""
         following = {name: self.value(value, signals) for name, value in self.cls.next_values} if discrete else {}
         if self.cls.derivatives:
-            following.update(self._integrated(signals, duration))
+            following.update({name: _finite(value) for name, value in self._integrated(signals, duration).items()})
         self.states.update(following)
         self.time += duration
 
@@ -220,6 +220,12 @@ def half_away(x: float) -> float:
     return math.copysign(math.floor(abs(x) + 0.5) if abs(x) < 2**51 else abs(x), x)
 
 
+def _finite(x: float) -> float:
+    if not math.isfinite(x):
+        raise FaultError("infinite or no number")
+    return x
+
+
 def _power_of_e(x: float) -> float:
     try:
         return math.exp(x)
@@ -240,6 +246,10 @@ FUNCTIONS: dict[str, Any] = {
     "cos": math.cos,
     "tan": math.tan,
     "atan2": math.atan2,
+    "finite": _finite,
+    "asin": lambda x: math.asin(x) if -1 <= x <= 1 else math.nan,
+    "acos": lambda x: math.acos(x) if -1 <= x <= 1 else math.nan,
+    "atan": math.atan,
     "floor": lambda x: float(math.floor(x)),
     "ceil": lambda x: float(math.ceil(x)),
     "round": half_away,

@@ -43,7 +43,7 @@ def test_durations_in_equations_are_seconds() -> None:
 
 def test_a_time_parameter_is_turned_into_seconds() -> None:
     found = lowered("x * (tau / 1<s>)", "(tau: time)", tau=20 * MS)
-    assert [part.function for part in walk(found) if isinstance(part, FunctionCall)] == ["seconds"]
+    assert [part.function for part in walk(found) if isinstance(part, FunctionCall)] == ["finite", "seconds"]
 
 
 def test_conversions_of_numbers_are_done_at_compile_time() -> None:

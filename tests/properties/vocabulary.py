@@ -67,7 +67,8 @@ FORMS: dict[str, list[tuple[str, tuple[str, ...]]]] = {
         ("limit({}, -10.0, 10.0)", ("double",)), ("({} ^ {})", ("double", "double")), ("abs({})", ("double",)),
         ("min({}, {})", ("double", "double")), ("sign({})", ("double",)), ("exp({})", ("double",)),
         ("log({})", ("double",)), ("sin({})", ("double",)), ("cos({})", ("double",)), ("tan({})", ("double",)),
-        ("atan2({}, {})", ("double", "double")), ("floor({})", ("double",)), ("ceil({})", ("double",)),
+        ("atan2({}, {})", ("double", "double")), ("asin({})", ("double",)), ("acos({})", ("double",)),
+        ("atan({})", ("double",)), ("floor({})", ("double",)), ("ceil({})", ("double",)),
         ("round({})", ("double",)), ("(-{})", ("double",)),
     ],
     "float": [

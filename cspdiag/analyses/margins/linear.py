@@ -197,6 +197,8 @@ class Linearization:
         if smooth is not None:
             return Number(value, smooth(x, value) * dx)
         match call.function:
+            case "finite":
+                return arguments[0]
             case "atan2":
                 if x == 0 and plain[1] == 0:
                     raise ValueError("the angle of nothing has no slope")
@@ -244,5 +246,8 @@ _SMOOTH: dict[str, Callable[[float, float], float]] = {
     "sin": lambda x, _: math.cos(x),
     "cos": lambda x, _: -math.sin(x),
     "tan": lambda _, y: 1 + y * y,
+    "asin": lambda x, _: 1 / math.sqrt(1 - x * x),
+    "acos": lambda x, _: -1 / math.sqrt(1 - x * x),
+    "atan": lambda x, _: 1 / (1 + x * x),
 }
 """Derivative of a function, of its argument and its value."""

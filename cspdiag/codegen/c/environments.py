@@ -266,7 +266,9 @@ class EnvironmentFiles:
             rows.append(f"{INDENT}const int64_t steps = (now - plant.now + {system.step - 1}) / ({step});")
             rows.append(f"{INDENT}const double h = {interval} / (double)steps;")
         rows += self._integration.steps(self._slopes_printer, printer.signal, count, INDENT)
-        if self._integration.faulty:
+        for state in self._integration.states:
+            rows.append(f"{INDENT}{self._members[state]} = csp_real({self._members[state]});")
+        if self._integration.states:
             told = f"(void)csp_fault_at({quoted(place)});" if place is not None else ""
             rows += [
                 f"{INDENT}if (csp_faulted()) {{",

@@ -31,6 +31,8 @@ def operation_can_fault(expression: Expression) -> bool:
             return True
         case BinaryOperation(operator="+" | "-" | "*" | "/" | "^") | UnaryOperation(operator="-"):
             return _is_whole(expression) and (needs_check(expression) or _is_power(expression))
+        case FunctionCall(function="finite"):
+            return True
         case FunctionCall(function="abs" | "min" | "max"):
             return _is_whole(expression) and needs_check(expression)
         case Conversion():

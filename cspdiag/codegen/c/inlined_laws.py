@@ -41,9 +41,8 @@ def run_law_signals(action: RunLaw) -> list[tuple[str, Type]]:
 def run_law_can_fault(action: RunLaw) -> bool:
     """Whether a run can fault."""
     items = [part for equation in action.equations for part in values(equation)]
-    items += [value for _, value in (*action.next_values, *action.derivatives)]
-    items += [equation.value for equation in action.derivative_equations]
-    return any(map(can_fault, items))
+    items += [value for _, value in action.next_values]
+    return bool(action.derivatives) or any(map(can_fault, items))
 
 
 def run_law(
@@ -102,13 +101,17 @@ class _Run:
             kind = self.printer.types.type_name(self.types_of[name])
             rows.append(f"{indent}const {kind} {copies[name]} = {self.printer.signal(name)};")
         late = replace(self.printer, signal=lambda name: copies.get(name) or self.printer.signal(name))
+        following: list[str] = []
+        inner = indent + INDENT if action.derivatives else indent
         for name, value in action.next_values:
-            rows += self._writer(late, indent).assign(self.printer.signal(name), value, self._state_place(name))
+            following += self._writer(late, inner).assign(self.printer.signal(name), value, self._state_place(name))
         functions: list[str] = []
         if action.derivatives:
             integration = self._integration()
-            rows += self._integrated(integration, late, indent)
+            rows += self._integrated(integration, following, indent)
             functions = integration.function(self._slopes_printer(integration), self._slopes_writer(integration))
+        else:
+            rows += following
         return InlinedLaw(functions, [*rows, f"{self.indent}}}"] if hoisted else rows)
 
     def _writer(self, printer: Printer, indent: str) -> EquationWriter:
@@ -124,8 +127,6 @@ class _Run:
         for name, value in self.action.next_values:
             late |= set(signals((value,))) & changed
             changed.add(name)
-        if self.action.derivatives:
-            late |= set(self._integration().held) & changed
         return [name for name, _ in self.action.next_values if name in late]
 
     def _integration(self) -> Integration:
@@ -164,7 +165,8 @@ class _Run:
             self._slopes_printer(integration), self.place, check, self.printer.signal, body_name, INDENT
         )
 
-    def _integrated(self, integration: Integration, late: Printer, indent: str) -> list[str]:
+    def _integrated(self, integration: Integration, following: list[str], indent: str) -> list[str]:
+        """The block that integrates; all states take their values at its end, when nothing can fault any more."""
         action, deeper = self.action, indent + INDENT
         assert action.sample is not None
         rows = [f"{indent}{{"]
@@ -178,11 +180,11 @@ class _Run:
             count = "steps"
             rows.append(f"{deeper}const int64_t steps = (int64_t)ceil(rint({sample} * 1e9) / {float(action.step)!r});")
             rows.append(f"{deeper}const double h = {sample} / (double)steps;")
-        rows += integration.steps(self._slopes_printer(integration), late.signal, count, deeper)
-        if integration.faulty:
-            last = [self.place(equation) for equation in action.equations]
-            last += [self._state_place(name) for name, _ in action.next_values]
-            rows += [deeper + row for row in self.check(last[-1] if last else "")]
+        rows += integration.steps(self._slopes_printer(integration), self.printer.signal, count, deeper)
+        for state in integration.states:
+            rows.append(f"{deeper}{integration.local(state)} = csp_real({integration.local(state)});")
+        rows += [deeper + row for row in self.check(self.place(action.equations[-1]) if action.equations else "")]
+        rows += following
         for state in integration.states:
             single = isinstance(self.types_of[state], RealType) and self.types_of[state] == RealType(32)
             cast = "(float)" if single else ""

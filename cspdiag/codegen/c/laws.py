@@ -37,8 +37,8 @@ _SUB_STEP = "sub_step"
 def law_can_fault(class_: SubmodelClass) -> bool:
     """Whether one run of the law can fault, so that whoever calls it has to look."""
     items = [part for equation in class_.equations for part in values(equation)]
-    items += [value for _, value in (*class_.next_values, *class_.derivatives)]
-    return any(map(can_fault, items))
+    items += [value for _, value in class_.next_values]
+    return bool(class_.derivatives) or any(map(can_fault, items))
 
 
 def law_members(class_: SubmodelClass, names: PackageNames) -> Names:
@@ -297,11 +297,11 @@ class LawFiles:
         ]
         rows += writer.equations(equations, target)
         places = {state.name: self._place(state) for state in class_.states}
+        if class_.derivatives:
+            rows += self._integrated(printer, self._place(equations[-1]) if equations else "")
         for name, value in class_.next_values:
             rows += writer.assign(f"self->{self.members[name]}", value, places[name])
-        if class_.derivatives:
-            last = [self._place(equation) for equation in equations] + [places[name] for name, _ in class_.next_values]
-            rows += self._integrated(printer, last[-1] if last else "")
+        rows += self._moved()
         if len(rows) == 2:
             rows.append(f"{INDENT}(void)self;")
         return [*rows, *([f"{INDENT}return true;"] if self.faulty else []), "}"]
@@ -316,9 +316,13 @@ class LawFiles:
         else:
             rows = [f"{INDENT}const double h = self->{self.members['sample']};"]
             rows += self._integration.steps(self._slopes_printer(), printer.signal, None, INDENT)
-        if self._integration.faulty:
-            rows += [f"{INDENT}{row}" for row in self._writer(printer).check(place)]
-        for name in self._continuous:
+        rows += [f"{INDENT}{self.members[name]} = csp_real({self.members[name]});" for name in self._continuous]
+        return [*rows, *(f"{INDENT}{row}" for row in self._writer(printer).check(place))]
+
+    def _moved(self) -> list[str]:
+        """Continuous states take their values with the discrete ones, when nothing can fault any more."""
+        rows = []
+        for name in self._continuous if self.class_.derivatives else ():
             code = Code(self.members[name])
             kind = self.types.type_name(self.kinds[name])
             rows.append(f"{INDENT}self->{self.members[name]} = {code if kind == 'double' else cast(kind, code)};")

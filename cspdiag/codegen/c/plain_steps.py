@@ -51,7 +51,7 @@ def write_rows(writer: Writer, step: WriteValue) -> list[Row]:
     """A communication that writes a value."""
     sink, value, where = writer.members.sink(step.sink), step.value, writer.where(step)
     if sink.access == "variable":
-        stored = writer.evaluated(f"{sink.pointer} = ", value, ";", where)
+        stored = writer.stored(sink.pointer, value, where)
         return [Row("", comment=writer.comment(step)), *stored, *flag_rows(sink)]
     if sink.access == "discard":
         return discard_rows(writer, value, where)
@@ -104,7 +104,7 @@ def assign_rows(writer: Writer, target: Target, value: Expression, where: str) -
     """Sets a variable, or an element of it once the value is known."""
     variable = writer.members.variable(target.channel)
     if not target.indexes:
-        return [*writer.evaluated(f"{variable} = ", value, ";", where), *writer.wrote(target.channel)]
+        return [*writer.stored(variable, value, where), *writer.wrote(target.channel)]
     computed, code = writer.operand(value, where, target.channel)
     return [*computed, *store_rows(writer, target, code, value.type, where)]
 

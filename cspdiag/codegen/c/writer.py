@@ -209,6 +209,15 @@ class Writer:
             found.append(self.fault(where))
         return block("", [*rows(*temporaries), *found]) if temporaries else found
 
+    def stored(self, lvalue: str, expression: Expression, where: str) -> list[Row]:
+        """``lvalue = expression;``: one that faults leaves the variable as it was."""
+        if not self.can_fault(expression):
+            return self.evaluated(f"{lvalue} = ", expression, ";", where)
+        kind = self.members.types.type_name(expression.type)
+        text = f"const {kind} csp_result = {self.printer.print(expression)};"
+        temporaries = self.printer.take_temporaries()
+        return block("", [*rows(*temporaries, text), self.fault(where), *rows(f"{lvalue} = csp_result;")])
+
     def can_fault(self, expression: Expression) -> bool:
         """Whether the evaluation of an expression can note a fault."""
         return can_fault(expression) or not self.members.is_sure(expression)

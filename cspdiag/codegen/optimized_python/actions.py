@@ -13,7 +13,7 @@ from cspdiag.codegen.optimized_python.alternatives import Alternatives
 from cspdiag.codegen.optimized_python.communications import Statements, text
 from cspdiag.codegen.optimized_python.law_steps import LawSteps, law_of
 from cspdiag.codegen.optimized_python.storage import never_ends
-from cspdiag.codegen.python_code import Argument, Atom, Call, Code, Comprehension, Starred
+from cspdiag.codegen.python_code import Argument, Atom, Call, Code, Comprehension, Starred, tuple_of
 from cspdiag.codegen.python_rolling import LEAST, statements_template
 from cspdiag.codegen.python_statements import Block, Line, Statement, lines
 from cspdiag.codegen.python_text import quoted
@@ -46,8 +46,8 @@ from cspdiag.network.actions import (
     WriteValue,
 )
 from cspdiag.network.expressions import Expression
+from cspdiag.network.faults import may_fault
 from cspdiag.network.ir import InstanceOf, ProcessClass
-from cspdiag.network.optimize.faults import may_fault
 from cspdiag.network.walk import parts
 
 _LONGEST_COMMENT = 70
@@ -162,7 +162,8 @@ class Composition(Alternatives, LawSteps):
         return Line(keyword, self.printer.print(condition), ":", place)
 
     def _catch(self, action: CatchException) -> Statements:
-        exception = Atom(self.imports.exception(action.exception))
+        caught = [Atom(name) for name in self.imports.caught(action.exception)]
+        exception = caught[0] if len(caught) == 1 else tuple_of(caught)
         body, handler = self.statements(action.body), self.statements(action.handler)
         return (
             Block(text("try:"), body),

@@ -8,7 +8,7 @@ from typing import ClassVar
 
 from cspdiag.codegen.optimized_python.expressions import NANOSECONDS, SCALAR, FastPrinter
 from cspdiag.codegen.optimized_python.integration import InlineIntegration, SubStep
-from cspdiag.codegen.optimized_python.statements import assigned
+from cspdiag.codegen.optimized_python.statements import assigned, refused_unless_finite
 from cspdiag.codegen.optimized_python.temporaries import Temporaries
 from cspdiag.codegen.python_code import PRODUCT, Atom, Code, call, infix
 from cspdiag.codegen.python_environments import MEMBERS, EnvironmentModule, EnvironmentWriter
@@ -96,6 +96,7 @@ class _FastEnvironmentWriter(EnvironmentWriter):
             clock = (assign("t", Atom("time + step * h")),) if inline.timed else ()
             yield Block(Line(f"for {counter} in self._steps:"), (*clock, *within))
         for state in integration.states:
+            yield refused_unless_finite(state, self.imports)
             yield assign(f"self.{state}", Atom(state))
 
     def _evaluated(self, system: SubmodelClass) -> Iterable[Statement]:

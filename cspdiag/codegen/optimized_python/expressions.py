@@ -253,8 +253,10 @@ class FastPrinter(Printer):
     def _function(self, expression: FunctionCall) -> Code:
         kind = expression.type
         rounded = isinstance(kind, RealType) and kind.bits == 32 and expression.function in ROUNDED_FUNCTIONS
-        inlined = None if rounded else self._inlined(expression)
-        return super()._function(expression) if inlined is None else inlined
+        inlined = self._inlined(expression)
+        if inlined is None:
+            return super()._function(expression)
+        return self._checked(expression, inlined) if rounded else inlined
 
     def _inlined(self, expression: FunctionCall) -> Code | None:
         given = expression.arguments
@@ -270,6 +272,10 @@ class FastPrinter(Printer):
                 return self._sign(given[0], is_real)
             case "deadzone":
                 return self._deadzone(*given)
+            case "finite":
+                first, again = self._reused(self.print(given[0]), given[0].type)
+                finite = infix("==", COMPARISON, infix("-", SUM, first, again), _ZERO)
+                return Conditional(again, finite, call(self.imports.runtime("finite"), again))
             case "sin" | "cos" | "tan":
                 return self._trigonometric(expression.function, given[0])
             case "atan2":
@@ -324,6 +330,8 @@ def can_fault(expression: Expression) -> bool:
     """Whether evaluating may raise: division, whole-number arithmetic that may leave its range, an index, a conversion."""
     match expression:
         case BinaryOperation(operator="/" | "%" | "^"):
+            return True
+        case FunctionCall(function="finite"):
             return True
         case BinaryOperation() | UnaryOperation() | FunctionCall() if needs_check(expression):
             return isinstance(expression.type, IntType | TimeType) or any(map(can_fault, _operands(expression)))

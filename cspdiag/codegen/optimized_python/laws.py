@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import ceil
 
 from cspdiag.codegen.equations import defined, signals
-from cspdiag.codegen.optimized_python.expressions import FastPrinter, can_fault
+from cspdiag.codegen.optimized_python.expressions import FastPrinter
 from cspdiag.codegen.optimized_python.integration import InlineIntegration, SubStep
-from cspdiag.codegen.optimized_python.statements import assigned
+from cspdiag.codegen.optimized_python.statements import assigned, refused_unless_finite
 from cspdiag.codegen.python_code import PRODUCT, Argument, Atom, Call, Code, call, infix
 from cspdiag.codegen.python_external import ExternalModules
 from cspdiag.codegen.python_names import Names, identifier
 from cspdiag.codegen.python_statements import Block, Line, Statement, Unpack, assign, run
 from cspdiag.codegen.python_types import real
 from cspdiag.network.actions import RunLaw
+from cspdiag.network.expressions import FunctionCall
 from cspdiag.network.ir import Declared, ExternalCall, ProcessClass, SubmodelEquation
 from cspdiag.network.walk import parts
 
@@ -59,29 +60,31 @@ class InlineLaw:
         """One run: the equations, then the next values, then the integration with everything else as it was before."""
         for equation in self.law.equations:
             yield from self._equation(equation)
+        moved: list[Statement] = []
+        if self._continuous:
+            yield from self._integrated(moved)
         before = {name: self.names.fresh(f"{name}_before") for name in self._wanted_late()}
         for name, local in before.items():
             yield assign(local, self.printer.signal(name))
-
-        def old(name: str) -> Code:
-            return Atom(before[name]) if name in before else self.printer.signal(name)
-
         changed: set[str] = set()
 
         def late(name: str) -> Code:
-            return old(name) if name in changed else self.printer.signal(name)
+            return Atom(before[name]) if name in before and name in changed else self.printer.signal(name)
 
         printer = replace(self.printer, signal=late)
         for name, value in self.law.next_values:
             yield from assigned(self._spelled(name), printer, value, self._place_of_state(name))
             changed.add(name)
-        if self._continuous:
-            yield from self._integrated(replace(self.printer, signal=old))
+        yield from moved
 
     def _equation(self, equation: SubmodelEquation | ExternalCall) -> Iterable[Statement]:
         if isinstance(equation, ExternalCall):
             return (self._called(equation),)
-        return assigned(self._spelled(equation.name), self.printer, equation.value, self.place(equation))
+        target, value = self._spelled(equation.name), equation.value
+        if isinstance(value, FunctionCall) and value.function == "finite":
+            computed = assigned(target, self.printer, value.arguments[0], self.place(equation))
+            return (*computed, refused_unless_finite(target, self.printer.imports))
+        return assigned(target, self.printer, value, self.place(equation))
 
     def _called(self, item: ExternalCall) -> Statement:
         given = tuple(Argument(self.printer.print(value), identifier(port)) for port, value in item.inputs)
@@ -104,8 +107,6 @@ class InlineLaw:
         for name, value in self.law.next_values:
             late.update((signal, None) for signal in signals((value,)) if signal in changed)
             changed.add(name)
-        read = signals((self.law.derivatives, tuple(item.value for item in self.law.derivative_equations)))
-        late.update((signal, None) for signal in read if signal in changed)
         return list(late)
 
     # Integration
@@ -136,34 +137,29 @@ class InlineLaw:
         h = self._sample if self.law.step is None else self._sample / int(self._steps.flat)
         return SubStep(real(h), real(h / 2), real(h / 6))
 
-    def _integrated(self, printer: FastPrinter) -> Iterable[Statement]:
-        """States are moved in place, unless a fault in a later sub-step has to leave them as they were."""
-        once = self.law.step is None or self._steps.flat == "1"
-        values_ = [*dict(self.law.derivatives).values(), *(item.value for item in self.law.derivative_equations)]
-        in_place = once or not any(map(can_fault, values_))
-        local = {
-            name: self._spelled(name) if in_place else self.names.fresh(f"{name}_moved") for name in self._continuous
-        }
-        moves: Sequence[tuple[str, str]] = () if in_place else list(local.items())
-        for name, moved in moves:
-            yield assign(moved, self.printer.signal(name))
+    def _integrated(self, moved: list[Statement]) -> Iterable[Statement]:
+        """States are moved beside what they are; ``moved`` is given what lets them take their values, once nothing can fault any more."""
+        local = {name: self.names.fresh(f"{name}_moved") for name in self._continuous}
+        for name, beside in local.items():
+            yield assign(beside, self.printer.signal(name))
         inline = InlineIntegration(
             states=self._continuous,
             equations=self.law.derivative_equations,
             derivatives=dict(self.law.derivatives),
             method=self.law.method,
-            printer=printer,
+            printer=self.printer,
             local=local.__getitem__,
             names=self.names,
             place=self.place,
             step=self._sub_step,
         )
-        if once:
+        if self.law.step is None or self._steps.flat == "1":
             yield from inline.statements()
         else:
             yield Block(Line("for _ in ", call("range", self._steps), ":"), tuple(inline.statements()))
-        for name, moved in moves:
-            yield assign(self._spelled(name), Atom(moved))
+        for name, beside in local.items():
+            yield refused_unless_finite(beside, self.printer.imports)
+            moved.append(assign(self._spelled(name), Atom(beside)))
 
 
 def reset_statements(

@@ -6,7 +6,8 @@ from collections.abc import Iterable
 
 from cspdiag.codegen.optimized_python.expressions import FastPrinter
 from cspdiag.codegen.python_code import COMPARISON, PRODUCT, SUM, Atom, Code, Conditional, Parenthesized, call, infix
-from cspdiag.codegen.python_statements import Statement, Unpack, assign
+from cspdiag.codegen.python_imports import Imports
+from cspdiag.codegen.python_statements import Block, Line, Statement, Unpack, assign, run
 from cspdiag.network.expressions import BinaryOperation, Expression, FunctionCall
 
 
@@ -20,6 +21,12 @@ def assigned(target: str, printer: FastPrinter, expression: Expression, place: s
             yield from _rounded(target, printer, ratio, printer.print(step), place)
         case _:
             yield assign(target, printer.print(expression), place)
+
+
+def refused_unless_finite(name: str, imports: Imports) -> Statement:
+    """Raises a fault for a real in a local variable that is infinite or no number: only then it differs from itself."""
+    difference = infix("!=", COMPARISON, infix("-", SUM, Atom(name), Atom(name)), Atom("0.0"))
+    return Block(Line("if ", difference, ":"), (run(call(imports.runtime("finite"), Atom(name))),))
 
 
 def _rounded(

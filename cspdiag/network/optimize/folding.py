@@ -24,10 +24,10 @@ from cspdiag.network.expressions import (
     Value,
     VariableValue,
 )
+from cspdiag.network.faults import may_fault
 from cspdiag.network.optimize.everywhere import rewritten
-from cspdiag.network.optimize.faults import may_fault
 
-LIBRARY_FUNCTIONS = frozenset({"exp", "log", "sin", "cos", "tan", "atan2"})
+LIBRARY_FUNCTIONS = frozenset({"exp", "log", "sin", "cos", "tan", "asin", "acos", "atan", "atan2"})
 """Functions whose last bit depends on the library of the machine that runs the program."""
 
 EXACT_SECONDS = 2**53

@@ -143,7 +143,7 @@ def _error(end: EndRecord, environment: Environment | None) -> BaseException:
 
     place = end.place or None
     if not end.exception:
-        cause = ZeroDivisionError(end.message) if end.message == "float division by zero" else Fault(end.message)
+        cause = Fault(end.message)
         return EnvironmentFailure(environment.name if environment is not None else "", cause, place)
     if end.exception == "Fault":
         return Fault(end.message, place)

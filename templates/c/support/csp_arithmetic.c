@@ -136,6 +136,12 @@ double csp_real_division_fails(void)
     return 0.0;
 }
 
+double csp_real_fails(void)
+{
+    note(csp_describe_no_number, pair(0, 0));
+    return 0.0;
+}
+
 void csp_finite_fails(double value, const char *port)
 {
     note(csp_describe_not_finite, (csp_operands){{0, 0, 0}, value, port});
@@ -169,6 +175,21 @@ double csp_cos(double x)
 double csp_tan(double x)
 {
     return tan(x);
+}
+
+double csp_asin(double x)
+{
+    return asin(x);
+}
+
+double csp_acos(double x)
+{
+    return acos(x);
+}
+
+double csp_atan(double x)
+{
+    return atan(x);
 }
 
 double csp_atan2(double y, double x)

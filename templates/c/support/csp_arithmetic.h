@@ -4,7 +4,7 @@
  * actuator - is a *fault*. The function that finds it notes it in `csp_fault` and returns 0; evaluation goes on without undefined
  * behaviour, and the first fault is the one that counts. Generated code looks after each statement that can fault.
  *
- * exp, log, sin, cos, tan, atan2 and pow are those of libm, called through functions of this file, so that no compiler replaces them by
+ * exp, log, sin, cos, tan, asin, acos, atan, atan2 and pow are those of libm, called through functions of this file, so that no compiler replaces them by
  * values or formulas of its own that differ in the last bit.
  */
 #ifndef CSP_ARITHMETIC_H
@@ -260,6 +260,9 @@ double csp_log(double x);
 double csp_sin(double x);
 double csp_cos(double x);
 double csp_tan(double x);
+double csp_asin(double x);
+double csp_acos(double x);
+double csp_atan(double x);
 double csp_atan2(double y, double x);
 double csp_pow(double base, double exponent);
 
@@ -272,6 +275,14 @@ static inline double csp_seconds(int64_t nanoseconds)
 {
     const bool exact = (nanoseconds >= -CSP_EXACT) && (nanoseconds <= CSP_EXACT);
     return exact ? (double)nanoseconds / 1e9 : csp_many_seconds(nanoseconds);
+}
+
+double csp_real_fails(void);
+
+/* Every real value of a program is a number: notes a fault for an infinity or a NaN. */
+static inline double csp_real(double value)
+{
+    return isfinite(value) ? value : csp_real_fails();
 }
 
 void csp_finite_fails(double value, const char *port);

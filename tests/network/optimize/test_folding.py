@@ -19,7 +19,7 @@ from cspdiag.network.expressions import (
     UnaryOperation,
     VariableValue,
 )
-from cspdiag.network.optimize.faults import may_fault
+from cspdiag.network.faults import may_fault
 from cspdiag.network.optimize.folding import LIBRARY_FUNCTIONS, folded_with
 from tests.conformance.values import RaisedFaultError, value_of
 

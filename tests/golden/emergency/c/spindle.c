@@ -23,7 +23,8 @@ static csp_party *spindle_repeat_law_step(csp_party *party)
         for (;;) {
             /* law (emergency.csp:36) */
             CSP_TAKE(csp_sampled_read, &self->feedback, self->law.feedback, READS_FEEDBACK, fails)
-            spindle_controller_calculate(&self->law);
+            (void)spindle_controller_calculate(&self->law);
+            CSP_FAULT_INSIDE("law", "emergency.csp:8", fails);
             CSP_CHECK(fails)
             csp_finite(self->law.control, self->control->name);
             CSP_FAULT_INSIDE("law", "emergency.csp:8", fails);

@@ -15,9 +15,12 @@ void spindle_controller_reset(struct spindle_controller *self)
     (void)self;
 }
 
-void spindle_controller_calculate(struct spindle_controller *self)
+bool spindle_controller_calculate(struct spindle_controller *self)
 {
     /* emergency.csp:12 */
     self->control
-        = csp_limit(0.05 * self->feedback + 0.5 * (self->speed - self->feedback), -24.0, 24.0);
+        = csp_real(csp_limit(0.05 * self->feedback + 0.5 * (self->speed - self->feedback), -24.0,
+                24.0));
+    CSP_CHECK_LAW("emergency.csp:12");
+    return true;
 }

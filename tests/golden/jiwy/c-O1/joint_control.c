@@ -56,13 +56,20 @@ static csp_party *joint_control_run_servo_step(csp_party *party)
                 double homing_servo_pid_output;
                 double homing_servo_assistance;
                 double homing_servo_standing;
+                double homing_servo_profile_last_next;
+                double homing_servo_pid_e1_next;
+                double homing_servo_pid_ud_next;
+                double homing_servo_pid_ui_next;
+                double homing_servo_arrived_next;
                 /* laws.csp:71 */
                 homing_servo_centre = (self->homing_servo_leftmax + self->homing_servo_rightmax)
                     / 2.0;
                 /* laws.csp:72 */
                 self->homing_servo_reference
-                    = csp_limit(homing_servo_centre + 0.0, self->homing_servo_leftmax + 0.05,
-                        self->homing_servo_rightmax - 0.05);
+                    = csp_real(csp_limit(homing_servo_centre + 0.0,
+                                self->homing_servo_leftmax + 0.05,
+                            self->homing_servo_rightmax - 0.05));
+                CSP_FAULT_INSIDE("homing.servo", "laws.csp:72", fails);
                 /* laws.csp:35 */
                 homing_servo_profile_from = self->homing_servo_profile_moving
                     ? self->homing_servo_profile_last
@@ -97,23 +104,36 @@ static csp_party *joint_control_run_servo_step(csp_party *party)
                     * csp_limit(homing_servo_profile_velocity / 0.05, -1.0, 1.0);
                 /* laws.csp:78 */
                 self->homing_servo_control
-                    = csp_limit(supply * homing_servo_pid_output + homing_servo_assistance, -12.0,
-                            supply);
+                    = csp_real(csp_limit(supply * homing_servo_pid_output
+                                + homing_servo_assistance, -12.0,
+                            supply));
+                CSP_FAULT_INSIDE("homing.servo", "laws.csp:78", fails);
                 /* laws.csp:80 */
                 homing_servo_standing
                     = fabs(self->homing_servo_reference - self->homing_servo_feedback)
                     < self->gains.tolerance
                         ? self->homing_servo_arrived + self->homing_servo_sample : 0.0;
                 self->homing_servo_stop = homing_servo_standing >= 0.1; /* laws.csp:82 */
-                self->homing_servo_profile_moving = true; /* laws.csp:32 */
-                self->homing_servo_profile_last = homing_servo_profile_angle; /* laws.csp:33 */
-                self->homing_servo_pid_e1 = homing_servo_pid_error; /* laws.csp:10 */
-                self->homing_servo_pid_ud = homing_servo_pid_d; /* laws.csp:11 */
+                homing_servo_profile_last_next
+                    = csp_real(homing_servo_profile_angle); /* laws.csp:33 */
+                CSP_FAULT_INSIDE("homing.servo", "laws.csp:33", fails);
+                homing_servo_pid_e1_next = csp_real(homing_servo_pid_error); /* laws.csp:10 */
+                CSP_FAULT_INSIDE("homing.servo", "laws.csp:10", fails);
+                homing_servo_pid_ud_next = csp_real(homing_servo_pid_d); /* laws.csp:11 */
+                CSP_FAULT_INSIDE("homing.servo", "laws.csp:11", fails);
                 /* laws.csp:12 */
-                self->homing_servo_pid_ui = homing_servo_pid_sum == homing_servo_pid_output
-                    ? homing_servo_pid_i
-                    : self->homing_servo_pid_ui;
-                self->homing_servo_arrived = homing_servo_standing; /* laws.csp:69 */
+                homing_servo_pid_ui_next
+                    = csp_real(homing_servo_pid_sum == homing_servo_pid_output ? homing_servo_pid_i
+                        : self->homing_servo_pid_ui);
+                CSP_FAULT_INSIDE("homing.servo", "laws.csp:12", fails);
+                homing_servo_arrived_next = csp_real(homing_servo_standing); /* laws.csp:69 */
+                CSP_FAULT_INSIDE("homing.servo", "laws.csp:69", fails);
+                self->homing_servo_profile_moving = true; /* laws.csp:32 */
+                self->homing_servo_profile_last = homing_servo_profile_last_next; /* laws.csp:33 */
+                self->homing_servo_pid_e1 = homing_servo_pid_e1_next; /* laws.csp:10 */
+                self->homing_servo_pid_ud = homing_servo_pid_ud_next; /* laws.csp:11 */
+                self->homing_servo_pid_ui = homing_servo_pid_ui_next; /* laws.csp:12 */
+                self->homing_servo_arrived = homing_servo_arrived_next; /* laws.csp:69 */
             }
             /* PositionController (laws.csp:56) */
             CSP_CHECK(fails)
@@ -175,6 +195,9 @@ static csp_party *joint_control_run_velocity_2_step(csp_party *party)
                 double alignR_velocity_sum;
                 bool alignR_velocity_pressing;
                 double alignR_velocity_held;
+                double alignR_velocity_filtered_next;
+                double alignR_velocity_ui_next;
+                double alignR_velocity_pressed_next;
                 /* laws.csp:103 */
                 alignR_velocity_difference = self->alignR_velocity_moving
                     ? csp_divide(self->alignR_velocity_feedback - self->alignR_velocity_last,
@@ -191,8 +214,9 @@ static csp_party *joint_control_run_velocity_2_step(csp_party *party)
                     + self->alignR_velocity_sample * 2.2 * alignR_velocity_error;
                 alignR_velocity_sum = self->alignKp * alignR_velocity_error
                     + alignR_velocity_i; /* laws.csp:107 */
-                self->alignR_velocity_control
-                    = csp_limit(alignR_velocity_sum, -1.5, 1.5); /* laws.csp:109 */
+                /* laws.csp:109 */
+                self->alignR_velocity_control = csp_real(csp_limit(alignR_velocity_sum, -1.5, 1.5));
+                CSP_FAULT_INSIDE("alignR.velocity", "laws.csp:109", fails);
                 /* laws.csp:115 */
                 alignR_velocity_pressing = fabs(alignR_velocity_velocity) < 0.1
                     && self->alignR_velocity_control > 0.9;
@@ -200,14 +224,22 @@ static csp_party *joint_control_run_velocity_2_step(csp_party *party)
                 alignR_velocity_held = alignR_velocity_pressing
                     ? self->alignR_velocity_pressed + self->alignR_velocity_sample : 0.0;
                 self->alignR_velocity_stop = alignR_velocity_held >= 0.1; /* laws.csp:118 */
+                alignR_velocity_filtered_next
+                    = csp_real(alignR_velocity_velocity); /* laws.csp:99 */
+                CSP_FAULT_INSIDE("alignR.velocity", "laws.csp:99", fails);
+                /* laws.csp:100 */
+                alignR_velocity_ui_next
+                    = csp_real(alignR_velocity_sum == self->alignR_velocity_control
+                            ? alignR_velocity_i
+                        : self->alignR_velocity_ui);
+                CSP_FAULT_INSIDE("alignR.velocity", "laws.csp:100", fails);
+                alignR_velocity_pressed_next = csp_real(alignR_velocity_held); /* laws.csp:101 */
+                CSP_FAULT_INSIDE("alignR.velocity", "laws.csp:101", fails);
                 self->alignR_velocity_moving = true; /* laws.csp:97 */
                 self->alignR_velocity_last = self->alignR_velocity_feedback; /* laws.csp:98 */
-                self->alignR_velocity_filtered = alignR_velocity_velocity; /* laws.csp:99 */
-                /* laws.csp:100 */
-                self->alignR_velocity_ui = alignR_velocity_sum == self->alignR_velocity_control
-                    ? alignR_velocity_i
-                    : self->alignR_velocity_ui;
-                self->alignR_velocity_pressed = alignR_velocity_held; /* laws.csp:101 */
+                self->alignR_velocity_filtered = alignR_velocity_filtered_next; /* laws.csp:99 */
+                self->alignR_velocity_ui = alignR_velocity_ui_next; /* laws.csp:100 */
+                self->alignR_velocity_pressed = alignR_velocity_pressed_next; /* laws.csp:101 */
             }
             /* VelocityController (laws.csp:88) */
             CSP_CHECK(fails)
@@ -270,6 +302,9 @@ static csp_party *joint_control_run_velocity_step(csp_party *party)
                 double alignL_velocity_sum;
                 bool alignL_velocity_pressing;
                 double alignL_velocity_held;
+                double alignL_velocity_filtered_next;
+                double alignL_velocity_ui_next;
+                double alignL_velocity_pressed_next;
                 /* laws.csp:103 */
                 alignL_velocity_difference = self->alignL_velocity_moving
                     ? csp_divide(self->alignL_velocity_feedback - self->alignL_velocity_last,
@@ -286,8 +321,9 @@ static csp_party *joint_control_run_velocity_step(csp_party *party)
                     + self->alignL_velocity_sample * 2.2 * alignL_velocity_error;
                 alignL_velocity_sum = self->alignKp * alignL_velocity_error
                     + alignL_velocity_i; /* laws.csp:107 */
-                self->alignL_velocity_control
-                    = csp_limit(alignL_velocity_sum, -1.5, 1.5); /* laws.csp:109 */
+                /* laws.csp:109 */
+                self->alignL_velocity_control = csp_real(csp_limit(alignL_velocity_sum, -1.5, 1.5));
+                CSP_FAULT_INSIDE("alignL.velocity", "laws.csp:109", fails);
                 /* laws.csp:115 */
                 alignL_velocity_pressing = fabs(alignL_velocity_velocity) < 0.1
                     && self->alignL_velocity_control * -1.0 > 0.9;
@@ -295,14 +331,22 @@ static csp_party *joint_control_run_velocity_step(csp_party *party)
                 alignL_velocity_held = alignL_velocity_pressing
                     ? self->alignL_velocity_pressed + self->alignL_velocity_sample : 0.0;
                 self->alignL_velocity_stop = alignL_velocity_held >= 0.1; /* laws.csp:118 */
+                alignL_velocity_filtered_next
+                    = csp_real(alignL_velocity_velocity); /* laws.csp:99 */
+                CSP_FAULT_INSIDE("alignL.velocity", "laws.csp:99", fails);
+                /* laws.csp:100 */
+                alignL_velocity_ui_next
+                    = csp_real(alignL_velocity_sum == self->alignL_velocity_control
+                            ? alignL_velocity_i
+                        : self->alignL_velocity_ui);
+                CSP_FAULT_INSIDE("alignL.velocity", "laws.csp:100", fails);
+                alignL_velocity_pressed_next = csp_real(alignL_velocity_held); /* laws.csp:101 */
+                CSP_FAULT_INSIDE("alignL.velocity", "laws.csp:101", fails);
                 self->alignL_velocity_moving = true; /* laws.csp:97 */
                 self->alignL_velocity_last = self->alignL_velocity_feedback; /* laws.csp:98 */
-                self->alignL_velocity_filtered = alignL_velocity_velocity; /* laws.csp:99 */
-                /* laws.csp:100 */
-                self->alignL_velocity_ui = alignL_velocity_sum == self->alignL_velocity_control
-                    ? alignL_velocity_i
-                    : self->alignL_velocity_ui;
-                self->alignL_velocity_pressed = alignL_velocity_held; /* laws.csp:101 */
+                self->alignL_velocity_filtered = alignL_velocity_filtered_next; /* laws.csp:99 */
+                self->alignL_velocity_ui = alignL_velocity_ui_next; /* laws.csp:100 */
+                self->alignL_velocity_pressed = alignL_velocity_pressed_next; /* laws.csp:101 */
             }
             /* VelocityController (laws.csp:88) */
             CSP_CHECK(fails)
@@ -498,16 +542,23 @@ static csp_party *joint_control_step(csp_party *party)
                     double motionControl_servo_pid_sum;
                     double motionControl_servo_pid_output;
                     double motionControl_servo_assistance;
+                    double motionControl_servo_standing;
+                    double motionControl_servo_profile_last_next;
+                    double motionControl_servo_pid_e1_next;
+                    double motionControl_servo_pid_ud_next;
+                    double motionControl_servo_pid_ui_next;
+                    double motionControl_servo_arrived_next;
                     /* laws.csp:71 */
                     motionControl_servo_centre
                         = (self->motionControl_servo_leftmax + self->motionControl_servo_rightmax)
                             / 2.0;
                     /* laws.csp:72 */
                     self->motionControl_servo_reference
-                        = csp_limit(motionControl_servo_centre
-                                + 1.25 * self->motionControl_servo_setpoint,
-                            self->motionControl_servo_leftmax + 0.05,
-                                self->motionControl_servo_rightmax - 0.05);
+                        = csp_real(csp_limit(motionControl_servo_centre
+                                    + 1.25 * self->motionControl_servo_setpoint,
+                                self->motionControl_servo_leftmax + 0.05,
+                                    self->motionControl_servo_rightmax - 0.05));
+                    CSP_FAULT_INSIDE("motionControl.servo", "laws.csp:72", catches_timeout_3);
                     /* laws.csp:35 */
                     motionControl_servo_profile_from = self->motionControl_servo_profile_moving
                         ? self->motionControl_servo_profile_last
@@ -547,19 +598,46 @@ static csp_party *joint_control_step(csp_party *party)
                         * csp_limit(motionControl_servo_profile_velocity / 0.05, -1.0, 1.0);
                     /* laws.csp:78 */
                     self->motionControl_servo_control
-                        = csp_limit(supply * motionControl_servo_pid_output
-                                + motionControl_servo_assistance, -12.0,
-                            supply);
+                        = csp_real(csp_limit(supply * motionControl_servo_pid_output
+                                    + motionControl_servo_assistance,
+                                -12.0, supply));
+                    CSP_FAULT_INSIDE("motionControl.servo", "laws.csp:78", catches_timeout_3);
+                    /* laws.csp:80 */
+                    motionControl_servo_standing
+                        = fabs(self->motionControl_servo_reference
+                                - self->motionControl_servo_feedback)
+                        < self->gains.tolerance
+                            ? self->motionControl_servo_arrived + self->motionControl_servo_sample
+                        : 0.0;
+                    /* laws.csp:33 */
+                    motionControl_servo_profile_last_next
+                        = csp_real(motionControl_servo_profile_angle);
+                    CSP_FAULT_INSIDE("motionControl.servo", "laws.csp:33", catches_timeout_3);
+                    motionControl_servo_pid_e1_next
+                        = csp_real(motionControl_servo_pid_error); /* laws.csp:10 */
+                    CSP_FAULT_INSIDE("motionControl.servo", "laws.csp:10", catches_timeout_3);
+                    motionControl_servo_pid_ud_next
+                        = csp_real(motionControl_servo_pid_d); /* laws.csp:11 */
+                    CSP_FAULT_INSIDE("motionControl.servo", "laws.csp:11", catches_timeout_3);
+                    /* laws.csp:12 */
+                    motionControl_servo_pid_ui_next
+                        = csp_real(motionControl_servo_pid_sum == motionControl_servo_pid_output
+                            ? motionControl_servo_pid_i : self->motionControl_servo_pid_ui);
+                    CSP_FAULT_INSIDE("motionControl.servo", "laws.csp:12", catches_timeout_3);
+                    motionControl_servo_arrived_next
+                        = csp_real(motionControl_servo_standing); /* laws.csp:69 */
+                    CSP_FAULT_INSIDE("motionControl.servo", "laws.csp:69", catches_timeout_3);
                     self->motionControl_servo_profile_moving = true; /* laws.csp:32 */
                     self->motionControl_servo_profile_last
-                        = motionControl_servo_profile_angle; /* laws.csp:33 */
+                        = motionControl_servo_profile_last_next; /* laws.csp:33 */
                     self->motionControl_servo_pid_e1
-                        = motionControl_servo_pid_error; /* laws.csp:10 */
-                    self->motionControl_servo_pid_ud = motionControl_servo_pid_d; /* laws.csp:11 */
-                    /* laws.csp:12 */
-                    self->motionControl_servo_pid_ui = motionControl_servo_pid_sum
-                        == motionControl_servo_pid_output
-                        ? motionControl_servo_pid_i : self->motionControl_servo_pid_ui;
+                        = motionControl_servo_pid_e1_next; /* laws.csp:10 */
+                    self->motionControl_servo_pid_ud
+                        = motionControl_servo_pid_ud_next; /* laws.csp:11 */
+                    self->motionControl_servo_pid_ui
+                        = motionControl_servo_pid_ui_next; /* laws.csp:12 */
+                    self->motionControl_servo_arrived
+                        = motionControl_servo_arrived_next; /* laws.csp:69 */
                 }
                 /* PositionController (laws.csp:56) */
                 CSP_CHECK(catches_timeout_3)
@@ -751,6 +829,7 @@ void joint_control_initialize(struct joint_control *self, csp_numbers *numbers,
     self->motionControl_servo_pid_e1 = 0.0;
     self->motionControl_servo_pid_ud = 0.0;
     self->motionControl_servo_pid_ui = 0.0;
+    self->motionControl_servo_arrived = 0.0;
     self->homing_servo_profile_moving = false;
     self->homing_servo_profile_last = 0.0;
     self->homing_servo_pid_e1 = 0.0;

@@ -76,6 +76,7 @@ struct joint_control {
     double motionControl_servo_pid_e1;
     double motionControl_servo_pid_ud;
     double motionControl_servo_pid_ui;
+    double motionControl_servo_arrived;
     bool homing_servo_profile_moving;
     double homing_servo_profile_last;
     double homing_servo_pid_e1;

@@ -121,10 +121,12 @@ static bool bench_environment_evaluate(void)
     const double time = csp_seconds(plant.now);
     /* plant.csp:49 */
     const double pan_encoder
-        = csp_quantize(plant.pan_angle - plant.pan_start, 2.0 * CSP_PI / counts);
+        = csp_real(csp_quantize(plant.pan_angle - plant.pan_start, 2.0 * CSP_PI / counts));
+    CSP_CHECK_LAW("plant.csp:49");
     /* plant.csp:49 */
     const double tilt_encoder
-        = csp_quantize(plant.tilt_angle - plant.tilt_start, 2.0 * CSP_PI / counts);
+        = csp_real(csp_quantize(plant.tilt_angle - plant.tilt_start, 2.0 * CSP_PI / counts));
+    CSP_CHECK_LAW("plant.csp:49");
     /* plant.csp:57 */
     const double hand_stick = time < 7.5 || time >= 12.5 ? 0.0 : time < 8.5 ? 0.4
         : time < 9.5 ? 0.0 : time < 10.5 ? -0.4 : time < 11.5 ? 0.0 : 0.24;
@@ -212,6 +214,10 @@ static bool bench_environment_advance(int64_t now)
         tilt_speed += sixth
             * (k1.tilt_speed + 2.0 * k2.tilt_speed + 2.0 * k3.tilt_speed + k4.tilt_speed);
     }
+    pan_angle = csp_real(pan_angle);
+    pan_speed = csp_real(pan_speed);
+    tilt_angle = csp_real(tilt_angle);
+    tilt_speed = csp_real(tilt_speed);
     if (csp_faulted()) {
         (void)csp_fault_at("jiwy.csp:174");
         return false;

@@ -39,8 +39,9 @@ bool position_controller_calculate(struct position_controller *self)
     const double centre = (self->leftmax + self->rightmax) / 2.0; /* laws.csp:71 */
     /* laws.csp:72 */
     self->reference
-        = csp_limit(centre + self->reach * self->setpoint, self->leftmax + self->margin,
-            self->rightmax - self->margin);
+        = csp_real(csp_limit(centre + self->reach * self->setpoint, self->leftmax + self->margin,
+                self->rightmax - self->margin));
+    CSP_CHECK_LAW("laws.csp:72");
     const double profile_start = self->feedback; /* laws.csp:73 */
     /* laws.csp:35 */
     const double profile_from = self->profile_moving ? self->profile_last : profile_start;
@@ -64,16 +65,29 @@ bool position_controller_calculate(struct position_controller *self)
     const double pid_output = csp_limit(pid_sum, -0.99, 0.99); /* laws.csp:19 */
     /* laws.csp:77 */
     const double assistance = self->gains.friction * csp_limit(profile_velocity / 0.05, -1.0, 1.0);
-    self->control = csp_limit(supply * pid_output + assistance, -supply, supply); /* laws.csp:78 */
+    /* laws.csp:78 */
+    self->control = csp_real(csp_limit(supply * pid_output + assistance, -supply, supply));
+    CSP_CHECK_LAW("laws.csp:78");
     /* laws.csp:80 */
     const double standing = fabs(self->reference - self->feedback) < self->gains.tolerance
         ? self->arrived + self->sample : 0.0;
     self->stop = standing >= self->dwell; /* laws.csp:82 */
+    const double profile_last_next = csp_real(profile_angle); /* laws.csp:33 */
+    CSP_CHECK_LAW("laws.csp:33");
+    const double pid_e1_next = csp_real(pid_error); /* laws.csp:10 */
+    CSP_CHECK_LAW("laws.csp:10");
+    const double pid_ud_next = csp_real(pid_d); /* laws.csp:11 */
+    CSP_CHECK_LAW("laws.csp:11");
+    /* laws.csp:12 */
+    const double pid_ui_next = csp_real(pid_sum == pid_output ? pid_i : self->pid_ui);
+    CSP_CHECK_LAW("laws.csp:12");
+    const double arrived_next = csp_real(standing); /* laws.csp:69 */
+    CSP_CHECK_LAW("laws.csp:69");
     self->profile_moving = true; /* laws.csp:32 */
-    self->profile_last = profile_angle; /* laws.csp:33 */
-    self->pid_e1 = pid_error; /* laws.csp:10 */
-    self->pid_ud = pid_d; /* laws.csp:11 */
-    self->pid_ui = pid_sum == pid_output ? pid_i : self->pid_ui; /* laws.csp:12 */
-    self->arrived = standing; /* laws.csp:69 */
+    self->profile_last = profile_last_next; /* laws.csp:33 */
+    self->pid_e1 = pid_e1_next; /* laws.csp:10 */
+    self->pid_ud = pid_ud_next; /* laws.csp:11 */
+    self->pid_ui = pid_ui_next; /* laws.csp:12 */
+    self->arrived = arrived_next; /* laws.csp:69 */
     return true;
 }

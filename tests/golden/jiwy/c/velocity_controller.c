@@ -40,17 +40,24 @@ bool velocity_controller_calculate(struct velocity_controller *self)
     const double error = self->speed - velocity; /* laws.csp:105 */
     const double i = self->ui + self->sample * self->ki * error; /* laws.csp:106 */
     const double sum = self->kp * error + i; /* laws.csp:107 */
-    self->control = csp_limit(sum, -self->pressure, self->pressure); /* laws.csp:109 */
+    self->control = csp_real(csp_limit(sum, -self->pressure, self->pressure)); /* laws.csp:109 */
+    CSP_CHECK_LAW("laws.csp:109");
     /* laws.csp:115 */
     const bool pressing = fabs(velocity) < 0.1 * fabs(self->speed)
         && self->control * csp_sign(self->speed) > self->effort;
     const double held = pressing ? self->pressed + self->sample : 0.0; /* laws.csp:116 */
     self->stop = held >= self->dwell; /* laws.csp:118 */
     self->max = self->feedback; /* laws.csp:119 */
+    const double filtered_next = csp_real(velocity); /* laws.csp:99 */
+    CSP_CHECK_LAW("laws.csp:99");
+    const double ui_next = csp_real(sum == self->control ? i : self->ui); /* laws.csp:100 */
+    CSP_CHECK_LAW("laws.csp:100");
+    const double pressed_next = csp_real(held); /* laws.csp:101 */
+    CSP_CHECK_LAW("laws.csp:101");
     self->moving = true; /* laws.csp:97 */
     self->last = self->feedback; /* laws.csp:98 */
-    self->filtered = velocity; /* laws.csp:99 */
-    self->ui = sum == self->control ? i : self->ui; /* laws.csp:100 */
-    self->pressed = held; /* laws.csp:101 */
+    self->filtered = filtered_next; /* laws.csp:99 */
+    self->ui = ui_next; /* laws.csp:100 */
+    self->pressed = pressed_next; /* laws.csp:101 */
     return true;
 }

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .runtime import In, Out, Submodel, limit, read_all
+from .runtime import In, Out, Submodel, finite, limit, read_all
 
 
 class CurrentController(Submodel):
@@ -58,6 +58,7 @@ class CurrentController(Submodel):
         error = reference - current  # cascade.csp:12
         i = ui + self.sample * self.ki * error  # cascade.csp:13
         sum_ = self.kp * error + i  # cascade.csp:14
-        control = limit(sum_, -voltage, voltage)  # cascade.csp:15
-        self.ui = i if sum_ == control else ui  # cascade.csp:11
+        control = finite(limit(sum_, -voltage, voltage))  # cascade.csp:15
+        ui_next = finite(i if sum_ == control else ui)  # cascade.csp:11
+        self.ui = ui_next  # cascade.csp:11
         return control

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .runtime import In, Out, Submodel, limit, read_all
+from .runtime import In, Out, Submodel, finite, limit, read_all
 
 
 class SpeedController(Submodel):
@@ -58,6 +58,7 @@ class SpeedController(Submodel):
         error = reference - speed  # cascade.csp:25
         i = ui + self.sample * self.ki * error  # cascade.csp:26
         sum_ = self.kp * error + i  # cascade.csp:27
-        control = limit(sum_, -current, current)  # cascade.csp:28
-        self.ui = i if sum_ == control else ui  # cascade.csp:24
+        control = finite(limit(sum_, -current, current))  # cascade.csp:28
+        ui_next = finite(i if sum_ == control else ui)  # cascade.csp:24
+        self.ui = ui_next  # cascade.csp:24
         return control

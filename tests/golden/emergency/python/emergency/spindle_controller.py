@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .runtime import In, Out, Submodel, limit
+from .runtime import In, Out, Submodel, finite, limit
 
 
 class SpindleController(Submodel):
@@ -38,4 +38,4 @@ class SpindleController(Submodel):
 
     def calculate(self, feedback: float) -> float:
         # emergency.csp:12
-        return limit(0.05 * feedback + 0.5 * (self.speed - feedback), -24.0, 24.0)
+        return finite(limit(0.05 * feedback + 0.5 * (self.speed - feedback), -24.0, 24.0))

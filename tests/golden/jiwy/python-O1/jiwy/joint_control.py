@@ -18,6 +18,7 @@ from .runtime import (
     Task,
     Timeout,
     Variable,
+    finite,
     interrupted,
     lower_bits,
     read_all,
@@ -194,6 +195,7 @@ class JointControl(Routine):
         motionControl_servo_pid_e1: float = 0.0  # laws.csp:10
         motionControl_servo_pid_ud: float = 0.0  # laws.csp:11
         motionControl_servo_pid_ui: float = 0.0  # laws.csp:12
+        motionControl_servo_arrived: float = 0.0  # laws.csp:69
         homing_servo_profile_moving: bool = False  # laws.csp:32
         homing_servo_profile_last: float = 0.0  # laws.csp:33
         homing_servo_pid_e1: float = 0.0  # laws.csp:10
@@ -259,6 +261,8 @@ class JointControl(Routine):
                         if alignL_velocity_sum > 1.5
                         else alignL_velocity_sum
                     )
+                    if alignL_velocity_control - alignL_velocity_control != 0.0:
+                        finite(alignL_velocity_control)
                     # laws.csp:115
                     alignL_velocity_pressing = (
                         alignL_velocity_velocity < 0.1
@@ -272,16 +276,25 @@ class JointControl(Routine):
                         else 0.0
                     )
                     alignL_velocity_stop = alignL_velocity_held >= 0.1  # laws.csp:118
-                    alignL_velocity_moving = True  # laws.csp:97
-                    alignL_velocity_last = alignL_velocity_feedback  # laws.csp:98
-                    alignL_velocity_filtered = alignL_velocity_velocity  # laws.csp:99
+                    alignL_velocity_filtered_next = alignL_velocity_velocity  # laws.csp:99
+                    if alignL_velocity_filtered_next - alignL_velocity_filtered_next != 0.0:
+                        finite(alignL_velocity_filtered_next)
                     # laws.csp:100
-                    alignL_velocity_ui = (
+                    alignL_velocity_ui_next = (
                         alignL_velocity_i
                         if alignL_velocity_sum == alignL_velocity_control
                         else alignL_velocity_ui
                     )
-                    alignL_velocity_pressed = alignL_velocity_held  # laws.csp:101
+                    if alignL_velocity_ui_next - alignL_velocity_ui_next != 0.0:
+                        finite(alignL_velocity_ui_next)
+                    alignL_velocity_pressed_next = alignL_velocity_held  # laws.csp:101
+                    if alignL_velocity_pressed_next - alignL_velocity_pressed_next != 0.0:
+                        finite(alignL_velocity_pressed_next)
+                    alignL_velocity_moving = True  # laws.csp:97
+                    alignL_velocity_last = alignL_velocity_feedback  # laws.csp:98
+                    alignL_velocity_filtered = alignL_velocity_filtered_next  # laws.csp:99
+                    alignL_velocity_ui = alignL_velocity_ui_next  # laws.csp:100
+                    alignL_velocity_pressed = alignL_velocity_pressed_next  # laws.csp:101
                     # laws.csp:88  outputs of alignL.velocity
                     if me.cancelled:
                         raise Cancelled
@@ -349,6 +362,8 @@ class JointControl(Routine):
                         if alignR_velocity_sum > 1.5
                         else alignR_velocity_sum
                     )
+                    if alignR_velocity_control - alignR_velocity_control != 0.0:
+                        finite(alignR_velocity_control)
                     # laws.csp:115
                     alignR_velocity_pressing = (
                         alignR_velocity_velocity < 0.1
@@ -362,16 +377,25 @@ class JointControl(Routine):
                         else 0.0
                     )
                     alignR_velocity_stop = alignR_velocity_held >= 0.1  # laws.csp:118
-                    alignR_velocity_moving = True  # laws.csp:97
-                    alignR_velocity_last = alignR_velocity_feedback  # laws.csp:98
-                    alignR_velocity_filtered = alignR_velocity_velocity  # laws.csp:99
+                    alignR_velocity_filtered_next = alignR_velocity_velocity  # laws.csp:99
+                    if alignR_velocity_filtered_next - alignR_velocity_filtered_next != 0.0:
+                        finite(alignR_velocity_filtered_next)
                     # laws.csp:100
-                    alignR_velocity_ui = (
+                    alignR_velocity_ui_next = (
                         alignR_velocity_i
                         if alignR_velocity_sum == alignR_velocity_control
                         else alignR_velocity_ui
                     )
-                    alignR_velocity_pressed = alignR_velocity_held  # laws.csp:101
+                    if alignR_velocity_ui_next - alignR_velocity_ui_next != 0.0:
+                        finite(alignR_velocity_ui_next)
+                    alignR_velocity_pressed_next = alignR_velocity_held  # laws.csp:101
+                    if alignR_velocity_pressed_next - alignR_velocity_pressed_next != 0.0:
+                        finite(alignR_velocity_pressed_next)
+                    alignR_velocity_moving = True  # laws.csp:97
+                    alignR_velocity_last = alignR_velocity_feedback  # laws.csp:98
+                    alignR_velocity_filtered = alignR_velocity_filtered_next  # laws.csp:99
+                    alignR_velocity_ui = alignR_velocity_ui_next  # laws.csp:100
+                    alignR_velocity_pressed = alignR_velocity_pressed_next  # laws.csp:101
                     # laws.csp:88  outputs of alignR.velocity
                     if me.cancelled:
                         raise Cancelled
@@ -429,6 +453,8 @@ class JointControl(Routine):
                         if x1 > (x3 := homing_servo_rightmax - 0.05)
                         else x1
                     )
+                    if homing_servo_reference - homing_servo_reference != 0.0:
+                        finite(homing_servo_reference)
                     # laws.csp:35
                     homing_servo_profile_from = (
                         homing_servo_profile_last
@@ -489,6 +515,8 @@ class JointControl(Routine):
                         if x1 > 12.0
                         else x1
                     )
+                    if homing_servo_control - homing_servo_control != 0.0:
+                        finite(homing_servo_control)
                     # laws.csp:80
                     homing_servo_standing = (
                         homing_servo_arrived + homing_servo_sample
@@ -496,17 +524,32 @@ class JointControl(Routine):
                         else 0.0
                     )
                     homing_servo_stop = homing_servo_standing >= 0.1  # laws.csp:82
-                    homing_servo_profile_moving = True  # laws.csp:32
-                    homing_servo_profile_last = homing_servo_profile_angle  # laws.csp:33
-                    homing_servo_pid_e1 = homing_servo_pid_error  # laws.csp:10
-                    homing_servo_pid_ud = homing_servo_pid_d  # laws.csp:11
+                    homing_servo_profile_last_next = homing_servo_profile_angle  # laws.csp:33
+                    if homing_servo_profile_last_next - homing_servo_profile_last_next != 0.0:
+                        finite(homing_servo_profile_last_next)
+                    homing_servo_pid_e1_next = homing_servo_pid_error  # laws.csp:10
+                    if homing_servo_pid_e1_next - homing_servo_pid_e1_next != 0.0:
+                        finite(homing_servo_pid_e1_next)
+                    homing_servo_pid_ud_next = homing_servo_pid_d  # laws.csp:11
+                    if homing_servo_pid_ud_next - homing_servo_pid_ud_next != 0.0:
+                        finite(homing_servo_pid_ud_next)
                     # laws.csp:12
-                    homing_servo_pid_ui = (
+                    homing_servo_pid_ui_next = (
                         homing_servo_pid_i
                         if homing_servo_pid_sum == homing_servo_pid_output
                         else homing_servo_pid_ui
                     )
-                    homing_servo_arrived = homing_servo_standing  # laws.csp:69
+                    if homing_servo_pid_ui_next - homing_servo_pid_ui_next != 0.0:
+                        finite(homing_servo_pid_ui_next)
+                    homing_servo_arrived_next = homing_servo_standing  # laws.csp:69
+                    if homing_servo_arrived_next - homing_servo_arrived_next != 0.0:
+                        finite(homing_servo_arrived_next)
+                    homing_servo_profile_moving = True  # laws.csp:32
+                    homing_servo_profile_last = homing_servo_profile_last_next  # laws.csp:33
+                    homing_servo_pid_e1 = homing_servo_pid_e1_next  # laws.csp:10
+                    homing_servo_pid_ud = homing_servo_pid_ud_next  # laws.csp:11
+                    homing_servo_pid_ui = homing_servo_pid_ui_next  # laws.csp:12
+                    homing_servo_arrived = homing_servo_arrived_next  # laws.csp:69
                     # laws.csp:56  outputs of homing.servo
                     if me.cancelled:
                         raise Cancelled
@@ -643,6 +686,11 @@ class JointControl(Routine):
                                     if x1 > (x3 := motionControl_servo_rightmax - 0.05)
                                     else x1
                                 )
+                                if (
+                                    motionControl_servo_reference - motionControl_servo_reference
+                                    != 0.0
+                                ):
+                                    finite(motionControl_servo_reference)
                                 # laws.csp:35
                                 motionControl_servo_profile_from = (
                                     motionControl_servo_profile_last
@@ -725,19 +773,76 @@ class JointControl(Routine):
                                     if x1 > 12.0
                                     else x1
                                 )
-                                motionControl_servo_profile_moving = True  # laws.csp:32
+                                if motionControl_servo_control - motionControl_servo_control != 0.0:
+                                    finite(motionControl_servo_control)
+                                # laws.csp:80
+                                motionControl_servo_standing = (
+                                    motionControl_servo_arrived + motionControl_servo_sample
+                                    if abs(
+                                        motionControl_servo_reference - motionControl_servo_feedback
+                                    )
+                                    < gains.tolerance
+                                    else 0.0
+                                )
                                 # laws.csp:33
-                                motionControl_servo_profile_last = motionControl_servo_profile_angle
+                                motionControl_servo_profile_last_next = (
+                                    motionControl_servo_profile_angle
+                                )
+                                if (
+                                    motionControl_servo_profile_last_next
+                                    - motionControl_servo_profile_last_next
+                                    != 0.0
+                                ):
+                                    finite(motionControl_servo_profile_last_next)
                                 # laws.csp:10
-                                motionControl_servo_pid_e1 = motionControl_servo_pid_error
+                                motionControl_servo_pid_e1_next = motionControl_servo_pid_error
+                                if (
+                                    motionControl_servo_pid_e1_next
+                                    - motionControl_servo_pid_e1_next
+                                    != 0.0
+                                ):
+                                    finite(motionControl_servo_pid_e1_next)
                                 # laws.csp:11
-                                motionControl_servo_pid_ud = motionControl_servo_pid_d
+                                motionControl_servo_pid_ud_next = motionControl_servo_pid_d
+                                if (
+                                    motionControl_servo_pid_ud_next
+                                    - motionControl_servo_pid_ud_next
+                                    != 0.0
+                                ):
+                                    finite(motionControl_servo_pid_ud_next)
                                 # laws.csp:12
-                                motionControl_servo_pid_ui = (
+                                motionControl_servo_pid_ui_next = (
                                     motionControl_servo_pid_i
                                     if motionControl_servo_pid_sum == motionControl_servo_pid_output
                                     else motionControl_servo_pid_ui
                                 )
+                                if (
+                                    motionControl_servo_pid_ui_next
+                                    - motionControl_servo_pid_ui_next
+                                    != 0.0
+                                ):
+                                    finite(motionControl_servo_pid_ui_next)
+                                # laws.csp:69
+                                motionControl_servo_arrived_next = motionControl_servo_standing
+                                if (
+                                    motionControl_servo_arrived_next
+                                    - motionControl_servo_arrived_next
+                                    != 0.0
+                                ):
+                                    finite(motionControl_servo_arrived_next)
+                                motionControl_servo_profile_moving = True  # laws.csp:32
+                                # laws.csp:33
+                                motionControl_servo_profile_last = (
+                                    motionControl_servo_profile_last_next
+                                )
+                                # laws.csp:10
+                                motionControl_servo_pid_e1 = motionControl_servo_pid_e1_next
+                                # laws.csp:11
+                                motionControl_servo_pid_ud = motionControl_servo_pid_ud_next
+                                # laws.csp:12
+                                motionControl_servo_pid_ui = motionControl_servo_pid_ui_next
+                                # laws.csp:69
+                                motionControl_servo_arrived = motionControl_servo_arrived_next
                                 # laws.csp:56  outputs of motionControl.servo
                                 if me.cancelled:
                                     raise Cancelled

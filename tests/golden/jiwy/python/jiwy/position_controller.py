@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from .constants import supply
-from .runtime import In, Out, Submodel, limit, read_all, s, write_all
+from .runtime import In, Out, Submodel, finite, limit, read_all, s, write_all
 from .types import ServoGains
 
 
@@ -106,7 +106,9 @@ class PositionController(Submodel):
         pid_kp = self.pid_kp
         centre = (leftmax + rightmax) / 2.0  # laws.csp:71
         # laws.csp:72
-        reference = limit(centre + self.reach * setpoint, leftmax + margin, rightmax - margin)
+        reference = finite(
+            limit(centre + self.reach * setpoint, leftmax + margin, rightmax - margin)
+        )
         profile_start = feedback  # laws.csp:73
         profile_from = self.profile_last if self.profile_moving else profile_start  # laws.csp:35
         profile_target = reference  # laws.csp:74
@@ -124,14 +126,19 @@ class PositionController(Submodel):
         pid_sum = pid_i + pid_d  # laws.csp:17
         pid_output = limit(pid_sum, -0.99, 0.99)  # laws.csp:19
         assistance = gains.friction * limit(profile_velocity / 0.05, -1.0, 1.0)  # laws.csp:77
-        control = limit(supply * pid_output + assistance, -supply, supply)  # laws.csp:78
+        control = finite(limit(supply * pid_output + assistance, -supply, supply))  # laws.csp:78
         # laws.csp:80
         standing = self.arrived + sample if abs(reference - feedback) < gains.tolerance else 0.0
         stop = standing >= self.dwell  # laws.csp:82
+        profile_last_next = finite(profile_angle)  # laws.csp:33
+        pid_e1_next = finite(pid_error)  # laws.csp:10
+        pid_ud_next = finite(pid_d)  # laws.csp:11
+        pid_ui_next = finite(pid_i if pid_sum == pid_output else pid_ui)  # laws.csp:12
+        arrived_next = finite(standing)  # laws.csp:69
         self.profile_moving = True  # laws.csp:32
-        self.profile_last = profile_angle  # laws.csp:33
-        self.pid_e1 = pid_error  # laws.csp:10
-        self.pid_ud = pid_d  # laws.csp:11
-        self.pid_ui = pid_i if pid_sum == pid_output else pid_ui  # laws.csp:12
-        self.arrived = standing  # laws.csp:69
+        self.profile_last = profile_last_next  # laws.csp:33
+        self.pid_e1 = pid_e1_next  # laws.csp:10
+        self.pid_ud = pid_ud_next  # laws.csp:11
+        self.pid_ui = pid_ui_next  # laws.csp:12
+        self.arrived = arrived_next  # laws.csp:69
         return control, reference, stop

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .runtime import In, Out, Submodel, limit, s, sign, write_all
+from .runtime import In, Out, Submodel, finite, limit, s, sign, write_all
 
 
 class VelocityController(Submodel):
@@ -85,15 +85,18 @@ class VelocityController(Submodel):
         error = speed - velocity  # laws.csp:105
         i = ui + sample * self.ki * error  # laws.csp:106
         sum_ = self.kp * error + i  # laws.csp:107
-        control = limit(sum_, -pressure, pressure)  # laws.csp:109
+        control = finite(limit(sum_, -pressure, pressure))  # laws.csp:109
         # laws.csp:115
         pressing = abs(velocity) < 0.1 * abs(speed) and control * sign(speed) > self.effort
         held = self.pressed + sample if pressing else 0.0  # laws.csp:116
         stop = held >= self.dwell  # laws.csp:118
         max_ = feedback  # laws.csp:119
+        filtered_next = finite(velocity)  # laws.csp:99
+        ui_next = finite(i if sum_ == control else ui)  # laws.csp:100
+        pressed_next = finite(held)  # laws.csp:101
         self.moving = True  # laws.csp:97
         self.last = feedback  # laws.csp:98
-        self.filtered = velocity  # laws.csp:99
-        self.ui = i if sum_ == control else ui  # laws.csp:100
-        self.pressed = held  # laws.csp:101
+        self.filtered = filtered_next  # laws.csp:99
+        self.ui = ui_next  # laws.csp:100
+        self.pressed = pressed_next  # laws.csp:101
         return control, max_, stop

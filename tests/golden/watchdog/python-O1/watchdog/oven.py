@@ -13,6 +13,7 @@ from .runtime import (
     Routine,
     Steps,
     Task,
+    finite,
     int64,
     scheduler,
 )
@@ -86,11 +87,18 @@ class Oven(Routine):
                                     heating_latest = thermometer.take()
                                     # watchdog.csp:24  heater ! limit(5<W/K> * (wanted - latest.t...
                                     value = (
-                                        0.0
-                                        if (x1 := 5.0 * (340.0 - heating_latest.temperature)) < 0.0
-                                        else 100.0
-                                        if x1 > 100.0
-                                        else x1
+                                        x2
+                                        if (
+                                            x2 := 0.0
+                                            if (x1 := 5.0 * (340.0 - heating_latest.temperature))
+                                            < 0.0
+                                            else 100.0
+                                            if x1 > 100.0
+                                            else x1
+                                        )
+                                        - x2
+                                        == 0.0
+                                        else finite(x2)
                                     )
                                     heater.offer(me, value)
                                 else:  # after patience

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from .exceptions import SensorLost
-from .runtime import After, Alternative, In, Input, Out, Process, Variable, limit
+from .runtime import After, Alternative, In, Input, Out, Process, Variable, finite, limit
 from .types import Reading
 
 
@@ -46,7 +46,9 @@ class Heating(Process):
                     self.latest.value = self.choice.value
                     # watchdog.csp:24
                     await self.heater.write(
-                        limit(5.0 * (self.wanted - self.latest.value.temperature), 0.0, 100.0)
+                        finite(
+                            limit(5.0 * (self.wanted - self.latest.value.temperature), 0.0, 100.0)
+                        ),
                     )
                 case 1:  # after patience
                     raise SensorLost  # watchdog.csp:26

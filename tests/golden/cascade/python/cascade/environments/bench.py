@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from math import ceil
 
-from ..runtime import Driver, Signal, s, us
+from ..runtime import Driver, Signal, finite, s, us
 
 motor_resistance = 1.0  # cascade.csp:96
 motor_constant = 0.05  # cascade.csp:97
@@ -68,8 +68,8 @@ class Bench:
             )
             motor_i += sixth * (k1_motor_i + 2 * k2_motor_i + 2 * k3_motor_i + k4_motor_i)
             motor_w += sixth * (k1_motor_w + 2 * k2_motor_w + 2 * k3_motor_w + k4_motor_w)
-        self.motor_i = motor_i
-        self.motor_w = motor_w
+        self.motor_i = finite(motor_i)
+        self.motor_w = finite(motor_w)
         self.now = now
         self._evaluate()
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ..runtime import Driver, Signal, ms, s
+from ..runtime import Driver, Signal, finite, ms, s
 from ..types import Button
 
 wheel_inertia = 2e-4  # emergency.csp:43
@@ -55,7 +55,7 @@ class Workshop:
         k3 = self._derivative(wheel_w + half * k2, wheel_voltage, wheel_brake)
         k4 = self._derivative(wheel_w + h * k3, wheel_voltage, wheel_brake)
         wheel_w += sixth * (k1 + 2 * k2 + 2 * k3 + k4)
-        self.wheel_w = wheel_w
+        self.wheel_w = finite(wheel_w)
         self.now = now
         self._evaluate()
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from math import ceil, modf, nan, sin
+from math import ceil, nan, sin
 
-from ..runtime import Driver, Signal, ms
+from ..runtime import Driver, Signal, finite, ms, quantize
 
 
 class Bench:
@@ -356,20 +356,32 @@ class Bench:
             tilt_speed += sixth * (
                 k1_tilt_speed + 2.0 * k2_tilt_speed + 2.0 * k3_tilt_speed + k4_tilt_speed
             )
+        if pan_angle - pan_angle != 0.0:
+            finite(pan_angle)
         self.pan_angle = pan_angle
+        if pan_speed - pan_speed != 0.0:
+            finite(pan_speed)
         self.pan_speed = pan_speed
+        if tilt_angle - tilt_angle != 0.0:
+            finite(tilt_angle)
         self.tilt_angle = tilt_angle
+        if tilt_speed - tilt_speed != 0.0:
+            finite(tilt_speed)
         self.tilt_speed = tilt_speed
         self.now = now
         time = now / 1_000_000_000
-        x1_, x2_ = modf((pan_angle - 0.3) / 0.0002894303373369134)  # plant.csp:49
+        # plant.csp:49
         pan_encoder = (
-            x2_ + 1.0 if x1_ >= 0.5 else x2_ - 1.0 if x1_ <= -0.5 else x2_
-        ) * 0.0002894303373369134
-        x1_, x2_ = modf((tilt_angle - -0.4) / 0.0002894303373369134)  # plant.csp:49
+            x1_
+            if (x1_ := quantize(pan_angle - 0.3, 0.0002894303373369134)) - x1_ == 0.0
+            else finite(x1_)
+        )
+        # plant.csp:49
         tilt_encoder = (
-            x2_ + 1.0 if x1_ >= 0.5 else x2_ - 1.0 if x1_ <= -0.5 else x2_
-        ) * 0.0002894303373369134
+            x1_
+            if (x1_ := quantize(tilt_angle - -0.4, 0.0002894303373369134)) - x1_ == 0.0
+            else finite(x1_)
+        )
         # plant.csp:57
         hand_stick = (
             0.0
@@ -395,14 +407,18 @@ class Bench:
 
     def _evaluate(self) -> None:
         time = self.now / 1_000_000_000
-        x1_3, x2_3 = modf((self.pan_angle - 0.3) / 0.0002894303373369134)  # plant.csp:49
+        # plant.csp:49
         pan_encoder = (
-            x2_3 + 1.0 if x1_3 >= 0.5 else x2_3 - 1.0 if x1_3 <= -0.5 else x2_3
-        ) * 0.0002894303373369134
-        x1_3, x2_3 = modf((self.tilt_angle - -0.4) / 0.0002894303373369134)  # plant.csp:49
+            x1_3
+            if (x1_3 := quantize(self.pan_angle - 0.3, 0.0002894303373369134)) - x1_3 == 0.0
+            else finite(x1_3)
+        )
+        # plant.csp:49
         tilt_encoder = (
-            x2_3 + 1.0 if x1_3 >= 0.5 else x2_3 - 1.0 if x1_3 <= -0.5 else x2_3
-        ) * 0.0002894303373369134
+            x1_3
+            if (x1_3 := quantize(self.tilt_angle - -0.4, 0.0002894303373369134)) - x1_3 == 0.0
+            else finite(x1_3)
+        )
         # plant.csp:57
         hand_stick = (
             0.0

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from math import ceil, cos, modf, nan, sin
+from math import ceil, cos, nan, sin
 
-from ..runtime import Driver, Signal, ms
+from ..runtime import Driver, Signal, finite, ms, quantize
 
 
 class Worn:
@@ -352,48 +352,68 @@ class Worn:
             tilt_speed += sixth * (
                 k1_tilt_speed + 2.0 * k2_tilt_speed + 2.0 * k3_tilt_speed + k4_tilt_speed
             )
+        if pan_angle - pan_angle != 0.0:
+            finite(pan_angle)
         self.pan_angle = pan_angle
+        if pan_speed - pan_speed != 0.0:
+            finite(pan_speed)
         self.pan_speed = pan_speed
+        if tilt_angle - tilt_angle != 0.0:
+            finite(tilt_angle)
         self.tilt_angle = tilt_angle
+        if tilt_speed - tilt_speed != 0.0:
+            finite(tilt_speed)
         self.tilt_speed = tilt_speed
         self.now = now
         time = now / 1_000_000_000
-        x1_, x2_ = modf((pan_angle - 1.4) / 0.0002894303373369134)  # plant.csp:49
+        # plant.csp:49
         pan_encoder = (
-            x2_ + 1.0 if x1_ >= 0.5 else x2_ - 1.0 if x1_ <= -0.5 else x2_
-        ) * 0.0002894303373369134
-        x1_, x2_ = modf((tilt_angle - -2.0) / 0.0002894303373369134)  # plant.csp:49
+            x1_
+            if (x1_ := quantize(pan_angle - 1.4, 0.0002894303373369134)) - x1_ == 0.0
+            else finite(x1_)
+        )
+        # plant.csp:49
         tilt_encoder = (
-            x2_ + 1.0 if x1_ >= 0.5 else x2_ - 1.0 if x1_ <= -0.5 else x2_
-        ) * 0.0002894303373369134
+            x1_
+            if (x1_ := quantize(tilt_angle - -2.0, 0.0002894303373369134)) - x1_ == 0.0
+            else finite(x1_)
+        )
         hand_phase = 2.5132741228718345 * time  # plant.csp:74
         hand_x = 0.5 * (sin(hand_phase) if hand_phase - hand_phase == 0.0 else nan)  # plant.csp:75
         hand_y = 0.5 * (cos(hand_phase) if hand_phase - hand_phase == 0.0 else nan)  # plant.csp:76
         hand_buttons = 2 if (time >= 2.0 and time < 2.2) or time >= 15.0 else 0  # plant.csp:77
         self.feedback_horizontal.value = pan_encoder  # jiwy.csp:196
         self.feedback_vertical.value = tilt_encoder  # jiwy.csp:197
-        self.joystick_horizontal.value = hand_x  # jiwy.csp:198
-        self.joystick_vertical.value = hand_y  # jiwy.csp:199
+        # jiwy.csp:198
+        self.joystick_horizontal.value = hand_x if hand_x - hand_x == 0.0 else finite(hand_x)
+        # jiwy.csp:199
+        self.joystick_vertical.value = hand_y if hand_y - hand_y == 0.0 else finite(hand_y)
         self.joystick_buttons.value = hand_buttons  # jiwy.csp:200
 
     def _evaluate(self) -> None:
         time = self.now / 1_000_000_000
-        x1_3, x2_3 = modf((self.pan_angle - 1.4) / 0.0002894303373369134)  # plant.csp:49
+        # plant.csp:49
         pan_encoder = (
-            x2_3 + 1.0 if x1_3 >= 0.5 else x2_3 - 1.0 if x1_3 <= -0.5 else x2_3
-        ) * 0.0002894303373369134
-        x1_3, x2_3 = modf((self.tilt_angle - -2.0) / 0.0002894303373369134)  # plant.csp:49
+            x1_3
+            if (x1_3 := quantize(self.pan_angle - 1.4, 0.0002894303373369134)) - x1_3 == 0.0
+            else finite(x1_3)
+        )
+        # plant.csp:49
         tilt_encoder = (
-            x2_3 + 1.0 if x1_3 >= 0.5 else x2_3 - 1.0 if x1_3 <= -0.5 else x2_3
-        ) * 0.0002894303373369134
+            x1_3
+            if (x1_3 := quantize(self.tilt_angle - -2.0, 0.0002894303373369134)) - x1_3 == 0.0
+            else finite(x1_3)
+        )
         hand_phase = 2.5132741228718345 * time  # plant.csp:74
         hand_x = 0.5 * (sin(hand_phase) if hand_phase - hand_phase == 0.0 else nan)  # plant.csp:75
         hand_y = 0.5 * (cos(hand_phase) if hand_phase - hand_phase == 0.0 else nan)  # plant.csp:76
         hand_buttons = 2 if (time >= 2.0 and time < 2.2) or time >= 15.0 else 0  # plant.csp:77
         self.feedback_horizontal.value = pan_encoder  # jiwy.csp:196
         self.feedback_vertical.value = tilt_encoder  # jiwy.csp:197
-        self.joystick_horizontal.value = hand_x  # jiwy.csp:198
-        self.joystick_vertical.value = hand_y  # jiwy.csp:199
+        # jiwy.csp:198
+        self.joystick_horizontal.value = hand_x if hand_x - hand_x == 0.0 else finite(hand_x)
+        # jiwy.csp:199
+        self.joystick_vertical.value = hand_y if hand_y - hand_y == 0.0 else finite(hand_y)
         self.joystick_buttons.value = hand_buttons  # jiwy.csp:200
 
     def _divide(self, elapsed: int) -> None:

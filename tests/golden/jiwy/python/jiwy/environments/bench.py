@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from math import ceil, pi
 
 from ..constants import counts, drive, induction, ratio, rotorInertia, stiffness
-from ..runtime import Driver, Signal, limit, ms, power, quantize, s, sin
+from ..runtime import Driver, Signal, finite, limit, ms, power, quantize, s, sin
 
 pan_start = 0.3  # plant.csp:26
 pan_left = -1.62  # plant.csp:26
@@ -122,17 +122,19 @@ class Bench:
             tilt_speed += sixth * (
                 k1_tilt_speed + 2 * k2_tilt_speed + 2 * k3_tilt_speed + k4_tilt_speed
             )
-        self.pan_angle = pan_angle
-        self.pan_speed = pan_speed
-        self.tilt_angle = tilt_angle
-        self.tilt_speed = tilt_speed
+        self.pan_angle = finite(pan_angle)
+        self.pan_speed = finite(pan_speed)
+        self.tilt_angle = finite(tilt_angle)
+        self.tilt_speed = finite(tilt_speed)
         self.now = now
         self._evaluate()
 
     def _evaluate(self) -> None:
         time = self.now / s
-        pan_encoder = quantize(self.pan_angle - pan_start, 2.0 * pi / counts)  # plant.csp:49
-        tilt_encoder = quantize(self.tilt_angle - tilt_start, 2.0 * pi / counts)  # plant.csp:49
+        # plant.csp:49
+        pan_encoder = finite(quantize(self.pan_angle - pan_start, 2.0 * pi / counts))
+        # plant.csp:49
+        tilt_encoder = finite(quantize(self.tilt_angle - tilt_start, 2.0 * pi / counts))
         # plant.csp:57
         hand_stick = (
             0.0

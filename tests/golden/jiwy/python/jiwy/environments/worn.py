@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from math import ceil, pi
 
 from ..constants import counts, drive, induction, ratio, rotorInertia, stiffness
-from ..runtime import Driver, Signal, cos, limit, ms, power, quantize, s, sin
+from ..runtime import Driver, Signal, cos, finite, limit, ms, power, quantize, s, sin
 
 pan_start = 1.4  # plant.csp:26
 pan_left = -1.62  # plant.csp:26
@@ -122,25 +122,27 @@ class Worn:
             tilt_speed += sixth * (
                 k1_tilt_speed + 2 * k2_tilt_speed + 2 * k3_tilt_speed + k4_tilt_speed
             )
-        self.pan_angle = pan_angle
-        self.pan_speed = pan_speed
-        self.tilt_angle = tilt_angle
-        self.tilt_speed = tilt_speed
+        self.pan_angle = finite(pan_angle)
+        self.pan_speed = finite(pan_speed)
+        self.tilt_angle = finite(tilt_angle)
+        self.tilt_speed = finite(tilt_speed)
         self.now = now
         self._evaluate()
 
     def _evaluate(self) -> None:
         time = self.now / s
-        pan_encoder = quantize(self.pan_angle - pan_start, 2.0 * pi / counts)  # plant.csp:49
-        tilt_encoder = quantize(self.tilt_angle - tilt_start, 2.0 * pi / counts)  # plant.csp:49
+        # plant.csp:49
+        pan_encoder = finite(quantize(self.pan_angle - pan_start, 2.0 * pi / counts))
+        # plant.csp:49
+        tilt_encoder = finite(quantize(self.tilt_angle - tilt_start, 2.0 * pi / counts))
         hand_phase = 2.0 * pi * 0.4 * time  # plant.csp:74
         hand_x = 0.5 * sin(hand_phase)  # plant.csp:75
         hand_y = 0.5 * cos(hand_phase)  # plant.csp:76
         hand_buttons = 2 if (time >= 2.0 and time < 2.2) or time >= 15.0 else 0  # plant.csp:77
         self.feedback_horizontal.value = pan_encoder  # jiwy.csp:196
         self.feedback_vertical.value = tilt_encoder  # jiwy.csp:197
-        self.joystick_horizontal.value = hand_x  # jiwy.csp:198
-        self.joystick_vertical.value = hand_y  # jiwy.csp:199
+        self.joystick_horizontal.value = finite(hand_x)  # jiwy.csp:198
+        self.joystick_vertical.value = finite(hand_y)  # jiwy.csp:199
         self.joystick_buttons.value = hand_buttons  # jiwy.csp:200
 
     def _derivatives(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ..runtime import Driver, Signal, floor, int64, ms
+from ..runtime import Driver, Signal, finite, floor, int64, ms
 from ..types import Reading
 
 
@@ -75,6 +75,8 @@ class Kitchen:
             + 2.0 * k3_chamber_temperature
             + k4_chamber_temperature
         )
+        if chamber_temperature - chamber_temperature != 0.0:
+            finite(chamber_temperature)
         self.chamber_temperature = chamber_temperature
         self.now = now
         # watchdog.csp:77

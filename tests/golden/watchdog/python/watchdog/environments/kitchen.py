@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ..runtime import Driver, Signal, floor, int64, ms, s
+from ..runtime import Driver, Signal, finite, floor, int64, ms, s
 from ..types import Reading
 
 chamber_room = 293.0  # watchdog.csp:63
@@ -63,7 +63,7 @@ class Kitchen:
         k3 = self._derivative(chamber_temperature + half * k2, chamber_heater)
         k4 = self._derivative(chamber_temperature + h * k3, chamber_heater)
         chamber_temperature += sixth * (k1 + 2 * k2 + 2 * k3 + k4)
-        self.chamber_temperature = chamber_temperature
+        self.chamber_temperature = finite(chamber_temperature)
         self.now = now
         self._evaluate()
 

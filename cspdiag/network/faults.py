@@ -60,6 +60,8 @@ def _faults_itself(part: Expression) -> bool:
             return True
         case UnaryOperation() | BinaryOperation():
             return _is_whole(part) and needs_check(part)
+        case FunctionCall(function="finite"):
+            return True
         case FunctionCall(function="sign" | "seconds"):
             return False
         case FunctionCall():
