@@ -6,6 +6,8 @@ import contextlib
 import io
 import json
 import re
+import subprocess
+import sys
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
@@ -29,6 +31,19 @@ def command(*arguments: str) -> Output:
         except SystemExit as end:
             code = end.code if isinstance(end.code, int) else 1
     return Output(int(code or 0), out.getvalue(), err.getvalue())
+
+
+def alone(*arguments: str) -> Output:
+    """One command in a process of its own, which is ended if it takes longer than a minute: native runs may hang."""
+    with subprocess.Popen(
+        [sys.executable, "-m", "cspdiag", *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as child:
+        try:
+            out, err = child.communicate(timeout=60)
+        except subprocess.TimeoutExpired:
+            child.kill()
+            raise
+    return Output(child.returncode, out, err)
 
 
 @dataclass
@@ -65,7 +80,11 @@ def run(text: str, until: str, *options: str) -> RunOutput | None:
     with tempfile.TemporaryDirectory() as folder:
         path, trace = Path(folder) / "p.csp", Path(folder) / "t.jsonl"
         path.write_text(text)
-        output = command("run", str(path), "--for", until, "--trace", str(trace), *options)
+        arguments = ("run", str(path), "--for", until, "--trace", str(trace), *options)
+        try:
+            output = alone(*arguments) if "c" in options else command(*arguments)
+        except subprocess.TimeoutExpired:
+            return RunOutput([], "crashed", "does not end within a minute")
         if not trace.exists():
             return None if re.search(r"error\[E", output.err) else RunOutput([], "crashed", output.err)
         lines = [json.loads(line) for line in trace.read_text().splitlines()]
