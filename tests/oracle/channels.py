@@ -54,15 +54,16 @@ class Channels:
                     yield frame.offer, thread, depth
 
     def wake(self, st: State, channel: str, end: str, only: int | None = None) -> None:
-        """Lets alternatives and interrupts look, in the order in which they stand in the program."""
-        found = [(thread.tid, depth) for _, thread, depth in self.offers(st, channel, end)]
-        for tid, depth in sorted(set(found), key=lambda each: (each[0], -1 if each[1] is None else each[1])):
-            thread = st.threads[tid]
-            if only is not None and thread.branch != only:
-                continue
-            if depth is None:
+        """Lets alternatives look, in the order in which they stand in the program, and then interrupts by their age."""
+        found = list(self.offers(st, channel, end))
+        boxed = self.linked.program.boxed
+        choices = {thread.tid: thread for _, thread, depth in found if depth is None}
+        for thread in sorted(choices.values(), key=lambda each: (each.branch not in boxed, each.tid)):
+            if only is None or thread.branch == only:
                 self.ready(st, thread)
-            elif thread.stack[depth].status == "armed":
+        guards = [(offer.seq, thread, depth) for offer, thread, depth in found if depth is not None]
+        for _, thread, depth in sorted(guards, key=lambda each: each[0]):
+            if (only is None or thread.branch == only) and thread.stack[depth].status == "armed":
                 self.fire(st, thread, depth)
 
     def ready(self, st: State, thread: Thread) -> None:
@@ -138,14 +139,16 @@ class Channels:
     def _tell(self, st: State, op: Op) -> Op:
         """Gives the value to each end at which a reader waits; the writer goes on when all have it."""
         assert op.value is not None
-        pending = list(self.linked.ends[op.channel])
-        for other, thread in sorted(self.plain(st, op.channel, "?"), key=lambda each: each[1].tid):
-            if thread.branch in pending:
-                pending.remove(thread.branch)
+        pending: list[int] = []
+        readers = {thread.branch: (other, thread) for other, thread in self.plain(st, op.channel, "?")}
+        for end in self.linked.ends[op.channel]:
+            if end in readers:
+                other, thread = readers[end]
                 self.policy.passed(op.channel, op.value, external=False)
                 self.complete(st, thread, other, op.value)
-        for end in pending:
-            self.wake(st, op.channel, "?", only=end)
+            else:
+                pending.append(end)
+                self.wake(st, op.channel, "?", only=end)
         return op._replace(pending=tuple(pending), done=not pending)
 
     def _hear(self, st: State, op: Op, branch: int) -> Op:

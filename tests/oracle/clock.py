@@ -5,7 +5,7 @@ from __future__ import annotations
 from tests.oracle.channels import Channels
 from tests.oracle.link import Linked
 from tests.oracle.policy import Policy
-from tests.oracle.state import Book, Choice, Delay, Joint, State, Thread
+from tests.oracle.state import Book, Choice, Delay, Joint, State, Thread, Tid
 from tests.oracle.tree import Port, Value
 from tests.oracle.values import zero
 
@@ -89,7 +89,7 @@ class Clock:
         st.samples[port.name] = self.policy.sample(port, st.now)
         for (tid, name), book in sorted(st.books.items()):
             if name == port.name:
-                st.books[tid, name] = Book(fresh=True, missed=book.missed or book.fresh)
+                st.books[tid, name] = Book(fresh=True, missed=book.missed or book.fresh, ticked=True)
                 st.missed = st.missed or book.fresh
         self._wake(st, port.name)
 
@@ -120,20 +120,35 @@ class Clock:
     # ---- external ports ----
 
     def follow(self, st: State, me: Thread, name: str) -> None:
-        """The first read of a sampled input begins its book."""
-        port = self.linked.ports[name]
-        if (me.tid, name) in st.books:
-            return
-        same = [other.name for other in self.linked.program.ports if other.input and other.period == port.period]
-        follows = any((me.tid, other) in st.books for other in same)
-        st.books[me.tid, name] = Book(fresh=follows and name in st.samples, missed=False)
+        """Opens the book of a sampled input, if it is not open."""
+        if (me.tid, name) not in st.books:
+            st.books[me.tid, name] = Book(fresh=self._follows(st, me, name), missed=False, ticked=False)
+
+    def _follows(self, st: State, me: Thread, name: str) -> bool:
+        """Whether the process has any book of the period of a port, in any part, opened before the latest tick."""
+        period = self.linked.ports[name].period
+        same = {port.name for port in self.linked.program.ports if port.input and port.period == period}
+        return any(
+            book.ticked and other in same and self._process(tid) == self._process(me.tid)
+            for (tid, other), book in st.books.items()
+        )
+
+    def _process(self, tid: Tid) -> int:
+        """The process that a thread is a part of: a branch of the outermost parallel printed as one, or the outermost."""
+        return tid[0][1] if tid and tid[0][1] in self.linked.program.boxed else -1
+
+    def close(self, st: State, process: Thread) -> None:
+        """A process has ended, and its books with it."""
+        for tid, name in list(st.books):
+            if self._process(tid) == self._process(process.tid):
+                del st.books[tid, name]
 
     def available(self, st: State, me: Thread, name: str) -> bool:
         port = self.linked.ports[name]
         if port.period is None:
             return name in st.events
         book = st.books.get((me.tid, name))
-        return book is not None and (book.fresh or book.missed)
+        return self._follows(st, me, name) if book is None else book.fresh or book.missed
 
     def read(self, st: State, me: Thread, name: str) -> Value:
         """Takes what is available."""
@@ -143,10 +158,10 @@ class Clock:
         else:
             book = st.books[me.tid, name]
             if book.missed:
-                st.books[me.tid, name] = Book(fresh=book.fresh, missed=False)
+                st.books[me.tid, name] = book._replace(missed=False)
                 st.timeout = True
                 raise MissedSampleError
-            st.books[me.tid, name] = Book(fresh=False, missed=False)
+            st.books[me.tid, name] = book._replace(fresh=False)
             value = st.samples[name]
         self.policy.passed(name, value, external=True)
         return value

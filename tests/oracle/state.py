@@ -86,7 +86,7 @@ class Thread:
     stack: tuple[Frame, ...]
     signal: Signal
     wait: Waiting | None = None
-    cancel: int | None = None  # to be abandoned down to so many frames, at its next communication
+    cancel: bool = False  # to end at its next place
 
     def copy(self) -> Thread:
         return replace(self)
@@ -97,6 +97,7 @@ class Book(NamedTuple):
 
     fresh: bool
     missed: bool
+    ticked: bool  # there was a tick since it was opened
 
 
 @dataclass(slots=True)

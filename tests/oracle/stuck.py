@@ -49,7 +49,7 @@ def stuck(linked: Linked, st: State) -> dict[Tid, Thread]:
         if isinstance(thread.wait, Joint | Choice | Stopped | Branches)
         and tid not in st.ready
         and tid != st.running
-        and thread.cancel is None
+        and not thread.cancel
     }
     changed = True
     while changed:
