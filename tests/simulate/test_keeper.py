@@ -18,6 +18,8 @@ from cspdiag.simulate.native.keeper import Keeper
 
 ROOT = Path(__file__).parents[2]
 
+needs_compiler = pytest.mark.skipif(not any(map(shutil.which, ("cc", "gcc", "clang"))), reason="there is no C compiler")
+
 STUBBORN = ["sh", "-c", "trap '' INT TERM; exec sleep 60"]
 
 
@@ -43,6 +45,68 @@ environment Bench for Main { }
 """
 
 
+STUCK = """\
+submodel Law c "law.c" {
+  in  x : double
+  out y : double
+}
+
+process Main {
+  in  x : double @ 10 ms
+  out y : double @ 10 ms
+  communication { law : Law x -> law.x law.y -> y }
+  composition { mu law }
+}
+
+submodel World { out x : double in y : double x = 1 }
+environment Bench for Main { world : World world.x -> x y -> world.y }
+"""
+LAW_HEADER = """\
+#ifndef LAW_H
+#define LAW_H
+struct law { double x, y; };
+void law_initialize(struct law *self);
+void law_reset(struct law *self);
+void law_calculate(struct law *self);
+#endif
+"""
+LAW = """\
+#include "law.h"
+#include <stdio.h>
+#include <unistd.h>
+void law_initialize(struct law *self) { self->y = 0.0; }
+void law_reset(struct law *self) { self->y = 0.0; }
+void law_calculate(struct law *self)
+{
+    FILE *begun = fopen("begun", "w");
+    (void)fclose(begun);
+    for (;;) {
+        (void)pause();
+    }
+}
+"""
+
+
+@needs_compiler
+def test_a_step_that_hangs_is_left_by_a_signal(tmp_path: Path) -> None:
+    for name, text in (("main.csp", STUCK), ("law.h", LAW_HEADER), ("law.c", LAW)):
+        (tmp_path / name).write_text(text)
+    command = [sys.executable, "-m", "cspdiag", "run", "main.csp", "--target", "c", "--record", "main.csv"]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    with subprocess.Popen(command, cwd=tmp_path, env=environment, stderr=subprocess.PIPE, text=True) as parent:
+        try:
+            deadline = time.monotonic() + 60
+            while not (tmp_path / "begun").exists() and parent.poll() is None and time.monotonic() < deadline:
+                time.sleep(0.02)
+            parent.terminate()
+            _, told = parent.communicate(timeout=20)
+        finally:
+            parent.kill()
+    assert parent.returncode == 143, told
+    assert "Main in Bench: stopped by SIGTERM" in told
+    assert (tmp_path / "main.csv").exists()
+
+
 def children(process: int) -> set[int]:
     found: set[int] = set()
     for task in Path(f"/proc/{process}/task").glob("*/children"):
@@ -57,8 +121,8 @@ def is_native(process: int) -> bool:
     return False
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere it ends with the next record")
-@pytest.mark.skipif(not any(map(shutil.which, ("cc", "gcc", "clang"))), reason="there is no C compiler")
+@pytest.mark.skipif(sys.platform != "linux", reason="it looks at /proc")
+@needs_compiler
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM, signal.SIGHUP])
 def test_a_native_run_ends_with_its_parent(number: signal.Signals, tmp_path: Path) -> None:
     (tmp_path / "main.csp").write_text(ENDLESS)

@@ -102,7 +102,7 @@ def _run(
             keeper.told()
             _, said = running.communicate()
         except EOFError:
-            if not keeper.killed:
+            if not keeper.signal:
                 raise
         except BaseException:
             running.kill()
@@ -121,9 +121,13 @@ def _outcome(reader: StreamReader, keeper: Keeper, environment: Environment | No
 
     end = reader.end
     if end is None:
-        if not keeper.killed:
+        if not keeper.signal:
             return None
-        return Outcome("stopped", reader.now, signal=keeper.signal, release_errors=[keeper.account])
+        outcome = Outcome("stopped", reader.now, signal=keeper.signal)
+        # Otherwise it has come out of a step that hung by itself, with its outputs released and no time to tell.
+        if keeper.killed:
+            outcome.release_errors.append(keeper.account)
+        return outcome
     ended = _ENDINGS[end.ending]
     outcome = Outcome(ended, end.time, missed=reader.missed, wall_time=end.duration)
     if ended == "stopped":
