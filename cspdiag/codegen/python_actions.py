@@ -159,6 +159,8 @@ class Composition:
         match action:
             case WriteValue(value=value) | WaitStep(duration=value) if not cannot_fault(value):
                 return self._coroutine(action, hint or branch_name(action))
+            case InterruptOn() if self._checked_place(action) is not None:
+                return self._coroutine(action, hint or branch_name(action))
         return self.awaitable(action, hint)
 
     def _branches(self, steps: Sequence[Action]) -> Iterable[Argument]:
@@ -409,6 +411,8 @@ class Composition:
                 return self._place(action)
             case WaitStep(duration=value):
                 return self._place_of_fault(value, action)
+            case InterruptOn(branch=Branch(event=InputEvent())):
+                return self._place(action)
             case InterruptOn(branch=branch):
                 values = (
                     branch.condition,

@@ -19,6 +19,7 @@ from cspdiag.network.faults import may_fault
 from cspdiag.network.finite import assured_law, within_domains
 from cspdiag.network.ir import ExternalCall, SubmodelClass, SubmodelEquation
 from cspdiag.network.submodel_draft import Draft, LinearOperator
+from cspdiag.network.vector_states import split_vector_states
 
 
 def evaluation_order(draft: Draft, report: Report) -> tuple[Item, ...] | None:
@@ -40,6 +41,7 @@ def complete(system: SubmodelClass, draft: Draft, report: Report) -> SubmodelCla
         for index in range(1 if port.size is None else port.size)
         if port.direction == "out"
     }
+    split_vector_states(draft)
     items = evaluation_order(draft, report)
     if items is None or not draft.complete:
         return None

@@ -72,11 +72,16 @@ class Cancelled(BaseException):
     """
 
 
+ANOTHER_BRANCH = "another parallel branch ended with"
+"""How a note begins that is for those who look at the exception in Python; what a run says is the same on every target."""
+
+
 def described(error: BaseException) -> str:
     """The exception in the words of the program: its name, what it says, and where it was raised."""
     text, name = str(error), type(error).__name__
     if isinstance(error, DriverError | EnvironmentFailure):
         return text
     place = getattr(error, "place", None)
-    notes = [f"in {place}"] if place is not None and place not in text else getattr(error, "__notes__", [])
+    told = [note for note in getattr(error, "__notes__", []) if not note.startswith(ANOTHER_BRANCH)]
+    notes = [f"in {place}"] if place is not None and place not in text else told
     return ", ".join([f"{name}: {text}" if text else name, *notes])

@@ -154,6 +154,7 @@ class _Run:
         return Printer(
             self.printer.types,
             parameter=self.printer.parameter,
+            variable=self.printer.variable,
             signal=lambda name: integration.local(name) if name in inner else self.printer.signal(name),
         )
 
