@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from cspdiag.diagnostics import Diagnostic, Span
 from cspdiag.diagnostics.record import node
-from cspdiag.model.diagnostics_types import FrequencyAsTime, WrongType
+from cspdiag.model.diagnostics_types import ConstantNoTime, WrongType
 from cspdiag.model.diagnostics_units import WrongScale, WrongUnit
 from cspdiag.model.types import (
     DOUBLE,
@@ -45,10 +45,15 @@ def require(context: Context, expression: ast.Expression, found: Type, wanted: T
     """The type of a value for a purpose: ``wanted`` if it agrees or adapts, else reported and unknown."""
     if adapt(context, expression, found, wanted):
         return wanted
-    frequency = _frequency(context, expression) if isinstance(wanted, TimeType) else None
-    if frequency is not None:
-        what = purpose.what
-        context.refuse(FrequencyAsTime(frequency.value.span, frequency.name.text, what, expression.span), expression)
+    constant = _no_time(context, expression) if isinstance(wanted, TimeType) else None
+    if constant is not None:
+        advice = f"const {constant.name.text} : time = {constant.value.span.text}`, which is its period"
+        if isinstance(constant.value, ast.Number):
+            advice = f"const {constant.name.text} = {constant.value.value!r} s`"
+        refused = ConstantNoTime(
+            constant.value.span, constant.name.text, found, purpose.what, expression.span, f"write `{advice}"
+        )
+        context.refuse(refused, expression)
         return UNKNOWN
     culprit = _culprit(context, expression, wanted)
     if culprit is not None:
@@ -61,15 +66,17 @@ def require(context: Context, expression: ast.Expression, found: Type, wanted: T
     return UNKNOWN
 
 
-def _frequency(context: Context, expression: ast.Expression) -> ast.Constant | None:
-    """The constant without a type that an expression names, if a frequency was written as its value."""
+def _no_time(context: Context, expression: ast.Expression) -> ast.Constant | None:
+    """The constant without a type that an expression names, if a frequency or a number of seconds was written as its value."""
     found = None
     while isinstance(expression, ast.Name):
         symbol = context.program.bindings.get(expression)
         if not isinstance(symbol, ast.Constant) or symbol.type is not None:
             return None
         found, expression = symbol, symbol.value
-    return found if isinstance(expression, ast.Duration) and expression.is_frequency else None
+    is_frequency = isinstance(expression, ast.Duration) and expression.is_frequency
+    is_seconds = isinstance(expression, ast.Number) and expression.unit == "s"
+    return found if is_frequency or is_seconds else None
 
 
 def _mismatch(expression: ast.Expression, found: Type, wanted: Type, purpose: Purpose) -> Diagnostic:

@@ -279,11 +279,11 @@ class UselessValue(Diagnostic):
 
 
 @record
-class FrequencyAsTime(Diagnostic):
-    """A constant is a frequency, and a time where it is used.
+class ConstantNoTime(Diagnostic):
+    """A constant is a frequency or a number of seconds, and a time where it is used.
 
     Where a frequency is written for a time it means its period: `@ 10 Hz` is `@ 100 ms`. A constant without a type has that of its
-    value, and so it is a `double<Hz>`. With the type `time` it is the period everywhere.
+    value, and so it is a `double<Hz>`. With the type `time` it is the period everywhere. Likewise `0.01<s>` is a `double<s>`, and `0.01 s` a time.
 
     Refused::
 
@@ -309,19 +309,21 @@ class FrequencyAsTime(Diagnostic):
     """
 
     code = "E0317"
-    title = "a frequency for a time"
+    title = "a constant that is no time"
 
     name: str
+    found: Type
     what: str
     use: Span
+    advice: str
 
     @property
     def message(self) -> str:
-        return f"the constant `{self.name}` is a frequency, but {self.what} is a time"
+        return f"the constant `{self.name}` is {noun(self.found)}, but {self.what} is a time"
 
     @property
     def help(self) -> str | None:
-        return f"write `const {self.name} : time = {self.span.text}`, which is its period"
+        return self.advice
 
     @property
     def labels(self) -> tuple[Label, ...]:
