@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
-from cspdiag.codegen import external_modules
+from cspdiag.codegen.python_external import bodies
 from cspdiag.network.ir import Environment, Network
 from cspdiag.runtime.stopping import stopping
 from cspdiag.simulate.measure import measure
@@ -74,7 +74,7 @@ def simulate(
                 plant = package.module("environments").ENVIRONMENTS[chosen.name]() if chosen is not None else None
                 running = package.module("network").build(plant.drivers if plant is not None else {})
         except (Exception, SystemExit) as problem:
-            if not external_modules(network):
+            if not bodies(network):
                 raise
             raise BodyError(account_of(problem)) from problem
         if probe_variables:

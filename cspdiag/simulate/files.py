@@ -5,12 +5,12 @@ from __future__ import annotations
 import io
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from cspdiag.model.types import ArrayType, EnumType, StructType, Type
+from cspdiag.model.types import ArrayType, BoolType, EnumType, StructType, Type
 from cspdiag.simulate.leaves import Picker, leaves
 
 if TYPE_CHECKING:
@@ -74,11 +74,11 @@ def csv_text(run: Run) -> str:
     """
     prefix = f"{run.network.top}."
     names: list[str] = []
-    columns: dict[str, list[tuple[int, Type, Picker]]] = {}
+    columns: dict[str, list[tuple[int, Callable[[Any], str], Picker]]] = {}
     for port in run.network.external_ports:
         columns[f"{prefix}{port.name}"] = own = []
         for name, kind, pick in leaves(port.name, port.type):
-            own.append((len(names), kind, pick))
+            own.append((len(names), _writer(kind), pick))
             names.append(name)
     row = [""] * len(names)
     rows: list[str] = [",".join(["time", *names])]
@@ -90,18 +90,22 @@ def csv_text(run: Run) -> str:
         if instant is not None and time != instant:
             rows.append(",".join([repr(instant / 1e9), *row]))
         instant = time
-        for position, kind, pick in own_columns:
-            row[position] = _cell(pick(value), kind)
+        for position, written, pick in own_columns:
+            row[position] = written(pick(value))
     if instant is not None:
         rows.append(",".join([repr(instant / 1e9), *row]))
     return "".join(f"{line}\n" for line in rows)
 
 
-def _cell(value: object, kind: Type) -> str:
-    shown = readable(value, kind)
-    if isinstance(shown, bool):
-        return "true" if shown else "false"
-    return str(shown)
+def _writer(kind: Type) -> Callable[[Any], str]:
+    """How a number is written in a table."""
+    match kind:
+        case BoolType():
+            return lambda value: "true" if value else "false"
+        case EnumType(literals=literals):
+            return lambda value: literals[int(value)]
+        case _:
+            return str
 
 
 def npz_bytes(run: Run) -> bytes:

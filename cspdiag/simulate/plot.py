@@ -179,7 +179,7 @@ def _panel(run: Run, axes: Axes, column: _Column, row: tuple[str, int]) -> None:
     unit, number = row
     end = axes.get_xlim()[1]
     for bar in one_after_the_other(run, column.group):
-        axes.axvspan(bar.start, bar.end, color=bar.color, alpha=0.45, linewidth=0, zorder=0)
+        axes.axvspan(bar.start, bar.end, color=bar.color, alpha=0.3, linewidth=0, zorder=0)
     for instant in column.events:
         axes.axvline(instant, color=FAINT, linewidth=0.5, linestyle=(0, (1, 2)), zorder=0.5)
     styles = ((color, _DASHES[at % len(_DASHES)]) for at, color in enumerate(_LINE_COLORS * 9))
@@ -202,7 +202,7 @@ def _panel(run: Run, axes: Axes, column: _Column, row: tuple[str, int]) -> None:
     for name, line in _variables(run, column.group, unit).items() if number == 0 else ():
         color, dashes = next(styles)
         axes.plot(
-            *_steps(line, end), label=shortened(name), color=color, linestyle=(0, dashes), linewidth=0.8, zorder=1.5
+            *_steps(line, end), label=shortened(name), color=color, linestyle=(0, dashes), linewidth=0.8, zorder=2.5
         )
     axes.set_ylabel(unit)
     if not any(len(series.time) for series in column.panels.get(row, ())) and len(axes.lines) <= len(column.events) + 1:

@@ -118,3 +118,13 @@ def test_a_missed_deadline_names_process_and_line(tmp_path: Path, capsys: pytest
     )
     assert main(["run", str(path)]) == 1
     assert "before it had been taken, in Main (slow.csp:4)" in capsys.readouterr().err
+
+
+def test_an_installed_module_that_is_missing_is_named(tmp_path: Path) -> None:
+    (tmp_path / "lamp.csp").write_text(
+        'driver Lamp python "no_such_module.lamp:Lamp" { in light : int }\n'
+        "process P { out light : int composition { light ! 1 } }\n"
+        "environment Real for P { lamp : Lamp light -> lamp.light }\n"
+    )
+    with pytest.raises(BodyError, match="ModuleNotFoundError: No module named 'no_such_module'"):
+        cspdiag.load(str(tmp_path / "lamp.csp")).run()

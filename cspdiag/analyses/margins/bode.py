@@ -14,6 +14,8 @@ from cspdiag.analyses.margins.loops import AnalysedLoop
 from cspdiag.analyses.margins.margin import frequency_response
 
 _COLOURS = ("#1f4e79", "#c0504d", "#4f8a3c", "#7f5fa0", "#b07d2b", "#3a8f99", "#555555", "#8a2d5c")
+_DASHES = ((), (5, 1.5), (1, 1), (6, 1.5, 1, 1.5), (3, 1, 1, 1, 1, 1), (8, 3))
+"""Curves are told apart in grey print, too."""
 _STYLE = {
     "font.family": "DejaVu Sans", "font.size": 9, "axes.spines.top": False, "axes.spines.right": False,
     "axes.linewidth": 0.6, "lines.linewidth": 1.3, "legend.framealpha": 0.8, "legend.edgecolor": "none", "legend.fontsize": 8,
@@ -33,6 +35,7 @@ def bode(loops: Sequence[AnalysedLoop], kind: str) -> bytes:
         magnitude, phase = figure.subplots(2, 1, sharex=True)
         for number, (names, loop) in enumerate(_distinct(loops)):
             colour = _COLOURS[number % len(_COLOURS)]
+            look: dict[str, Any] = {"color": colour, "linestyle": (0, _DASHES[number % len(_DASHES)])}
             response = frequency_response(loop.opened)
             size = numpy.maximum(abs(response.values), 1e-12)
             degrees = numpy.degrees(numpy.unwrap(numpy.angle(response.values)))
@@ -40,8 +43,8 @@ def bode(loops: Sequence[AnalysedLoop], kind: str) -> bytes:
             label = _label(names, loop)
             nyquist = response.frequencies[-1]
             shown = (response.frequencies > nyquist * 3e-4) & (response.frequencies < nyquist * 0.97)
-            magnitude.plot(response.frequencies[shown], 20 * numpy.log10(size[shown]), color=colour, label=label)
-            phase.plot(response.frequencies[shown], degrees[shown], color=colour)
+            magnitude.plot(response.frequencies[shown], 20 * numpy.log10(size[shown]), label=label, **look)
+            phase.plot(response.frequencies[shown], degrees[shown], **look)
             _mark(magnitude, phase, loop, response.frequencies, degrees, colour)
         magnitude.axhline(0, color="#888888", linewidth=0.7)
         phase.axhline(-180, color="#888888", linewidth=0.7)
@@ -54,7 +57,8 @@ def bode(loops: Sequence[AnalysedLoop], kind: str) -> bytes:
         phase.set_xlabel("frequency (rad/s), each up to half its sample frequency")
         for axes in (magnitude, phase):
             axes.grid(visible=True, which="both", color="#e4e4e4", linewidth=0.5)
-        magnitude.legend(loc="lower left")
+        legend = figure.legend(loc="outside lower left", handlelength=3.2)
+        figure.set_figheight(5.2 + 0.2 * len(legend.get_lines()))
         file = io.BytesIO()
         metadata = {"Date": None} if kind == "svg" else {"CreationDate": None} if kind == "pdf" else {}
         figure.savefig(file, format=kind, dpi=150, metadata=metadata)
