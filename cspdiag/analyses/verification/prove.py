@@ -121,7 +121,7 @@ def _weakly_proved(question: Question, specification: System, proved: Proved) ->
         for abstraction in specification.abstractions
     )
     reason = (
-        f"`{question.process}` does nothing that is known to be forbidden, but what `{question.specification}` forbids depends on what the proof leaves open: "
+        f"no forbidden step of `{question.process}` was found, but the proof does not know all that `{question.specification}` forbids: "
         + "; ".join(left_open)
     )
     return Answer(

@@ -97,7 +97,7 @@ def test_without_a_solver_the_searches_answer_and_say_so(monkeypatch: pytest.Mon
 def test_what_no_method_settles_in_time_is_unknown_with_the_reasons_and_the_candidate() -> None:
     verdict = prove_deadlock_free(known.client_server_ring(9), Limits(), ["rules"])
     assert isinstance(verdict, Unknown)
-    assert verdict.reason.startswith("rules: `p0` chooses")
+    assert verdict.reason.startswith("rules: `p0` has an alternative")
     assert isinstance(prove_knot_free(known.milner(3), Limits(seconds=0.0), ["sat", "breadth-first"]), Unknown)
 
 

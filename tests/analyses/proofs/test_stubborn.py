@@ -87,4 +87,4 @@ def test_where_a_failure_may_end_what_is_stuck_the_question_is_left_open() -> No
     failing = replace(ring, events=(*ring.events[:-1], replace(ring.events[-1], kind="failure")))
     verdict = stubborn.knot_free(failing, Limits())
     assert isinstance(verdict, Unknown)
-    assert "failure" in verdict.reason
+    assert "a missed sample or a fault" in verdict.reason
