@@ -90,7 +90,7 @@ class _NetworkFiles:
         found = [*comment(told), "#ifndef NETWORK_H", "#define NETWORK_H", "", '#include "csp.h"']
         found += ['#include "types.h"', ""] if self._events else [""]
         found += ["/* A device or a simulated one for every port. */"]
-        members = [Row(f"{member};") for member in _driver_members(self.network, self.types)]
+        members = [Row(*driver) for driver in _driver_members(self.network, self.types)]
         found += [*lines(block("struct network_drivers", members or [Row("char unused;")], "};")), ""]
         found += ["/* Builds the network, before each run. */"]
         found += ["void network_initialize(const struct network_drivers *drivers);", ""]
@@ -314,7 +314,9 @@ def _driver_lvalues(network: Network, types: CTypes) -> Iterator[str]:
             yield f"drivers->{types.field(name)}{'' if port.index is None else f'[{position}]'}"
 
 
-def _driver_members(network: Network, types: CTypes) -> Iterator[str]:
-    """The declarations of the members of ``struct network_drivers``."""
+def _driver_members(network: Network, types: CTypes) -> Iterator[tuple[str, int, str]]:
+    """The declarations of the members of ``struct network_drivers``, and what their functions are handed a pointer to."""
     for name, ports in port_groups(network.external_ports):
-        yield f"csp_driver {types.field(name)}{'' if ports[0].index is None else f'[{len(ports)}]'}"
+        member = f"csp_driver {types.field(name)}{'' if ports[0].index is None else f'[{len(ports)}]'};"
+        access = "reads" if ports[0].direction == "in" else "writes"
+        yield member, 0, f"{access} {types.type_name(ports[0].type)}"

@@ -7,10 +7,15 @@
 
 /* A device or a simulated one for every port. */
 struct network_drivers {
+    /* reads enum button */
     csp_driver panel;
+    /* reads double */
     csp_driver feedback;
+    /* writes double */
     csp_driver control;
+    /* writes bool */
     csp_driver brake;
+    /* writes bool */
     csp_driver halted;
 };
 

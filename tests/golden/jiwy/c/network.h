@@ -7,12 +7,19 @@
 
 /* A device or a simulated one for every port. */
 struct network_drivers {
+    /* reads double */
     csp_driver joystick_horizontal;
+    /* reads double */
     csp_driver joystick_vertical;
+    /* reads int64_t */
     csp_driver joystick_buttons;
+    /* reads double */
     csp_driver feedback_horizontal;
+    /* reads double */
     csp_driver feedback_vertical;
+    /* writes double */
     csp_driver control_horizontal;
+    /* writes double */
     csp_driver control_vertical;
 };
 
