@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from argparse import ArgumentParser, Namespace
 
@@ -36,7 +37,8 @@ def run(arguments: Namespace) -> int:
         if text is None:
             continue
         if arguments.diff:
-            sys.stdout.write(_difference(source, text))
+            difference = _difference(source, text)
+            sys.stdout.write(printable(difference) if sys.stdout.isatty() else difference)
         elif source.name == STANDARD_INPUT and not arguments.check:
             sys.stdout.write(text)
         if text != source.text:
@@ -69,9 +71,14 @@ def _difference(source: SourceFile, text: str) -> str:
 
     name = " ".join(printable(source.name).split("\n"))
     lines = unified_diff(
-        source.text.splitlines(keepends=True),
-        text.splitlines(keepends=True),
+        _lines(source.text),
+        _lines(text),
         name,
         f"{name} (formatted)",
     )
     return "".join(line if line.endswith("\n") else f"{line}\n\\ No newline at end of file\n" for line in lines)
+
+
+def _lines(text: str) -> list[str]:
+    """The lines with their ends, which are line feeds: a comment may have other characters that Python takes for ends of lines."""
+    return [line for line in re.split(r"(?<=\n)", text) if line]

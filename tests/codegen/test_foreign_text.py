@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import subprocess
 import tomllib
 from collections.abc import Mapping
@@ -9,12 +10,15 @@ from functools import cache
 from pathlib import Path
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from markdown_it import MarkdownIt
 
 from cspdiag import pipeline
 from cspdiag.codegen import TARGETS
 from cspdiag.codegen.c.text import quoted as c_string
-from cspdiag.codegen.package_text import markdown, markdown_code
+from cspdiag.codegen.package_text import markdown, markdown_code, toml_string
+from cspdiag.codegen.python_text import docstring, quoted, remark
 from cspdiag.diagnostics import SourceFile
 from cspdiag.network.ir import Network
 from cspdiag.simulate.native.build import find_compiler
@@ -106,6 +110,26 @@ def test_a_doc_comment_is_no_markup_in_the_readme(kind: str) -> None:
 def test_a_code_span_holds_any_name(file: str) -> None:
     (_, inline, _) = MarkdownIt().parse(markdown_code(file))
     assert [token.type for token in inline.children or []] == ["code_inline"]
+
+
+ANY = st.text(st.characters() | st.sampled_from("\"\\'\n\r\u2028N{x}#*`|_<&\ud800\udcff"))
+
+
+@given(ANY)
+def test_any_string_reads_back_in_python_and_toml(text: str) -> None:
+    assert ast.literal_eval(quoted(text)) == text
+    whole = "".join("\ufffd" if "\ud800" <= character <= "\udfff" else character for character in text)
+    assert tomllib.loads(f"text = {toml_string(text)}\n")["text"] == whole
+    assert "".join(f"# {remark(text)}").isprintable()
+
+
+@given(ANY, st.sampled_from(["", "    "]))
+def test_any_docstring_reads_back(text: str, indent: str) -> None:
+    whole = "".join("\ufffd" if "\ud800" <= character <= "\udfff" else character for character in f"Begins. {text}")
+    rows = docstring(f"Begins. {text}", indent)
+    source = "\n".join(["class Of:", *rows] if indent else rows)
+    (found,) = docstrings(source)
+    assert found.split() == whole.split()
 
 
 def test_compilers_read_c_strings_as_they_were(tmp_path: Path) -> None:

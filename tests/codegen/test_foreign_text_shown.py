@@ -121,10 +121,11 @@ def test_a_run_of_a_file_of_any_name(level: str, capsys: pytest.CaptureFixture[s
 
 @pytest.mark.usefixtures("at")
 def test_what_commands_say_of_a_file_of_any_name(capsys: pytest.CaptureFixture[str]) -> None:
-    path = written(NAME, program("Plain."))
+    path, plain = written(NAME, program(ALL)), written(f"plain {NAME}", program("Plain."))
     bad = written(f"bad {NAME}", BAD)
     commands = [
-        ["fmt", "--check", "--diff", path],
+        ["fmt", "--check", "--diff", plain],
+        ["fmt", "--check", path],
         ["fmt", path],
         ["check", bad],
         ["compile", path, "-o", f"{path} build"],
@@ -140,3 +141,4 @@ def test_what_commands_say_of_a_file_of_any_name(capsys: pytest.CaptureFixture[s
     for command in commands:
         main(command)
         assert_shown(capsys)
+        assert not Path("executed").exists(), command
