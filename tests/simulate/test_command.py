@@ -86,17 +86,26 @@ def test_deadlock_is_reported_with_its_cycle(capsys: pytest.CaptureFixture[str])
 def test_ctrl_c_releases_outputs_and_closes_recordings(heater: Path, number: signal.Signals) -> None:
     """The button is not pressed, so that only the signal ends the run; it comes when the program has long begun."""
     endless = heater.read_text().replace("time > 0.4<s>", "time > 400<s>").replace("480 ms", "480 s")
-    heater.write_text(
-        endless.replace("environment Bench for Oven step 5 ms", "environment Bench for Oven step 5 ms on miss count")
+    begins = heater.parent / "begins"
+    (heater.parent / "tell.py").write_text(
+        "from pathlib import Path\n\n\nclass Tell:\n    def __init__(self):\n"
+        f"        Path({str(begins)!r}).touch()\n\n    def calculate(self):\n        return 0.0\n"
     )
+    endless = endless.replace(
+        "environment Bench for Oven step 5 ms {", "environment Bench for Oven on miss count {\n tell : Tell"
+    )
+    heater.write_text(f'submodel Tell python "tell.py:Tell" {{ out x : double }}\n{endless}')
     record = heater.parent / "out.csv"
     command = [sys.executable, "-m", "cspdiag", "run", str(heater), "--real-time", "--record", str(record)]
     child = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
-    time.sleep(5)
+    deadline = time.monotonic() + 60
+    while not begins.exists() and child.poll() is None and time.monotonic() < deadline:
+        time.sleep(0.02)
+    time.sleep(1)
     assert child.poll() is None
     child.send_signal(number)
     error = child.communicate(timeout=30)[1]
     assert child.returncode == 128 + number
     assert f"Oven in Bench: stopped by {number.name} at" in error
     assert "Traceback" not in error
-    assert record.read_text().startswith("time,temperature,button,power\n0.01,")
+    assert record.read_text().startswith("time,temperature,button,power\n0.")

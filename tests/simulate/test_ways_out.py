@@ -24,6 +24,7 @@ TRIED = [
     ("SIGUSR1", "package -O0", "virtual time", True),
     ("two signals", "package -O0", "real time", True),
     ("six signals", "package -O1", "virtual time", False),
+    ("a signal during import", "package -O0", "virtual time", False),
     ("a signal during open", "package -O1", "real time", True),
     ("a signal while a read hangs", "package -O0", "virtual time", False),
     ("a read raises", "package -O1", "virtual time", False),

@@ -106,6 +106,11 @@ def fail(how):
             pass
 
 
+if FAULT == "import is slow":
+    log("import")
+    time.sleep(1000)
+
+
 class Device:
     blocking = os.environ["BLOCKING"] == "1"
 
@@ -179,6 +184,7 @@ WAYS = (
     WayOut("SIGPIPE is ignored", 143, "stopped by SIGTERM", signals=(signal.SIGPIPE, signal.SIGTERM)),
     WayOut("two signals", 143, "stopped by SIGTERM", signals=(signal.SIGTERM, signal.SIGTERM)),
     WayOut("six signals", 130, "stopped by SIGINT", signals=(signal.SIGINT, signal.SIGTERM) * 3),
+    WayOut("a signal during import", 143, "stopped by SIGTERM before", "import is slow", (signal.SIGTERM,), ()),
     WayOut("a signal during open", 143, "stopped by SIGTERM", "open is slow", (signal.SIGTERM,), ("Card",)),
     WayOut("a signal while a read hangs", 143, "stopped by SIGTERM", "read hangs", (signal.SIGTERM,)),
     WayOut("a read raises", 1, "driver Card failed to read at port Main.level: OSError: cable out", "read raises"),
@@ -314,7 +320,7 @@ def try_way(folder: Path, way: WayOut, start: str, clock: str, *, blocking: bool
     process = started(own, start, clock, blocking=blocking, fault=way.fault, name=name)
     try:
         if way.signals:
-            needed = 1 if way.fault == "open is slow" else 3 if way.fault == "read hangs" else 6
+            needed = 1 if way.fault in ("open is slow", "import is slow") else 3 if way.fault == "read hangs" else 6
             wait_until(lambda: len(log_of(own)) >= needed, process)
             if way.fault == "read hangs":
                 time.sleep(0.1)
