@@ -1,0 +1,63 @@
+"""Time-outs of which W0615 says that they never elapse do not, and the others do."""
+
+from __future__ import annotations
+
+from itertools import product
+
+import pytest
+
+from cspdiag import pipeline
+from cspdiag.diagnostics.span import SourceFile
+from cspdiag.simulate import execute
+from cspdiag.sources import read_source
+
+PROGRAM = """
+process Main {{
+  in  a     : double @ 2 ms
+  out alarm : int
+  communication {{
+    var x : double = 0
+  }}
+  composition {{
+    wait {first} us ;
+    mu (
+      {branches}
+    )
+  }}
+}}
+
+submodel Source {{
+  out y : double
+  y = time / 1<s>
+}}
+
+environment Bench for Main {{
+  source : Source
+  source.y -> a
+  alarm -> _
+}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("operator", "is_behind", "delay"), list(product(("[]", "[]>"), (False, True), (1500, 2000, 2500, 9000)))
+)
+def test_a_time_out_never_elapses_where_that_is_said(operator: str, is_behind: bool, delay: int) -> None:
+    branches = ["a ? x -> skip", f"after {delay} us -> alarm ! 1"]
+    if not is_behind:
+        branches.reverse()
+    elapsed = set()
+    said = set()
+    for first in (0, 700, 2000, 3100):
+        text = PROGRAM.format(first=first, branches=f" {operator} ".join(branches))
+        built = pipeline.build(SourceFile(name="main.csp", text=text), read_source)
+        assert built.network is not None
+        said.add(any(found.code == "W0615" for found in built.checked.report.diagnostics))
+        files = pipeline.generate(built.network, read_source, level=1, traced=True, observed=True)
+        run = execute.simulate(built.network, files, until=100_000_000)
+        elapsed.add(any(channel == "Main.alarm" for _, channel, *_ in run.communications))
+    assert len(said) == 1
+    if True in said:
+        assert elapsed == {False}
+    else:
+        assert True in elapsed
