@@ -6,10 +6,15 @@ from cspdiag.diagnostics import Diagnostic, Label, Span
 from cspdiag.diagnostics.record import record
 from cspdiag.network.ir import Direction
 
+_SHOWN = 5
+"""How many of many names are told."""
+
 
 def _listed(names: list[str]) -> str:
-    """``a``, ``a and b``, ``a, b and c``, in backticks."""
-    quoted = [f"`{name}`" for name in names]
+    """``a``, ``a and b``, ``a, b and c``, in backticks; the first of many, and how many more there are."""
+    quoted = [f"`{name}`" for name in names[:_SHOWN]]
+    if len(names) > _SHOWN:
+        return f"{', '.join(quoted)} and {len(names) - _SHOWN} more"
     return quoted[0] if len(quoted) == 1 else f"{', '.join(quoted[:-1])} and {quoted[-1]}"
 
 
@@ -83,7 +88,8 @@ class IncompleteEnvironment(Diagnostic):
 
     @property
     def labels(self) -> tuple[Label, ...]:
-        return tuple(Label(span, f"`{name.partition('[')[0]}` is declared here") for name, _, span in self.ports)
+        declared = {span: name.partition("[")[0] for name, _, span in self.ports}
+        return tuple(Label(span, f"`{name}` is declared here") for span, name in declared.items())
 
 
 @record
@@ -163,7 +169,8 @@ class UnconnectedInputs(Diagnostic):
 
     @property
     def labels(self) -> tuple[Label, ...]:
-        return tuple(Label(span, f"`{name.partition('[')[0]}` is declared here") for name, span in self.ports)
+        declared = {span: name.partition("[")[0] for name, span in self.ports}
+        return tuple(Label(span, f"`{name}` is declared here") for span, name in declared.items())
 
 
 @record

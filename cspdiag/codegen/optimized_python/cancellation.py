@@ -7,6 +7,7 @@ where it stands; its code then has no test before each communication.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from functools import lru_cache
 
 from cspdiag.codegen.optimized_python.storage import run_again
 from cspdiag.network.actions import CatchException, InterruptOn, ParallelSteps, RunInstance
@@ -14,6 +15,7 @@ from cspdiag.network.ir import Network, ProcessClass
 from cspdiag.network.walk import instances_run, parts
 
 
+@lru_cache(maxsize=1)
 def checked_classes(network: Network) -> frozenset[str]:
     """The process classes whose code asks before each communication if it was cancelled.
 

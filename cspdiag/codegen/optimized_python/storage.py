@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
+from functools import lru_cache
 from typing import assert_never
 
 from cspdiag.model.types import has_unit
@@ -162,16 +164,17 @@ def _either(*ends: frozenset[str] | None) -> frozenset[str] | None:
     return frozenset.intersection(*reached) if reached else None
 
 
+@lru_cache(maxsize=1)
 def run_again(network: Network) -> frozenset[str]:
-    """The process classes of which an instance may be run more than once."""
+    """The process classes of which an instance may be run more than once; every class of a package asks."""
     classes = {entry.name: entry for entry in network.classes if isinstance(entry, ProcessClass)}
     found: set[str] = set()
     pending: list[str] = []
     for process in classes.values():
         of = {instance.name: instance.class_name for instance in process.instances}
-        runs = [] if process.body is None else instances_run(process.body)
+        runs = Counter(() if process.body is None else instances_run(process.body))
         looped = {name for loop in _loops(process) for name in instances_run(loop)}
-        pending += [of[name] for name in runs if name in looped or runs.count(name) > 1]
+        pending += [of[name] for name, count in runs.items() if count > 1 or name in looped]
     while pending:
         name = pending.pop()
         if name in classes and name not in found:

@@ -1,0 +1,106 @@
+"""No part of the compiler is much worse than linear in the text or the instances: counted in calls of functions, not in time."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from functools import partial
+from types import FrameType
+
+import pytest
+
+from cspdiag import pipeline
+from cspdiag.diagnostics import SourceFile
+from cspdiag.diagnostics.render_text import render
+from cspdiag.sources import read_source
+
+MOST = 2.6
+"""How much more may be done for twice the size: n log n, with room for what does not grow at all."""
+
+
+def ring(n: int) -> str:
+    """Instances of one class in a ring."""
+    return f"""process Cell {{ in i : int out o : int communication {{ var v : int = 0 }} composition {{ mu (i ? v ; o ! v) }} }}
+process Top {{
+  communication {{
+    cell[{n}] : Cell
+    for k < {n} {{ cell[k].o -> link : int -> cell[(k + 1) % {n}].i }}
+  }}
+  composition {{ par k < {n} : cell[k] }}
+}}
+"""
+
+
+def classes(n: int) -> str:
+    """As many classes as instances, each run twice."""
+    processes = [f"process P{k} {{ out o : int composition {{ o ! {k} }} }}" for k in range(n)]
+    instances = [f"    p{k} : P{k}\n    p{k}.o -> c{k} : int -> sink.i[{k}]" for k in range(n)]
+    steps = " ; ".join(f"i[{k}] ? v" for k in range(n))
+    sink = f"process Sink {{ in i[{n}] : int communication {{ var v : int }} composition {{ mu ({steps}) }} }}"
+    runs = " ; ".join(f"p{k} ; p{k}" for k in range(n))
+    body = "process Top {\n  communication {\n    sink : Sink\n" + "\n".join(instances)
+    return "\n".join([*processes, sink, f"{body}\n  }}\n  composition {{ ({runs}) || sink }}\n}}\n"])
+
+
+def equations(n: int) -> str:
+    """A law with many equations and states."""
+    states = [f"  state s{k} : double = 0\n  next s{k} = x{k}" for k in range(n)]
+    lets = [f"  let x{k} = 0.5 * s{k} + {f'x{k - 1}' if k else 'u'}" for k in range(n)]
+    law = "\n".join(["submodel Law {", "  in u : double", "  out y : double", *states, *lets, f"  y = x{n - 1}", "}"])
+    return f"""{law}
+process Top {{
+  in  u : double @ 1 ms
+  out y : double @ 1 ms
+  communication {{ law : Law u -> law.u law.y -> y }}
+  composition {{ mu law }}
+}}
+submodel Source {{ out u : double u = 1.0 }}
+environment Bench for Top {{ source : Source source.u -> u y -> _ }}
+"""
+
+
+def unconnected(n: int) -> str:
+    """An array of ports of which an environment connects one: E0801."""
+    return f"""process Top {{
+  in limits[{n}] : int
+  in x : int
+  communication {{ var v : int = 0 }}
+  composition {{ mu (x ? v) }}
+}}
+submodel Source {{ out u : int u = 1 }}
+environment Bench for Top {{ source : Source source.u -> x source.u -> limits[3] }}
+"""
+
+
+def compiled(text: str) -> None:
+    """Check, and generate all packages, or show what is wrong."""
+    built = pipeline.build(SourceFile(name="large.csp", text=text), read_source)
+    if built.network is None:
+        render(built.checked.report.diagnostics)
+        return
+    for target, level in (("python", 0), ("python", 1), ("c", 1)):
+        pipeline.generate(built.network, read_source, target, level)
+
+
+def calls(work: Callable[[], None]) -> int:
+    """How many functions it calls, those of Python and those in C."""
+    count = 0
+
+    def called(_frame: FrameType, event: str, _argument: object) -> None:
+        nonlocal count
+        count += event in ("call", "c_call")
+
+    before = sys.getprofile()
+    sys.setprofile(called)
+    try:
+        work()
+    finally:
+        sys.setprofile(before)
+    return count
+
+
+@pytest.mark.parametrize("shape", [ring, classes, equations, unconnected])
+def test_twice_the_size_is_hardly_more_than_twice_the_work(shape: Callable[[int], str]) -> None:
+    compiled(shape(8))
+    small, large = (calls(partial(compiled, shape(n))) for n in (24, 48))
+    assert large <= MOST * small
