@@ -28,6 +28,7 @@ hunt: $(VENV)/.stamp-dev ## Look for errors in random and damaged programs, for 
 	$(BIN)/python -m tests.robustness.hunt --count 100000
 	$(BIN)/python -m tests.analyses.proofs.hunt --random 20000
 	$(BIN)/python -m tests.verification.test_random_refinements 10000
+	$(BIN)/python -m tests.simulate.ways_out
 
 check: $(VENV)/.stamp-dev ## Format, lint, types, import rules, generated documentation
 	$(BIN)/ruff format --check .
