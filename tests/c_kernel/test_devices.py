@@ -128,6 +128,13 @@ def test_a_device_that_hangs_keeps_no_output_driven(machine: Path) -> None:
     assert found.releases == BOTH
 
 
+def test_a_device_that_hangs_is_noticed_without_a_signal(machine: Path) -> None:
+    found = ended(machine, "read hangs")
+    assert found.status == 1
+    assert found.releases == BOTH
+    assert "has not come back" in found.errors
+
+
 def test_a_safe_value_that_hangs_keeps_no_other_output_driven(machine: Path) -> None:
     found = ended(machine, "safe value hangs", signals=[signal.SIGTERM])
     assert found.status == 128 + signal.SIGTERM

@@ -95,11 +95,14 @@ void csp_port_start(void)
     total = 0;
     locked = mlockall(MCL_CURRENT | MCL_FUTURE) == 0;
     preferred = sched_setscheduler(0, SCHED_FIFO, &parameter) == 0;
+    csp_signals_watch(PRIORITY + 1);
     started = clock_now();
 }
 
+/* Once in each turn at least. */
 int64_t csp_port_now(void)
 {
+    csp_signals_turn();
     return clock_now() - started;
 }
 

@@ -5,8 +5,10 @@
 
 #include <errno.h>
 #include <pthread.h>
+#include <sched.h>
 #include <signal.h>
 #include <stdlib.h>
+#include <time.h>
 #include <unistd.h>
 
 enum { STACK = 65536, SIGNALLED = 128, PARENT_LOOKED_AT = 1 /* s */ };
@@ -26,6 +28,13 @@ static bool at_exit;
 static pthread_t owner;
 static volatile sig_atomic_t first; /* the signal that stopped the run; 0: none */
 static volatile sig_atomic_t watched_parent;
+
+enum { LOOKS = 10 /* a second */, LOOK = 1000000000 / LOOKS, WATCH_STACK = 1 << 17 };
+
+static pthread_t watcher;
+static bool watches;
+static volatile uint32_t turns;
+static volatile bool hangs;
 
 static void handle(int number, void (*handler)(int), int flags, struct sigaction *before)
 {
@@ -83,11 +92,11 @@ static void time_is_over(int number)
     const int error = errno;
     if (belongs_to_another(number)) {
         errno = error;
-    } else if (first != 0) {
+    } else if ((first != 0) || hangs) {
         if (csp_is_driving()) {
             set_alarm(CSP_GRACE);
             csp_release_outputs();
-            _exit(SIGNALLED + first);
+            _exit((first != 0) ? (SIGNALLED + first) : EXIT_FAILURE);
         }
         errno = error;
     } else if ((watched_parent != 0) && (getppid() != (pid_t)watched_parent)) {
@@ -106,6 +115,61 @@ static void crash(int number)
     csp_release_outputs();
     handle(number, SIG_DFL, 0, NULL);
     (void)raise(number);
+}
+
+static void *watch(void *nothing)
+{
+    static const char account[] = "a step or a device function has not come back: the outputs are released\n";
+    const struct timespec look = {0, LOOK};
+    uint32_t seen = turns;
+    uint32_t looks = 0U;
+    while (looks < (CSP_PATIENCE * (uint32_t)LOOKS)) {
+        (void)nanosleep(&look, NULL);
+        looks = (turns == seen) ? (looks + 1U) : 0U;
+        seen = turns;
+    }
+    const ssize_t written = write(STDERR_FILENO, account, sizeof account - 1U);
+    (void)written;
+    hangs = true;
+    handle(SIGALRM, time_is_over, SA_RESTART | SA_NODEFER, NULL);
+    (void)pthread_kill(owner, SIGALRM);
+    return nothing;
+}
+
+void csp_signals_watch(int priority)
+{
+    struct sched_param parameter;
+    pthread_attr_t attributes;
+    sigset_t all;
+    sigset_t before;
+    hangs = false;
+    if (watches || (pthread_attr_init(&attributes) != 0)) {
+        return;
+    }
+    (void)pthread_attr_setstacksize(&attributes, WATCH_STACK);
+    (void)sigfillset(&all);
+    (void)pthread_sigmask(SIG_BLOCK, &all, &before); /* which the thread inherits */
+    watches = pthread_create(&watcher, &attributes, watch, NULL) == 0;
+    (void)pthread_sigmask(SIG_SETMASK, &before, NULL);
+    (void)pthread_attr_destroy(&attributes);
+    parameter.sched_priority = priority;
+    if (watches) {
+        (void)pthread_setschedparam(watcher, SCHED_FIFO, &parameter); /* where that is allowed */
+    }
+}
+
+void csp_signals_turn(void)
+{
+    turns++;
+}
+
+static void end_watch(void)
+{
+    if (watches) {
+        watches = false;
+        (void)pthread_cancel(watcher);
+        (void)pthread_join(watcher, NULL);
+    }
 }
 
 void csp_signals_begin(void)
@@ -138,6 +202,7 @@ void csp_signals_begin(void)
 
 void csp_signals_end(void)
 {
+    end_watch();
     if (begun != 1U) {
         begun -= (begun > 0U) ? 1U : 0U;
         return;

@@ -14,6 +14,15 @@
 #define CSP_GRACE 1U /* second, less than who starts the program waits before it kills it */
 #endif
 
+#ifndef CSP_PATIENCE
+#define CSP_PATIENCE 2U /* seconds */
+#endif
+
+/* From here to the end: if csp_signals_turn is not called for CSP_PATIENCE seconds, a step or a device function hangs. The outputs are
+ * released, and the program ends with status 1. */
+void csp_signals_watch(int priority);
+void csp_signals_turn(void);
+
 /* Around a run, in the thread that makes it; perhaps once more around that. */
 void csp_signals_begin(void);
 void csp_signals_end(void);
