@@ -26,7 +26,7 @@ from cspdiag.network.ir import Attachment, ExternalCall, InstanceOf, Network, Pr
 from cspdiag.network.ranges import needs_check
 from cspdiag.network.unwritten import may_be_unwritten, ports_of_unwritten
 
-_MAY_FAIL = frozenset({"sqrt", "log", "exp", "asin", "acos", "quantize"})
+_MAY_FAIL = frozenset({"sqrt", "log", "exp", "asin", "acos", "quantize", "finite"})
 
 
 class Faults:

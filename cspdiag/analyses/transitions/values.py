@@ -117,7 +117,7 @@ class _Evaluation:
             case Conversion():
                 operand = self.value(expression.operand)
                 assert isinstance(expression.type, IntType | RealType)
-                return arithmetic.convert(operand, expression.type) if _is_exact(operand) else UNKNOWN
+                return self._converted(operand, expression.type)
             case FieldValue():
                 assert isinstance(expression.operand.type, StructType)
                 whole = self.value(expression.operand)
@@ -129,6 +129,16 @@ class _Evaluation:
                 parts = tuple(map(self.value, expression.values))
                 return parts if all(map(_is_exact, parts)) else UNKNOWN
         return UNKNOWN
+
+    def _converted(self, operand: Known, kind: IntType | RealType) -> Known:
+        if not _is_exact(operand):
+            return UNKNOWN
+        try:
+            return arithmetic.convert(operand, kind)  # type: ignore[arg-type]
+        except arithmetic.OutOfRangeError:
+            if isinstance(kind, RealType):
+                return UNKNOWN
+            raise
 
     def _element(self, expression: ElementValue) -> Any:
         index, whole = self.value(expression.index), self.value(expression.operand)
@@ -158,7 +168,12 @@ class _Evaluation:
         compare = _COMPARISONS.get(expression.operator)
         if compare is not None:
             return compare(left, right)
-        return arithmetic.operate(expression.operator, left, right, expression.type)
+        try:
+            return arithmetic.operate(expression.operator, left, right, expression.type)
+        except arithmetic.OutOfRangeError:
+            if isinstance(expression.type, RealType):
+                return UNKNOWN  # Within an expression an infinity goes on.
+            raise
 
 
 _COMPARISONS: dict[str, Callable[[Any, Any], bool]] = {
