@@ -1,0 +1,84 @@
+"""Signals while the recordings of a run are written."""
+
+from __future__ import annotations
+
+import os
+import signal
+from pathlib import Path
+
+import pytest
+
+from cspdiag.cli.main import main
+from cspdiag.simulate.result import Run
+
+PROGRAM = """
+driver Card(stops: int) python "card.py:Card" { out level : double }
+
+process Main {
+  in  level : double @ 10 ms
+  out valve : double @ 10 ms safe -1
+  communication { var last : double = 0 }
+  composition { mu (level ? last ; valve ! last) }
+}
+
+submodel Valve { in x : double }
+const stops = 0
+environment Bench for Main {
+  card : Card(stops)
+  sink : Valve
+  card.level -> level
+  valve -> sink.x
+}
+"""
+
+CARD = """
+import os
+import signal
+
+
+class Card:
+    def __init__(self, *, stops):
+        self.stops = stops
+
+    def read(self, port):
+        self.stops -= 1
+        if self.stops == 0:
+            os.kill(os.getpid(), signal.SIGTERM)
+        return 1.0
+"""
+
+
+@pytest.fixture
+def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    (tmp_path / "main.csp").write_text(PROGRAM)
+    (tmp_path / "card.py").write_text(CARD)
+    write = Run.to_csv
+
+    def interrupted(self: Run, path: Path) -> None:
+        os.kill(os.getpid(), signal.SIGHUP)
+        write(self, path)
+
+    monkeypatch.setattr(Run, "to_csv", interrupted)
+    monkeypatch.chdir(tmp_path)
+    return ["run", "main.csp", "--for", "1s", "--record", "main.csv", "--trace", "main.jsonl"]
+
+
+def test_a_signal_ends_the_writing_of_a_run_that_ended_by_itself(
+    run: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    before = signal.getsignal(signal.SIGHUP)
+    assert main(run) == 128 + signal.SIGHUP
+    told = capsys.readouterr().err
+    assert told.endswith("cspdiag: stopped by SIGHUP before main.csv, main.jsonl had been written\n")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["card.py", "main.csp"]
+    assert signal.getsignal(signal.SIGHUP) == before
+
+
+def test_a_further_signal_takes_nothing_from_a_run_that_was_stopped(
+    run: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main([*run, "--set", "stops=5"]) == 128 + signal.SIGTERM
+    told = capsys.readouterr().err
+    assert "Main in Bench: stopped by SIGTERM at 50 ms" in told
+    assert "wrote main.csv, main.jsonl" in told
+    assert (tmp_path / "main.csv").read_text().splitlines()[-1].endswith(",-1.0")
