@@ -57,14 +57,20 @@ def is_owed(books: Books, offer: Offer) -> bool:
     return (offer.key, offer.period, Standing.OWED) in books
 
 
-def is_first(books: Books, offer: Offer) -> bool:
+def is_first(books: Books, offer: Offer, *, surely: bool = False) -> bool:
     """Whether this may be a first read by a process that follows the period already: it has the sample of the present tick."""
     others = False
     for key, period, standing in books:
         if key == offer.key and standing != Standing.AHEAD:
             return False
-        others |= key[1] == offer.key[1] and period == offer.period and standing != Standing.AHEAD
+        if key != offer.key and key[1] == offer.key[1] and period == offer.period:
+            others |= standing != Standing.AHEAD or not surely
     return others
+
+
+def is_open(books: Books, offer: Offer) -> bool:
+    """Whether the end is followed for certain."""
+    return any(key == offer.key and standing != Standing.AHEAD for key, _, standing in books)
 
 
 def moved(books: Books, place: Place, to: Place) -> Books:

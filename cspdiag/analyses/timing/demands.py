@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from cspdiag.analyses.timing.behaviours import Behaviour
 from cspdiag.analyses.timing.paths import Job
 from cspdiag.analyses.timing.result import Refusal
-from cspdiag.analyses.timing.starts import Starts, round_period
+from cspdiag.analyses.timing.starts import round_period
 from cspdiag.analyses.timing.task import ONCE
 
 LARGEST_NUMBER_OF_COMMUNICATIONS = 1_000
@@ -57,7 +57,7 @@ class Demands:
     """The demands of all threads, and those that threads cause in others by communicating with them.
 
     ``grid`` is the shortest time between two events of one input in nanoseconds, None where nothing tells. ``capacities`` are the numbers of values that
-    channels hold.
+    channels hold, ``restarted`` the threads that may begin again, each with the shortest time between.
     """
 
     def __init__(
@@ -65,14 +65,14 @@ class Demands:
         behaviours: Sequence[Behaviour],
         grid: int | None,
         capacities: Mapping[str, int],
-        starts: Starts,
+        restarted: Mapping[int, int],
         refusals: list[Refusal],
     ) -> None:
         self.behaviours = behaviours
         self.grid = grid
         self.own: dict[int, list[Demand]] = {}
         self._capacities = capacities
-        self._starts = starts
+        self._restarted = restarted
         self._sides: dict[tuple[str, bool], dict[int, Behaviour]] = {}
         for one in behaviours:
             for place in one.thread.places:
@@ -109,12 +109,14 @@ class Demands:
     def _period(self, one: Behaviour, job: Job) -> int | None:
         """How often a job may come; 0 where that is unknown, None where partners decide."""
         if job.offer is None:
-            return self._starts.again.get(one.number, ONCE)
+            return self._restarted.get(one.number, ONCE)
+        if job.offer.kind in ("delay", "event") and job.wait not in one.loop_of:
+            return self._restarted.get(one.number, ONCE)
         match job.offer.kind:
             case "join":
                 if job.wait in one.loop_of:
                     return round_period(one, job.wait, self.grid)
-                return self._starts.again.get(one.number, ONCE)
+                return self._restarted.get(one.number, ONCE)
             case "sample" | "delay":
                 return job.offer.period
             case "event":
@@ -124,13 +126,16 @@ class Demands:
 
     def _behind(self, one: Behaviour, job: Job, period: int) -> int:
         """By how much a job may come later than its period says."""
-        if period == ONCE or job.offer is None or job.offer.kind == "join":
-            return 0 if period == ONCE else period
+        if period == ONCE or (job.offer is not None and job.offer.kind == "sample"):
+            return 0
+        if job.offer is None or job.offer.kind == "join" or job.wait not in one.loop_of:
+            return period
         if job.offer.kind == "event":
             # An event is kept until somebody asks for it.
-            is_asked = one.number in self._starts.at_once and one.is_prompt(job.offer.channel, writes=False)
+            is_asked = one.thread.begins_at_once and one.is_prompt(job.offer.channel, writes=False)
             return 0 if is_asked else period
-        return 0
+        # What it does after waiting on the way comes when it may.
+        return period if job.offer.kind == "delay" and (job.path.meets or job.path.delays) else 0
 
     def _spread_from(self, one: Behaviour, refusals: list[Refusal]) -> None:
         """The communications in the jobs of a thread begin jobs in others, and these in others again."""

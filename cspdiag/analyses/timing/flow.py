@@ -112,7 +112,10 @@ class Place:
 
 @dataclass(slots=True)
 class Thread:
-    """A sequential part of the program. ``forks`` are the groups of threads that it starts and waits for, each at the place in ``joins``."""
+    """A sequential part of the program. ``forks`` are the groups of threads that it starts and waits for, each at the place in ``joins``.
+    ``shared`` are the processes, with the periods, of which other threads read sampled inputs, too;
+    ``begins_at_once`` where the program begins with it.
+    """
 
     path: str
     priority: tuple[int, ...]
@@ -120,6 +123,8 @@ class Thread:
     entry: int = 0
     forks: list[list[Thread]] = field(default_factory=list)
     joins: list[int] = field(default_factory=list)
+    shared: frozenset[tuple[str, int]] = frozenset()
+    begins_at_once: bool = False
     is_outermost: bool = False
 
     def with_forks(self) -> Iterator[Thread]:
@@ -134,6 +139,16 @@ class Thread:
         """The ends of sampled inputs that the thread itself reads, with their periods."""
         offers = (offer for place in self.places for offer in place.offers)
         return frozenset((offer.key, offer.period) for offer in offers if offer.kind == "sample")
+
+    def waits_first(self) -> set[int]:
+        """The waits that it comes to from its beginning."""
+        reached, pending = {self.entry}, [self.entry]
+        while pending:
+            for target in self.places[pending.pop()].successors:
+                if target not in reached:
+                    reached.add(target)
+                    pending.append(target)
+        return {number for number in reached if self.places[number].offers}
 
     def has_samples(self) -> bool:
         """Whether the thread follows a sample period."""

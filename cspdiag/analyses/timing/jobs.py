@@ -16,6 +16,7 @@ from cspdiag.analyses.timing.books import (
     Standing,
     at_tick,
     is_first,
+    is_open,
     is_owed,
     moved,
     opened,
@@ -61,13 +62,17 @@ class Jobs:
     def __init__(self, thread: Thread, *, meets: bool = True) -> None:
         self.thread = thread
         self.meets = meets
+        self._begins = False
+        """Whether nothing has happened yet."""
         self.ends = False
         """Whether the thread may come to its end, or to a ``stop``, without an exception."""
         self.gaps: list[Gap] = []
 
     def all(self) -> list[Job]:
         """The job from the beginning, and one for each offer of each wait that the thread may come to."""
+        self._begins = self.thread.begins_at_once
         begins = self._path(self.thread.entry, 0, NOTHING)
+        self._begins = False
         found: dict[tuple[int, int], list[tuple[Offer, Path, bool]]] = {}
         seen: set[Node] = set(begins.nodes)
         pending = list(begins.nodes)
@@ -216,14 +221,18 @@ class Jobs:
 
     def _is_there(self, offer: Offer, books: Books, period: int) -> bool:
         """Whether a sample that is offered may be there already."""
-        return offer.kind == "sample" and (is_owed(books, offer) or is_first(books, offer))
+        if offer.kind != "sample":
+            return False
+        # Another branch of the process may follow the period already.
+        is_shared = bool(self.thread.shared) and not self._begins and (offer.key[1], offer.period) in self.thread.shared
+        return is_owed(books, offer) or is_first(books, offer) or (is_shared and not is_open(books, offer))
 
     def _is_there_surely(self, offer: Offer, books: Books, period: int) -> bool:
         """Whether a sample that is offered is there for certain."""
         if offer.kind != "sample":
             return False
         # A job that a sample began belongs to its tick: who follows the period has had a first one.
-        return is_owed(books, offer) or (offer.period == period and is_first(books, offer))
+        return is_owed(books, offer) or (offer.period == period and is_first(books, offer, surely=True))
 
     def _after(self, place: Place, offer: Offer, books: Books) -> State:
         if offer.kind == "sample" and offer.takes:

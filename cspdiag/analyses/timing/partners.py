@@ -125,11 +125,6 @@ class Partners:
         for wait, place in partner.idle_waits():
             if place.offers_end(channel, writes) or self._is_in_step(partner, wait, end, times):
                 continue
-            if wait not in partner.loop_of and all(
-                job.offer is not None and job.offer.kind == "sample" and job.offer.period == self.period
-                for job in partner.at(wait)
-            ):
-                continue
             return self._refuse(channel, writes, f"{name} may wait for {_awaited(place)} meanwhile")
         if self._has_asked(partner, end):
             return True

@@ -20,7 +20,7 @@ from cspdiag.analyses.timing.paths import Job
 from cspdiag.analyses.timing.response import Response, response_time, response_times
 from cspdiag.analyses.timing.result import Chain, LoopTiming, Refusal, TimingReport
 from cspdiag.analyses.timing.spinning import Spinning
-from cspdiag.analyses.timing.starts import starts_of
+from cspdiag.analyses.timing.starts import again
 from cspdiag.analyses.timing.surroundings import Surroundings
 from cspdiag.analyses.timing.task import ONCE, Task
 from cspdiag.analyses.timing.threads import Threads
@@ -102,7 +102,7 @@ def _analysis(
 ) -> _Analysis:
     """The loops of a program and what they ask of each other, with the priorities that its threads have."""
     grid = min((environment.step for environment in network.environments), default=None)
-    demands = Demands(behaviours, grid, capacities(network), starts_of(every, behaviours, grid), refusals)
+    demands = Demands(behaviours, grid, capacities(network), again(every, behaviours, grid), refusals)
     surroundings = Surroundings(every, demands.own)
     order = {instance.path: k for k, instance in enumerate(network.instances)}
     loops = sorted(
@@ -141,14 +141,17 @@ def _level(thread: Thread) -> tuple[int, ...]:
     return priority
 
 
-def _waited_between(one: Behaviour, demands: Demands, surroundings: Surroundings, refusals: list[Refusal]) -> int:
-    """How much partners compute at most for what a thread does between its samples, which does not wait for the next of them."""
-    longest = 0
+def _waited_between(
+    one: Behaviour, demands: Demands, surroundings: Surroundings, refusals: list[Refusal]
+) -> tuple[int, int]:
+    """How much partners compute at most for what a thread does between its samples, and the level of the least urgent of them."""
+    longest, level = 0, one.level
     for job in one.jobs:
         if job.is_owed and job.path.meets and job.offer is not None and job.offer.kind != "sample":
             partners = Partners(demands, surroundings, one, 0, one.thread.places[job.wait].span, refusals)
-            longest = max(longest, partners.together(job.path).work - job.path.work)
-    return longest
+            together = partners.together(job.path)
+            longest, level = max(longest, together.work - job.path.work), max(level, together.level)
+    return longest, level
 
 
 def _loops(one: Behaviour, demands: Demands, surroundings: Surroundings, refusals: list[Refusal]) -> Iterator[_Loop]:
@@ -191,14 +194,14 @@ class _Analysis:
         behaviours: Sequence[Behaviour],
         demands: Demands,
         loops: Sequence[_Loop],
-        waited: Mapping[int, int],
+        waited: Mapping[int, tuple[int, int]],
     ) -> None:
         self.behaviours = {one.number: one for one in behaviours}
         self.demands = demands
         self.surroundings = surroundings
         self.loops = loops
         self.waited = waited
-        """By thread, how much partners compute for what it does between its samples."""
+        """By thread, how much partners compute for what it does between its samples, and at which level."""
         self.lateness: dict[int, int] = {}
         """By thread, how late what its samples cause in others may come."""
         self._causing = {part.origin for parts in demands.own.values() for part in parts if part.late}
@@ -274,9 +277,12 @@ class _Analysis:
                 found = response_times([self._as_task(part) for part in parts])
                 self._together[group] = {part.thread: response for part, response in zip(parts, found, strict=True)}
             return self._together[group][number]
-        others = [self._as_own(part) for part in merged([beside])]
-        others += [self._as_task(part) for part in self.surroundings.beside(number, loop.together.replaced)]
-        return response_time(task, others)
+        others = [self._as_task(part) for part in self.surroundings.beside(number, loop.together.replaced)]
+        if any(part.held or part.meets for part in beside):
+            # It comes back to the queue when others have come to it, and to partners that are less urgent.
+            task = replace(task, final=0, priority=max(task.priority, self.waited[number][1]))
+        below = max((other.step for other in others if other.priority > task.priority), default=0)
+        return response_time(task, [*others, *(self._as_own(part, below) for part in merged([beside]))])
 
     def _of_partners(self, loop: _Loop) -> list[Job]:
         """The jobs of partners that follow no samples of their own: what they write belongs to the loop."""
@@ -334,10 +340,13 @@ class _Analysis:
             final=part.work if part.step == part.work else 0, suspensions=part.delays,
         )  # fmt: skip
 
-    def _as_own(self, part: Demand) -> Task:
-        """What a thread does between its samples, to itself: time that it lets pass is as good as work, and what comes later may be served first."""
+    def _as_own(self, part: Demand, below: int) -> Task:
+        """What a thread does between its samples, to itself.
+
+        Time that it lets pass is as good as work, after which a step ``below`` may have begun; and what comes later may be served first.
+        """
         task = self._as_task(part)
-        held = part.held + part.meets * self.waited[part.thread]
+        held = part.held + part.delays * below + part.meets * self.waited[part.thread][0]
         return replace(task, work=task.work + held, final=0 if held else task.final, priority=-1)
 
     def _beside_own(self, loop: _Loop) -> list[Demand]:

@@ -1,9 +1,8 @@
-"""When threads begin: at once, or how often again."""
+"""How often threads begin again."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 
 from cspdiag.analyses.timing.behaviours import Behaviour
 from cspdiag.analyses.timing.flow import Thread
@@ -11,34 +10,23 @@ from cspdiag.analyses.timing.jobs import cycles
 from cspdiag.analyses.timing.task import ONCE
 
 
-@dataclass(frozen=True)
-class Starts:
-    """``again`` are the threads that may begin more than once, each with the shortest time between, 0 where nothing tells; ``at_once`` those that begin when the
-    program does.
+def again(threads: Sequence[Thread], behaviours: Sequence[Behaviour], grid: int | None) -> dict[int, int]:
+    """The threads that may begin more than once, each with the shortest time between, 0 where nothing tells.
+
+    Those that are started come after those that start them.
     """
-
-    again: Mapping[int, int]
-    at_once: frozenset[int]
-
-
-def starts_of(threads: Sequence[Thread], behaviours: Sequence[Behaviour], grid: int | None) -> Starts:
-    """When the threads of a program begin; those that are started come after those that start them."""
     numbers = {id(thread): k for k, thread in enumerate(threads)}
     known = {one.number: one for one in behaviours}
-    again: dict[int, int] = {}
-    at_once = {0}
+    found: dict[int, int] = {}
     for number, thread in enumerate(threads):
         one = known.get(number)
         for join, group in zip(thread.joins, thread.forks, strict=True):
-            branches = [numbers[id(branch)] for branch in group]
-            if one is None or number in again or join in one.loop_of:
-                shortest = 0 if one is None else again.get(number, ONCE)
+            if one is None or number in found or join in one.loop_of:
+                shortest = 0 if one is None else found.get(number, ONCE)
                 if one is not None and join in one.loop_of:
                     shortest = min(shortest, round_period(one, join, grid))
-                again |= dict.fromkeys(branches, shortest)
-            elif number in at_once and next(iter(one.jobs)).path.stops == {join}:
-                at_once.update(branches)
-    return Starts(again, frozenset(at_once))
+                found |= dict.fromkeys((numbers[id(branch)] for branch in group), shortest)
+    return found
 
 
 def round_period(one: Behaviour, wait: int, grid: int | None) -> int:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import assert_never
 
@@ -57,6 +58,20 @@ class Threads(Places):
         context = Context(self.root, network.top, ())
         end = self.place(context, entry)
         self.root.entry = self._process(network.top, context, end)
+        self._relate(list(self.root.with_forks()))
+
+    @staticmethod
+    def _relate(threads: Sequence[Thread]) -> None:
+        """Notes of each thread what others read, too, and whether the program begins with it."""
+        followed = [{(key[1], period) for key, period in thread.samples()} for thread in threads]
+        counts = Counter(period for periods in followed for period in periods)
+        for thread, periods in zip(threads, followed, strict=True):
+            thread.shared = frozenset(period for period in periods if counts[period] > 1)
+            thread.begins_at_once |= thread.is_outermost
+            first = thread.waits_first()
+            for join, group in zip(thread.joins, thread.forks, strict=True):
+                for branch in group:
+                    branch.begins_at_once = thread.begins_at_once and first == {join}
 
     def _process(self, path: str, context: Context, following: int) -> int:
         entry = self.classes[self.instances[path].class_name]

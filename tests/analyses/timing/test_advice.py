@@ -148,19 +148,29 @@ def test_an_order_is_advised_for_the_branches_of_one_parallel_only() -> None:
 BESIDE = (
     law("Law", "600 us") + law("Other", "700 us") +
     """
+    process Later {
+      in x  : double
+      in go : double
+      communication {
+        second : Other
+        var v : double = 0
+        x -> second.x
+        second.y -> _
+      }
+      composition { <before> mu second }
+    }
     process Main {
       in  x, z : double @ 1 ms
       in  go   : double
       communication {
-        first  : Law
-        second : Other
-        var v : double = 0
+        first : Law
+        later : Later
         x -> first.x
-        z -> second.x
+        z -> later.x
+        go -> later.go
         first.y -> _
-        second.y -> _
       }
-      composition { mu first || (<before> mu second) }
+      composition { mu first || later }
     }
     """
 )  # fmt: skip

@@ -147,6 +147,27 @@ def test_a_partner_that_may_be_abandoned_at_once() -> None:
     assert missed(network_of(text), 1)
 
 
+def test_a_branch_that_begins_later_takes_the_sample_of_the_present_tick_first() -> None:
+    """Its process follows the period already, so that two samples may begin work within one."""
+    text = WHOLE.replace("10 us", "4500 us").format(composition="mu a || (wait 25 ms ; mu b)", parts="", processes="")
+    text = "\n".join(
+        line for line in text.splitlines() if "c :" not in line and "c.x" not in line and "c.y" not in line
+    )
+    own = text.replace("(wait 25 ms ; mu b)", "mu b")
+    assert report_of(own).is_schedulable is True
+    (late,) = {loop.response for loop in report_of(text).loops if loop.name == "a"}
+    assert late is not None
+    assert late > 9_000_000
+
+
+def test_a_partner_that_is_less_urgent_than_what_comes_between() -> None:
+    """What an event begins waits for a partner below a busy loop: the samples wait for that loop, too."""
+    parts = "channel s : double"
+    text = program("mu (e ? v -> s ! v [] p -> a) ||> mu b ||> mu s ? w", parts).replace("10 us", "6 ms")
+    loops = {loop.name: loop for loop in report_of(text).loops}
+    assert loops["a"].response is None or loops["a"].response >= 12_000_000
+
+
 def test_a_pair_that_spins_above_a_loop() -> None:
     """Time stands still where it computes nothing, so it is not run."""
     text = program("(mu (s ! n) || mu (s ? w ; c)) ||> mu a", "channel s : double")
