@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -141,3 +142,30 @@ def test_a_run_against_the_clock_is_not_called_simulated(program: Path, capsys: 
     shown = capsys.readouterr().err
     assert "ran 50 ms against the clock" in shown
     assert "simulated" not in shown
+
+
+@pytest.mark.parametrize("start", ["run", "package"])
+def test_a_run_against_the_clock_says_how_many_samples_it_missed(program: Path, tmp_path: Path, start: str) -> None:
+    """A law that computes for longer than a period misses samples for sure."""
+    program.write_text(
+        PROGRAM.replace("mu (level ? last", "mu (slow ; level ? last")
+        .replace("var last : double = 0", "var last : double = 0\n    slow : Slow")
+        .replace("process Main", 'submodel Slow python "card.py:Slow" { }\n\nprocess Main')
+        .replace("for Main {", "for Main on miss count {")
+    )
+    slow = "import time\n\n\nclass Slow:\n    def calculate(self):\n        time.sleep(0.025)\n"
+    (tmp_path / "card.py").write_text(f"{slow}\n{MODULE}")
+    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])}
+    command = ["cspdiag", "run", str(program)]
+    if start == "package":
+        assert main(["compile", str(program), "-o", str(tmp_path / "out")]) == 0
+        command = ["valve_control"]
+        environment["PYTHONPATH"] = str(tmp_path / "out/valve_control")
+    done = subprocess.run(
+        [sys.executable, "-m", *command, "--real-time", "--for", "300ms"],
+        env=environment, capture_output=True, text=True,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    told = re.search(r"missed samples: (Main\.)?level (\d+)", done.stdout + done.stderr)
+    assert told is not None, done.stdout + done.stderr
+    assert int(told[2]) >= 5
