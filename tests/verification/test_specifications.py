@@ -232,6 +232,7 @@ def test_answer(name: str) -> None:
             "a law at an output",
             "the value of the control law `law` that `Q` writes to `o` is not followed (case.csp:9)",
         ),
+        ("twice a real number", "the value of `2.0 * x` that `Q` writes to `o` is not followed (case.csp:10)"),
         ("priority of processes", "the priorities of `||>` in `Q` are left out (case.csp:10)"),
         ("the shorter delay", "which guard in `Q` is ready first in time is left out (case.csp:10)"),
     ],

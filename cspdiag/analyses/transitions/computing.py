@@ -30,7 +30,7 @@ from cspdiag.network.actions import (
     Target,
 )
 from cspdiag.network.dump_expression import expression_text
-from cspdiag.network.expressions import Expression, LiteralValue, PresentTime
+from cspdiag.network.expressions import Expression, FunctionCall, LiteralValue, PresentTime
 
 RISK = ("risk",)
 """Stands for a shared variable that is loaded: the fault that a step may end in, which it does not."""
@@ -111,7 +111,7 @@ class Computing:
         if facts.faults.of_expression(expression, context.definition.name):
             self.risk(configuration, expression.span)
             if facts.specification is not None:
-                what = f"`{expression_text(expression)}` in `{context.definition.name}` may end in a fault or not"
+                what = f"`{_as_written(expression)}` in `{context.definition.name}` may end in a fault or not"
                 self.thread.abstracted(what, expression.span)
 
     def risk(self, configuration: Configuration, span: Span | None) -> None:
@@ -208,7 +208,7 @@ class Computing:
             return value
         if _has_real(expression.type):
             self.risk(c, expression.span)  # NaN and infinity are no values of outputs.
-        what = "of a control law" if isinstance(expression, PresentTime) else f"of `{expression_text(expression)}`"
+        what = "of a control law" if isinstance(expression, PresentTime) else f"of `{_as_written(expression)}`"
         self.not_shown(context, medium, what, expression.span)
         return UNKNOWN
 
@@ -251,6 +251,13 @@ class Computing:
         if _has_real(expression.type):
             self.risk(c, expression.span)  # NaN and infinity are no values of outputs.
         return UNKNOWN
+
+
+def _as_written(expression: Expression) -> str:
+    """As the text has it, without the test of what is stored."""
+    if isinstance(expression, FunctionCall) and expression.function == "finite":
+        (expression,) = expression.arguments
+    return expression_text(expression)
 
 
 def _check_indexes(target: Target, kind: Type | None) -> None:
