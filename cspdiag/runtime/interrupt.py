@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable, Generator
+from inspect import iscoroutine
 from types import coroutine
 from typing import Any
 
@@ -99,6 +100,8 @@ def interrupted(body: Body, guard: Guard) -> Generator[None, None, bool]:
     """
     task = scheduler.current
     if task.cancelled:
+        if iscoroutine(body):
+            body.close()
         raise Cancelled
     branches = _Body(task)
     branches.start((body,))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
+from functools import lru_cache
 
 from cspdiag.codegen import Options
 from cspdiag.codegen.optimized_python.actions import Composition, code_lines
@@ -61,11 +62,13 @@ def process_module(
     return _ProcessWriter(process, network, names, modules, options).module()
 
 
+@lru_cache(maxsize=1)
 def has_parts_by_hand(network: Network) -> bool:
     """Whether the program has processes or laws in Python that communicate by themselves."""
     return any(isinstance(entry, SubmodelClass) or entry.external is not None for entry in network.classes)
 
 
+@lru_cache(maxsize=1)
 def has_levels(network: Network) -> bool:
     """Whether the program has prioritized parallels."""
     bodies = [entry.body for entry in network.classes if isinstance(entry, ProcessClass)]

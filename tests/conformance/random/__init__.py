@@ -1,0 +1,1 @@
+"""Random programs that communicate often, on all targets: ``python -m tests.conformance.random``."""

@@ -1,0 +1,63 @@
+"""``python -m tests.conformance.random --count 5000``: random programs with at least five communications on every target.
+
+Each is run on ``-O1`` and by the specification, and in C at ``-O0`` and ``-O1`` under each compiler; one in twenty with the address and undefined
+behaviour sanitizers too. What differs is made smaller, printed and written to a folder; then it ends with 1. One process; with ``--seconds`` it stops by itself, and
+says from which seed to go on.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+from tests.conformance.random.compare import LEAST, NATIVE, communications, difference, smallest
+from tests.conformance.random.meetings import meetings
+
+PYTHON = ("specification", "python-O1")
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """The command."""
+    options = _parser().parse_args(arguments)
+    until = time.monotonic() + options.seconds if options.seconds else None
+    seed, looked, found = options.first, 0, 0
+    while looked < options.count and (until is None or time.monotonic() < until):
+        program, seed = meetings(seed), seed + 1
+        made = communications(str(program))
+        if made is None or made < LEAST:
+            continue
+        looked += 1
+        runs: list[tuple[tuple[str, ...], str | None, bool]] = [(PYTHON, None, False)]
+        runs += [(NATIVE, compiler, False) for compiler in options.compilers]
+        if options.compilers and looked % options.sanitize == 0:
+            runs.append((NATIVE, options.compilers[0], True))
+        for names, compiler, sanitized in runs:
+            if difference(str(program), names, compiler, sanitized=sanitized):
+                found += 1
+                least, told = smallest(program, names, compiler, options.shrink, sanitized=sanitized)
+                options.folder.mkdir(parents=True, exist_ok=True)
+                place = options.folder / f"seed_{seed - 1}.csp"
+                place.write_text(str(least), encoding="utf-8")
+                print(f"seed {seed - 1}: {told}\n  {place}", flush=True)
+                break
+    print(f"{looked} programs with at least {LEAST} communications, to seed {seed - 1}: {found} differ")
+    return int(found > 0)
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="python -m tests.conformance.random", description=__doc__)
+    parser.add_argument("--count", type=int, default=5000, help="so many programs")
+    parser.add_argument("--first", type=int, default=0, metavar="SEED")
+    parser.add_argument("--seconds", type=float, default=None, help="stop after so many")
+    parser.add_argument("--shrink", type=float, default=60.0, help="seconds to make a program smaller that differs")
+    parser.add_argument("--sanitize", type=int, default=20, metavar="N", help="one in N under the sanitizers")
+    parser.add_argument("--compilers", nargs="*", default=["gcc", "clang"], help="none: no C at all")
+    parser.add_argument("--folder", type=Path, default=Path("differences"), help="for programs that differ")
+    return parser
+
+
+if __name__ == "__main__":
+    sys.exit(main())

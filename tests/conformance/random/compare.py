@@ -1,0 +1,114 @@
+"""One program on all targets, and a smaller one that differs in the same way."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from types import FrameType
+
+from cspdiag.diagnostics import SourceFile
+from tests.conformance.kit import external_channels
+from tests.conformance.random.nodes import Program
+from tests.conformance.sources import JUST_AFTER, InvalidProgramError, network_of
+from tests.conformance.targets import REFERENCE, TARGETS
+from tests.conformance.traces import compare
+
+LIMIT = 60_000_000 + JUST_AFTER
+LONGEST = 60
+"""Seconds after which a run on one target counts as one that hangs."""
+LEAST = 5
+"""Programs with fewer communications are not counted."""
+
+NATIVE = ("c-O0", "c-O1")
+SANITIZED = "-fsanitize=address,undefined -fno-sanitize-recover=all"
+
+
+class HangError(Exception):
+    """A target did not come to an end."""
+
+
+def communications(text: str) -> int | None:
+    """How many there are on the reference; None for a program with errors."""
+    try:
+        network = network_of(SourceFile(name="random.csp", text=text))
+    except InvalidProgramError:
+        return None
+    return len(REFERENCE.run(network, None, LIMIT).trace)
+
+
+def difference(text: str, names: Sequence[str], compiler: str | None = None, *, sanitized: bool = False) -> str:
+    """The first target that does something else than the reference, and what; empty where all do the same."""
+    network = network_of(SourceFile(name="random.csp", text=text))
+    wanted = REFERENCE.run(network, None, LIMIT)
+    for name in names:
+        label = name if compiler is None else f"{name} ({compiler}{', sanitized' * sanitized})"
+        try:
+            with _within(LONGEST), _environment(CC=compiler, CFLAGS=SANITIZED if sanitized else None):
+                done = TARGETS[name].run(network, None, LIMIT)
+        except Exception as crash:
+            return f"{label} fails with {type(crash).__name__}: {str(crash)[:2000]}"
+        found = compare(wanted.trace, done.trace, external_channels(network))
+        if found is not None:
+            return f"{label} differs\n{found}"
+        if not wanted.ending.agrees_with(done.ending):
+            return f"{label} ends otherwise\n  {wanted.ending}\n  {done.ending}"
+        if done.released is not None and done.released != wanted.released:
+            return f"{label} releases otherwise\n  {wanted.released}\n  {done.released}"
+    return ""
+
+
+def smallest(
+    program: Program, names: Sequence[str], compiler: str | None, seconds: float, *, sanitized: bool = False
+) -> tuple[Program, str]:
+    """A smaller program that differs in the same way, as small as it is found in so many seconds, and how it does."""
+    until = time.monotonic() + seconds
+    told = difference(str(program), names, compiler, sanitized=sanitized)
+    way, going = told.partition("\n")[0], True
+    while going:
+        going = False
+        for other in program.smaller():
+            if time.monotonic() > until:
+                return program, told
+            try:
+                found = difference(str(other), names, compiler, sanitized=sanitized)
+            except InvalidProgramError:
+                continue
+            if found.partition("\n")[0] == way:
+                program, told, going = other, found, True
+                break
+    return program, told
+
+
+@contextmanager
+def _within(seconds: int) -> Iterator[None]:
+    def late(_number: int, _frame: FrameType | None) -> None:
+        raise HangError(f"no end after {seconds} s")
+
+    before = signal.signal(signal.SIGALRM, late)
+    signal.alarm(seconds)
+    try:
+        yield
+    finally:
+        signal.alarm(0)
+        signal.signal(signal.SIGALRM, before)
+
+
+@contextmanager
+def _environment(**values: str | None) -> Iterator[None]:
+    kept = {name: os.environ.get(name) for name in values}
+    _set(values)
+    try:
+        yield
+    finally:
+        _set(kept)
+
+
+def _set(values: dict[str, str | None]) -> None:
+    for name, value in values.items():
+        if value is None:
+            os.environ.pop(name, None)
+        else:
+            os.environ[name] = value

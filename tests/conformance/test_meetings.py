@@ -1,0 +1,29 @@
+"""The generator of programs that communicate often, and a few of its programs on the targets in Python."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.conformance.random.compare import LEAST, communications, difference
+from tests.conformance.random.meetings import meetings
+
+
+def test_most_programs_are_correct_and_half_of_them_communicate_often() -> None:
+    made = [communications(str(meetings(seed))) for seed in range(40)]
+    correct = [count for count in made if count is not None]
+    assert len(correct) >= 30
+    assert sum(count >= LEAST for count in correct) >= len(correct) / 2
+
+
+@pytest.mark.parametrize("seed", range(100, 112))
+def test_specification_and_optimized_python_do_as_the_reference(seed: int) -> None:
+    text = str(meetings(seed))
+    if communications(text) is not None:
+        assert difference(text, ("specification", "python-O1")) == ""
+
+
+def test_smaller_programs_are_smaller() -> None:
+    program = meetings(7)
+    size = sum(body.size() for _, _, body in program.leaves) + program.top.size()
+    for other in program.smaller():
+        assert sum(body.size() for _, _, body in other.leaves) + other.top.size() <= size
