@@ -6,7 +6,7 @@ from tests.oracle.channels import Channels
 from tests.oracle.link import Linked
 from tests.oracle.policy import Policy
 from tests.oracle.state import Book, Choice, Delay, Joint, State, Thread, Tid
-from tests.oracle.tree import Port, Value
+from tests.oracle.tree import Interrupt, Port, Value
 from tests.oracle.values import zero
 
 
@@ -22,6 +22,9 @@ class Clock:
         program = linked.program
         self.periods = sorted({port.period for port in program.ports if port.period})
         events = any(port.input and not port.period for port in program.ports)
+        self.made: list[
+            tuple[str, Value]
+        ] = []  # at external ports, since somebody cleared it: inputs as they are taken
         self.written: list[tuple[str, Value]] = []  # to external outputs, since somebody cleared it
         self.grid = program.step if events else None
         self.cycle = [*self.periods, *([self.grid] if self.grid else [])]
@@ -121,8 +124,8 @@ class Clock:
 
     def follow(self, st: State, me: Thread, name: str) -> None:
         """Opens the book of a sampled input, if it is not open."""
-        if (me.tid, name) not in st.books:
-            st.books[me.tid, name] = Book(fresh=self._follows(st, me, name), missed=False, ticked=False)
+        if (self._keeper(me), name) not in st.books:
+            st.books[self._keeper(me), name] = Book(fresh=self._follows(st, me, name), missed=False, ticked=False)
 
     def _follows(self, st: State, me: Thread, name: str) -> bool:
         """Whether the process has any book of the period of a port, in any part, opened before the latest tick."""
@@ -132,6 +135,10 @@ class Clock:
             book.ticked and other in same and self._process(tid) == self._process(me.tid)
             for (tid, other), book in st.books.items()
         )
+
+    def _keeper(self, me: Thread) -> Tid:
+        """Whose books a thread uses: the body of an interrupt shares those of what it stands in."""
+        return tuple(each for each in me.tid if not isinstance(self.linked.nodes[each[0]].comp, Interrupt))
 
     def _process(self, tid: Tid) -> int:
         """The process that a thread is a part of: a branch of the outermost parallel printed as one, or the outermost."""
@@ -147,7 +154,7 @@ class Clock:
         port = self.linked.ports[name]
         if port.period is None:
             return name in st.events
-        book = st.books.get((me.tid, name))
+        book = st.books.get((self._keeper(me), name))
         return self._follows(st, me, name) if book is None else book.fresh or book.missed
 
     def read(self, st: State, me: Thread, name: str) -> Value:
@@ -156,19 +163,21 @@ class Clock:
         if port.period is None:
             value = st.events.pop(name)
         else:
-            book = st.books[me.tid, name]
+            book = st.books[self._keeper(me), name]
             if book.missed:
-                st.books[me.tid, name] = book._replace(missed=False)
+                st.books[self._keeper(me), name] = book._replace(missed=False)
                 st.timeout = True
                 raise MissedSampleError
-            st.books[me.tid, name] = book._replace(fresh=False)
+            st.books[self._keeper(me), name] = book._replace(fresh=False)
             value = st.samples[name]
+        self.made.append((name, value))
         self.policy.passed(name, value, external=True)
         return value
 
     def write(self, st: State, name: str, value: Value) -> None:
         port = self.linked.ports[name]
         self.written.append((name, value))
+        self.made.append((name, value))
         if port.period is not None and not port.immediate:
             st.latches[name] = value
         else:

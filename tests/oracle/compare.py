@@ -7,10 +7,12 @@ from dataclasses import dataclass, field
 
 from tests.oracle.explore import explore
 from tests.oracle.generate import closed
+from tests.oracle.generate_pairs import pair
 from tests.oracle.generate_timed import timed
 from tests.oracle.judged import Judgement, verify
-from tests.oracle.properties import Answer, deadlock_free, livelock_free, only_stopped, schedulable, terminates
-from tests.oracle.text import text
+from tests.oracle.properties import Answer, deadlock_free, livelock_free, schedulable, terminates
+from tests.oracle.refine import refines
+from tests.oracle.text import process, text
 from tests.oracle.traces import compare_traces
 from tests.oracle.tree import Program
 
@@ -62,11 +64,7 @@ def judged(program: Program, assertion: str, decide: Callable[[], Answer]) -> Ou
 
 
 def _deadlock(program: Program) -> Answer:
-    graph = explore(program)
-    answer = deadlock_free(graph)
-    if answer.holds and only_stopped(graph):
-        answer.holds = None
-    return answer
+    return deadlock_free(explore(program))
 
 
 def _terminates(program: Program) -> Answer:
@@ -98,7 +96,29 @@ def _trace(case: Case) -> Outcome:
     return Outcome(counted, wrong, text(program), program)
 
 
+def _refines(case: Case) -> Outcome:
+    made = pair(case.seed)
+    specification = "\n".join(process(made.specification))
+    printed = f"{text(made.program)}{specification}\nassert Main refines Spec\n"
+    judgement = verify(printed)
+    outcome = Outcome([judgement.verdict], text=printed, program=made.program)
+    if made.holds:
+        outcome.counted.append("holds by construction")
+    if judgement.verdict == "rejected":
+        outcome.counted.append("rejected " + judgement.text.split("\n")[0])
+    if judgement.verdict not in ("proved", "refuted"):
+        return outcome
+    answer = refines(made.program, made.specification)
+    if answer.holds is None:
+        outcome.counted.append("too large")
+    outcome.wrong = contradiction(judgement, answer)
+    if made.holds and answer.holds is False:
+        outcome.counted.append("oracle and construction differ")
+    return outcome
+
+
 COMPARISONS = {
+    "refines": Comparison(_refines),
     "trace": Comparison(_trace),
     "schedulable": Comparison(_schedulable),
     "deadlock": _closed("deadlock free", _deadlock),

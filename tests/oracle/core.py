@@ -23,6 +23,7 @@ class Core:
         self.channels = Channels(linked, policy, self.fire)
         self.clock = Clock(linked, policy, self.channels)
         self.written = self.clock.written
+        self.visible = self.clock.made
 
     def fire(self, st: State, thread: Thread, depth: int) -> None:
         """The guard of an interrupt has become ready."""

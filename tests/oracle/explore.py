@@ -18,7 +18,8 @@ from tests.oracle.tree import Law, Port, Program, Value
 class Chooser:
     """Answers what is left open from a list, and notes how many answers there were."""
 
-    def __init__(self, free: bool, wcet: bool, general: bool) -> None:
+    def __init__(self, free: bool, wcet: bool, general: bool, fine: bool) -> None:
+        self.fine = fine
         self.free = free
         self.wcet = wcet
         self.general = general
@@ -48,7 +49,7 @@ class Chooser:
         if not self.general:
             value = from_table(port, now)
             return None if value == last else value
-        others = [value for value in port.domain if value != last]
+        others = [value for value in port.domain if self.free or value != last]
         chosen = self.choose(len(others) + 1)
         return others[chosen - 1] if chosen else None
 
@@ -71,6 +72,7 @@ class Edge:
     what: str
     written: tuple[tuple[str, Value], ...] = ()  # to external outputs, also to those that are latched
     moved: frozenset[Tid] = frozenset()  # the threads that went on
+    visible: tuple[tuple[str, Value], ...] = ()  # reads and writes at external ports, in their order
 
     @property
     def silent(self) -> bool:
@@ -103,14 +105,15 @@ def explore(
     general: bool = True,
     limit: int = 4000,
     seconds: float = 3,
+    fine: bool = False,
 ) -> Graph:
     """The states that can be reached, at most `limit` of them.
 
     `free`: any ready process of the highest priority may run, and any ready guard of `[]` be taken; otherwise as the
-    page says. `wcet`: laws compute for no time or for their longest. `general`: the environment offers what it will.
+    page says. `fine`: others may run after each communication, which a specification allows. `wcet`: laws compute for no time or for their longest. `general`: the environment offers what it will.
     """
     linked = link(program)
-    chooser = Chooser(free, wcet, general)
+    chooser = Chooser(free, wcet, general, fine)
     machine = Machine(linked, chooser)
     graph = Graph(linked, machine)
     known: dict[Hashable, int] = {}
@@ -152,6 +155,7 @@ def _successors(machine: Machine, chooser: Chooser, st: State, free: bool) -> It
             after = st.copy()
             chooser.begin(prefixes.pop())
             machine.written.clear()
+            machine.visible.clear()
             if tid is None:
                 assert instant is not None
                 after.now = instant
@@ -164,7 +168,7 @@ def _successors(machine: Machine, chooser: Chooser, st: State, free: bool) -> It
             made = tuple(chooser.made)
             what += "".join(f", {channel} {value}" for channel, value, _ in made)
             moved = frozenset(tid for tid, thread in st.threads.items() if _went_on(thread, after.threads.get(tid)))
-            yield after, Edge(-1, after.now > st.now, made, what, tuple(machine.written), moved)
+            yield after, Edge(-1, after.now > st.now, made, what, tuple(machine.written), moved, tuple(machine.visible))
 
 
 def _went_on(before: Thread, after: Thread | None) -> bool:

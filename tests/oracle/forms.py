@@ -111,7 +111,7 @@ class Forms:
     def local(self) -> list[Comp]:
         """Something that concerns nobody else."""
         choice = self.rng.random()
-        if choice < 0.4:
+        if choice < 0.4 and "time" not in self.without:
             return [Wait(self.delay())]
         if choice < 0.6 and self.scope.outputs:
             return [Write(self.rng.choice(self.scope.outputs), self.scope.number())]
@@ -124,7 +124,7 @@ class Forms:
     def step(self, depth: int) -> Comp:
         choice = self.rng.random()
         if choice < 0.4:
-            return self.communication() or Wait(self.delay())
+            return self.communication() or self.local()[0]
         if choice < 0.55 or depth == 0:
             return self.local()[0]
         if choice < 0.7:
@@ -156,7 +156,7 @@ class Forms:
         broadcast = {channel.name for channel in self.scope.writes if channel.kind == "broadcast"}
         if communication is not None and choice < 0.75 and communication.channel not in broadcast:
             return communication
-        if choice < 0.93 and timed:
+        if choice < 0.93 and timed and "time" not in self.without:
             return After(self.delay())
         return Skip()
 
@@ -166,7 +166,7 @@ class Forms:
 
     def guarded(self, depth: int) -> Comp:
         communication = self.communication()
-        event: Event = communication if communication is not None else After(self.delay())
+        event: Event = communication if communication is not None else Skip()
         return Guarded(event, self.step(depth - 1))
 
     def alternative(self, depth: int) -> Comp:
@@ -223,7 +223,7 @@ class Forms:
 
     def interrupted(self, body: Comp, depth: int) -> Comp:
         """A body with a guard beside it, which is another parallel part: they share no end and no variable."""
-        if "interrupt" in self.without:
+        if "interrupt" in self.without or "time" in self.without:
             return body
         beside = uses(body, {})
         read = [channel for channel in self.scope.reads if channel.name + "?" not in beside]

@@ -99,7 +99,12 @@ class Machine(Parallels, Guards, Laws):
         signal = self._resumed(st, thread)
         try:
             while st.running == tid and signal is not None:
+                before = len(self.clock.made)
                 signal = self._step(st, thread, signal)
+                if self.policy.fine and signal is not None and len(self.clock.made) > before:
+                    thread.signal = signal
+                    st.ready.append(tid)
+                    break
                 if signal is not None and signal[0] == "around":
                     thread.signal = ("exec", signal[1])
                     return

@@ -8,6 +8,7 @@ from tests.oracle.tree import Law, Port, Value
 
 
 class Policy(Protocol):
+    fine: bool  # others may run after each communication, and not only when a process waits
     free: bool  # `[]` may take any guard that is ready; otherwise it is fair as the page says
 
     def choose(self, count: int) -> int:
@@ -43,6 +44,7 @@ def from_table(port: Port, now: int) -> Value:
 class Unwitnessed:
     """Answers of the simplest kind: laws take no time, the environment is the one that is printed."""
 
+    fine = False
     free = False
 
     def choose(self, count: int) -> int:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from tests.oracle.explore import Graph, explore
-from tests.oracle.state import Stopped, Tid
+from tests.oracle.state import Tid
 from tests.oracle.stuck import stuck, waits_for_others
 from tests.oracle.tree import Program
 
@@ -34,6 +34,9 @@ def deadlock_free(graph: Graph) -> Answer:
         if found:
             names = ", ".join(".".join(str(branch) for _, branch in tid) or "root" for tid in found)
             return _found(graph, index, f"{names} wait for ever at {st.now} ns")
+        idle = st.ended is None and not graph.machine.candidates(st)
+        if idle and graph.machine.clock.next_instant(st) is None:
+            return _found(graph, index, f"nothing happens any more from {st.now} ns on")
     answer = _none(graph)
     if answer.holds and any(_for_ever(graph)):
         answer.holds, answer.why = None, "somebody waits for ever for a partner that goes on"
@@ -74,14 +77,6 @@ def terminates(graph: Graph) -> Answer:
             return _found(graph, index, "nothing happens any more")
     index_or_none = on_cycle([[edge.to for edge in edges] for edges in graph.edges])
     return _none(graph) if index_or_none is None else _found(graph, index_or_none, "goes round for ever from here")
-
-
-def only_stopped(graph: Graph) -> bool:
-    """Whether some run halts at `stop` with nobody else waiting, of which the page does not say what it is."""
-    return any(
-        st.ended is None and not edges and any(isinstance(thread.wait, Stopped) for thread in st.threads.values())
-        for st, edges in zip(graph.states, graph.edges, strict=True)
-    )
 
 
 def schedulable(graph: Graph) -> Answer:

@@ -268,13 +268,19 @@ def text(program: Program, assertion: str = "") -> str:
 
 
 def definitions(program: Program) -> list[str]:
-    laws = {law.name: law for law in program.laws}
-    known = {channel.name for channel in program.channels} | {port.name for port in program.ports}
     lines = [f"enum {enum.name} {{ {', '.join(enum.literals)} }}" for enum in program.enums]
     for struct in program.structs:
         lines.append(f"struct {struct.name} {{ {' '.join(f'{name} : {kind.name}' for name, kind in struct.fields)} }}")
     lines += [f"exception {name}" for name in program.exceptions]
     lines += [_law(law) for law in program.laws]
+    return [*lines, *process(program)]
+
+
+def process(program: Program) -> list[str]:
+    """The outermost process, and its branches that are processes of their own."""
+    laws = {law.name: law for law in program.laws}
+    known = {channel.name for channel in program.channels} | {port.name for port in program.ports}
+    lines: list[str] = []
     parts, used = branches(program), [uses(part, laws) for part in branches(program)]
     for number in sorted(program.boxed):
         lines += _box(program, number, parts[number], {end for end in used[number] if end[:-1] in known})
