@@ -132,7 +132,7 @@ class _Teller:
                 for event in sorted(offered[index] - {INTERNAL})
                 for other in self._system.events[event].parties
                 if event not in offered[other]
-                for partner in self._partners(other, self._system.events[event].role(index))
+                for partner in who_could_come(self._system, other, self._system.events[event].role(index))
             )
             channels = dict.fromkeys(
                 self._system.events[event].channel for event in sorted(offered[index] - {INTERNAL})
@@ -143,19 +143,6 @@ class _Teller:
             ended = tuple(self._name(other) for other in absent if self._has_ended(other, state[other]))
             yield Waiting(party.name, components[index].path, words, party.span, tuple(channels), partners, ended)
 
-    def _partners(self, absent: int, role: str) -> Iterable[int]:
-        """Who would have to come for a party that is absent: itself, or for the memory of a channel those on the other side of it."""
-        if self._system.components[absent].process:
-            return (absent,)
-        others = "!" if role == "?" else "?"
-        return (
-            partner
-            for event in self._system.events
-            if absent in event.parties and len(event.parties) == len(event.roles)
-            for partner in event.parties
-            if event.role(partner) == others
-        )
-
     def _has_ended(self, index: int, state: int) -> bool:
         """Whether a process is at its end, and does not wait for branches of its own or to be started."""
         component = self._system.components[index]
@@ -163,6 +150,20 @@ class _Teller:
             return False
         events = [self._system.events[event] for event, _ in component.edges[state] if event != INTERNAL]
         return all(event.kind in ("end", "cancel") and event.parties[0] != index for event in events)
+
+
+def who_could_come(system: System, absent: int, role: str) -> Iterable[int]:
+    """Who would have to come for a party that is absent: itself, or for the memory of a channel those on the other side than the ``role`` of who waits."""
+    if system.components[absent].process:
+        return (absent,)
+    others = "!" if role == "?" else "?"
+    return (
+        partner
+        for event in system.events
+        if absent in event.parties and len(event.parties) == len(event.roles)
+        for partner in event.parties
+        if event.role(partner) == others
+    )
 
 
 def ring(waiting: tuple[Waiting, ...]) -> tuple[str, ...]:

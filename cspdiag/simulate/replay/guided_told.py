@@ -6,7 +6,15 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from cspdiag.analyses.counterexamples.counterexample import SILENT, Counterexample, Party, Step, Waiting, ring
+from cspdiag.analyses.counterexamples.counterexample import (
+    SILENT,
+    Counterexample,
+    Party,
+    Step,
+    Waiting,
+    ring,
+    who_could_come,
+)
 from cspdiag.analyses.transitions.system import INTERNAL, Place, System
 from cspdiag.model.types import BoolType, EnumType, IntType, RealType, TimeType, Type
 from cspdiag.network.ir import Network
@@ -91,15 +99,16 @@ class _Teller:
             [self._system.events[e] for e in self._waits(number, state)],
         )
         place = component.places.get(state, Place("waits"))
-        partners = dict.fromkeys(
-            self._system.components[party].name.removeprefix(self._prefix)
+        others = dict.fromkeys(
+            self._system.components[partner].name.removeprefix(self._prefix)
             for event in events
             for party in event.parties
             if party != number
+            for partner in who_could_come(self._system, party, event.role(number))
         )
         channels = dict.fromkeys(event.channel for event in events)
         name = component.name.removeprefix(self._prefix)
-        return Waiting(name, component.path, place.words, place.span, tuple(channels), tuple(partners))
+        return Waiting(name, component.path, place.words, place.span, tuple(channels), tuple(others))
 
     def _waits(self, component: int, state: int) -> Sequence[int]:
         """The events for which a component waits in a state, but for the end of all that runs beside it."""
