@@ -193,7 +193,9 @@ def test_refutations_of_random_programs_replay() -> None:
         assert network is not None
         trace = _trace(found, question.process)
         replay = replayed(network, trace, read)
-        assert replay.succeeded or replay.excluded, (replay.divergence, text)
+        # Proofs speak of runs without a fault that nobody catches: what comes after one is no counterexample.
+        faults = (replay.divergence or "").startswith("it ends with Fault")
+        assert replay.succeeded or replay.excluded or faults, (replay.divergence, text)
         replays += replay.succeeded
 
     for start in range(100, 104):
