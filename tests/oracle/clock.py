@@ -99,9 +99,13 @@ class Clock:
     def _offer(self, st: State, port: Port) -> None:
         value = self.policy.event(port, st.now, st.offered[port.name])
         if value is not None:
-            st.offered[port.name] = value
-            st.events[port.name] = value
-            self._wake(st, port.name)
+            self.bring(st, port, value)
+
+    def bring(self, st: State, port: Port, value: Value) -> None:
+        """The environment offers an event."""
+        st.offered[port.name] = value
+        st.events[port.name] = value
+        self._wake(st, port.name)
 
     def _wake(self, st: State, name: str) -> None:
         """Whoever waits for an external input, in the order of the program."""

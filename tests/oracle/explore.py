@@ -145,6 +145,8 @@ def _successors(machine: Machine, chooser: Chooser, st: State, free: bool) -> It
     """The states that follow, with edges whose end is not known yet."""
     if st.ended is not None:
         return
+    if free and machine.clock.grid is None:
+        yield from _events(machine, st)
     candidates = machine.candidates(st)
     instant = None if candidates else machine.clock.next_instant(st)
     if not candidates and instant is None:
@@ -169,6 +171,16 @@ def _successors(machine: Machine, chooser: Chooser, st: State, free: bool) -> It
             what += "".join(f", {channel} {value}" for channel, value, _ in made)
             moved = frozenset(tid for tid, thread in st.threads.items() if _went_on(thread, after.threads.get(tid)))
             yield after, Edge(-1, after.now > st.now, made, what, tuple(machine.written), moved, tuple(machine.visible))
+
+
+def _events(machine: Machine, st: State) -> Iterator[tuple[State, Edge]]:
+    """Where the environment has no grid, any event may come at any time."""
+    for port in machine.linked.program.ports:
+        for value in port.domain if port.input and port.period is None else ():
+            if st.events.get(port.name) != value:
+                after = st.copy()
+                machine.clock.bring(after, port, value)
+                yield after, Edge(-1, False, (), f"{port.name} offers {value}")
 
 
 def _went_on(before: Thread, after: Thread | None) -> bool:
@@ -229,7 +241,7 @@ def key(linked: Linked, machine: Machine, st: State, free: bool, general: bool) 
         None if free else tuple(sorted(st.chosen.items())),
         tuple(sorted(st.books.items())),
         tuple(sorted(st.samples.items())),
-        tuple(sorted(st.offered.items())),
+        tuple(sorted(st.offered.items())) if machine.clock.grid else None,
         tuple(sorted(st.events.items())),
         tuple(sorted(st.latches.items())),
         st.running,
