@@ -6,6 +6,7 @@ from __future__ import annotations
 from dataclasses import replace
 from random import Random
 
+from tests.oracle.shrink import tidy
 from tests.oracle.text import uses
 from tests.oracle.tree import (
     BOOL,
@@ -224,7 +225,7 @@ def timed(seed: int, *, outputs: bool = False) -> Program:
                 bodies[part.owner] = Seq((bodies[part.owner], Write(channel.name, Lit(1, INT))))
             if channel in part.reads and channel.name + "?" not in ends:
                 bodies[part.owner] = Seq((bodies[part.owner], Read(channel.name, part.target())))
-    return Program(
+    made = Program(
         body=Par(tuple(bodies), rng.random() < 0.4) if len(bodies) > 1 else bodies[0],
         channels=tuple(channels),
         variables=tuple(variable for part in parts for variable in [*part.variables, *part.counters]),
@@ -232,6 +233,7 @@ def timed(seed: int, *, outputs: bool = False) -> Program:
         laws=tuple(law for part in parts for law in part.laws),
         step=MS,
     )
+    return tidy(made)
 
 
 def _values(rng: Random) -> tuple[tuple[int, int], ...]:
