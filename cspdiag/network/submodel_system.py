@@ -73,14 +73,15 @@ def complete(system: SubmodelClass, draft: Draft, report: Report) -> SubmodelCla
 def _computed_first(
     draft: Draft, equations: tuple[Item, ...], following: Mapping[str, Expression]
 ) -> tuple[tuple[Item, ...], tuple[tuple[str, Expression], ...]]:
-    """Next values that may fault become equations of their own: they are computed before any state has changed."""
+    """Next values that may fault, or read what integration moves, become equations of their own: computed before any state has changed."""
     computed: list[Item] = list(equations)
     next_values: list[tuple[str, Expression]] = []
     for name, state in draft.states.items():
         value = following.get(name)
         if value is None:
             continue
-        if may_fault(value) and not draft.closed:
+        is_late = may_fault(value) or not draft.derivatives.keys().isdisjoint(signals_read(value))
+        if is_late and not draft.closed:
             local = draft.unique(f"{name}_next")
             computed.append(SubmodelEquation(name=local, type=state.type, value=value, span=state.span))
             value = SignalValue(type=state.type, name=local)
