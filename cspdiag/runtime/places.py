@@ -37,11 +37,16 @@ def statement_of(error: BaseException) -> str | None:
 
 
 def raised_by_program(error: BaseException) -> bool:
-    """Whether generated code itself has raised ``error``, and not what it calls."""
-    traceback = error.__traceback__
-    while traceback is not None and traceback.tb_next is not None:
+    """Whether generated code itself has raised ``error``, and not what it calls: its files are those that have places."""
+    files: set[str] = set()
+    innermost: CodeType | None = None
+    traceback: TracebackType | None = error.__traceback__
+    while traceback is not None:
+        innermost = traceback.tb_frame.f_code
+        if source_line(innermost, traceback.tb_lineno) is not None:
+            files.add(innermost.co_filename)
         traceback = traceback.tb_next
-    return traceback is not None and source_line(traceback.tb_frame.f_code, traceback.tb_lineno) is not None
+    return innermost is not None and innermost.co_filename in files
 
 
 def is_of_runtime(frame: FrameType) -> bool:

@@ -85,27 +85,39 @@ process Curves {
   composition { wait 100 ms }
 }
 
+driver Broken python "broken.py:Broken" {
+  out broken : double<V>
+}
+
 submodel Wheels {
   out a : double<rad>
-  out broken : double<V>
   out once : double<K>
   state t : int = 0
   next t = t + 1
   a = double(t) * 1<rad>
-  broken = (if t % 30 < 10 then 1e308 * 10.0 else double(t)) * 1<V>
   once = double(t) * 1<K>
 }
 
 environment Bench for Curves step 1 ms {
   wheels : Wheels
+  torn   : Broken
   for i < 8 {
     wheels.a -> a_very_long_name_of_the_encoder_at_wheel[i]
   }
-  wheels.broken -> broken
+  torn.broken -> broken
   wheels.once -> once
   1<W> -> never
   nobody -> _
 }
+"""
+
+BROKEN = """
+class Broken:
+    count = 0
+
+    def read(self, port):
+        self.count += 1
+        return float("inf") if self.count % 30 < 10 else float(self.count)
 """
 
 PROGRAMS = {"stations": STATIONS, "drive": DRIVE, "curves": CURVES.replace("1<W> -> never", "wheels.power -> never")}
@@ -118,6 +130,7 @@ PROGRAMS["curves"] = PROGRAMS["curves"].replace(
 def runs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Run]:
     folder = tmp_path_factory.mktemp("plots")
     found = {}
+    (folder / "broken.py").write_text(BROKEN)
     for name, text in PROGRAMS.items():
         (folder / f"{name}.csp").write_text(text)
         found[name] = cspdiag.load(str(folder / f"{name}.csp")).run("Bench", until="5 s")
