@@ -87,7 +87,7 @@ def test_process_goes_round_until_its_law_has_come_to_its_end(condition: str, va
 def test_loop_without_an_end_is_not_gone_round_for_ever() -> None:
     (answer,) = answers_to({"case.csp": oven(samples=100_000_000)})
     assert answer.outcome == "unknown"
-    assert "`Oven.heater` goes round" in answer.reason
+    assert "`heater` goes round" in answer.reason
 
 
 def test_rounds_are_told_and_stored_once(cspdiag: Command, tmp_path: Path) -> None:  # noqa: F811
