@@ -6,6 +6,7 @@ searches: stubborn sets, compositional minimization, and breadth-first over all 
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import TypeAlias
@@ -21,13 +22,13 @@ METHODS: tuple[Method, ...] = ("rules", "sat", "invariants", "stubborn", "minimi
 """The methods in their order."""
 
 SHORTENING_SECONDS = 0.5
-"""Time for finding the shortest trace, when a longer one has been found without search."""
+"""Time of the processor for finding the shortest trace, when a longer one has been found without search."""
 
 SMALL = 60
 """Systems with at most so many components may have their traces shortened by search."""
 
 BRIEF_SECONDS = 0.3
-"""Time for a search before the solver for invariants is started, which takes longer than that by itself."""
+"""Time of the processor for a search before the solver for invariants is started, which takes longer than that by itself."""
 
 STATES_OF_EXAMINATION = 1000
 """So many states are looked at from a candidate that invariants may still exclude."""
@@ -88,7 +89,7 @@ def _noted(verdict: Verdict, unknown: Sequence[Unknown]) -> Verdict:
 
 def _searched_briefly(question: Question, limits: Limits) -> Verdict:
     """What a search says that ends before the solver for invariants would have started."""
-    brief = Limits(min(BRIEF_SECONDS, limits.remaining), limits.memory)
+    brief = Limits(min(BRIEF_SECONDS, limits.remaining), limits.memory, time.process_time)
     if question.structure.fails and not question.together:
         return _by_breadth_first(question, brief)
     return _by_stubborn_sets(question, brief)
@@ -119,7 +120,9 @@ def _shortened(question: Question, verdict: Verdict, limits: Limits) -> Verdict:
         return verdict
     if len(question.system.components) > SMALL:
         return verdict
-    shorter = _by_breadth_first(question, Limits(min(SHORTENING_SECONDS, limits.remaining), limits.memory))
+    shorter = _by_breadth_first(
+        question, Limits(min(SHORTENING_SECONDS, limits.remaining), limits.memory, time.process_time)
+    )
     if isinstance(shorter, Refuted) and len(shorter.trace) < len(verdict.trace):
         return replace(verdict, trace=shorter.trace, stuck=shorter.stuck)
     return verdict
