@@ -38,11 +38,21 @@ def fault_of(error: ArithmeticError, place: str | None) -> Fault:
     return Fault("division by zero" if isinstance(error, ZeroDivisionError) else str(error), place)
 
 
+def text_of(error: BaseException) -> str:
+    """What an exception says; one whose text cannot be made must not keep outputs from being released."""
+    try:
+        return str(error)
+    except Exception as failed:
+        return f"(its text cannot be made: {type(failed).__name__})"
+
+
 class DriverError(Exception):
     """A driver failed at ``open``, ``read``, ``write`` or ``close``; the run ends with its outputs released."""
 
     def __init__(self, driver: str, port: str, operation: str, cause: BaseException) -> None:
-        super().__init__(f"driver {driver} failed to {operation} at port {port}: {type(cause).__name__}: {cause}")
+        super().__init__(
+            f"driver {driver} failed to {operation} at port {port}: {type(cause).__name__}: {text_of(cause)}"
+        )
         self.driver = driver
         self.port = port
         self.operation = operation
@@ -53,7 +63,7 @@ class EnvironmentFailure(Exception):  # noqa: N818 - it is no fault of the progr
 
     def __init__(self, environment: str, cause: BaseException, place: str | None) -> None:
         where = "" if place is None else f", in {place}"
-        super().__init__(f"the environment {environment} failed: {type(cause).__name__}: {cause}{where}")
+        super().__init__(f"the environment {environment} failed: {type(cause).__name__}: {text_of(cause)}{where}")
 
 
 class ChannelMisuse(Exception):  # noqa: N818 - it says what was done
@@ -78,7 +88,7 @@ ANOTHER_BRANCH = "another parallel branch ended with"
 
 def described(error: BaseException) -> str:
     """The exception in the words of the program: its name, what it says, and where it was raised."""
-    text, name = str(error), type(error).__name__
+    text, name = text_of(error), type(error).__name__
     if isinstance(error, DriverError | EnvironmentFailure):
         return text
     place = getattr(error, "place", None)

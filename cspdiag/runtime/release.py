@@ -57,7 +57,7 @@ class Release:
         while self._jobs:
             call, job = self._jobs.popleft()
             try:
-                job() if call is None else self._watch.call(call, job)
+                self._do(call, job)
             except DriverFailed as failed:
                 self.errors.append(failed.error)
         if self._elsewhere is not None:
@@ -67,6 +67,23 @@ class Release:
         for line in self._threads:
             if line.thread.is_alive():
                 line.thread.join(0.05)
+
+    def _do(self, call: Call | None, job: Callable[[], None]) -> None:
+        """Does one thing; if an interrupt of the keyboard cuts it off, once more."""
+        try:
+            self._attempt(call, job)
+        except KeyboardInterrupt:
+            try:
+                self._attempt(call, job)
+            except KeyboardInterrupt as error:
+                if call is not None:
+                    raise call.failed(error) from error
+
+    def _attempt(self, call: Call | None, job: Callable[[], None]) -> None:
+        if call is None:
+            job()
+        else:
+            self._watch.call(call, job)
 
     def run_elsewhere(self, hanging: Sequence[BaseException]) -> None:
         """Goes on with it from this thread, where the scheduler's thread hangs in a driver."""

@@ -168,3 +168,51 @@ def test_a_handler_of_the_caller_is_kept_and_outputs_are_released() -> None:
     finally:
         signal.signal(signal.SIGTERM, before)
     assert motor.written == [3.0, 0.0]
+
+
+class Unspeakable(Exception):  # noqa: N818
+    """Its text cannot be made."""
+
+    def __str__(self) -> str:
+        return self.args[0]  # type: ignore[no-any-return]
+
+
+class Bus:
+    """Remembers what it is handed; while ``failures`` last, a safe value (0.0) raises ``error`` instead."""
+
+    def __init__(self, failures: int = 0, error: type[BaseException] = KeyboardInterrupt) -> None:
+        self.failures = failures
+        self.error = error
+        self.written: list[float] = []
+        self.closed = 0
+
+    def write(self, value: float) -> None:
+        if value == 0.0 and self.failures > 0:
+            self.failures -= 1
+            raise self.error(5)
+        self.written.append(value)
+
+    def close(self) -> None:
+        self.closed += 1
+
+
+@pytest.mark.parametrize(
+    ("failures", "error", "is_released"),
+    [(1, KeyboardInterrupt, True), (9, KeyboardInterrupt, False), (9, Unspeakable, False)],
+    ids=["interrupted once", "interrupted again", "an exception without a text"],
+)
+def test_what_a_safe_value_raises_keeps_no_other_output_from_its_own(
+    failures: int, error: type[BaseException], is_released: bool
+) -> None:
+    first, second = Bus(failures, error), Bus()
+    ports = [EventOutput("Top.a", safe=0.0, driver=first), EventOutput("Top.b", safe=0.0, driver=second)]
+
+    async def top() -> None:
+        await wait(5 * ms)
+
+    outcome = Network(Body(top), ports).run(real_time=True)
+    assert first.written == ([0.0] if is_released else [])
+    assert second.written == [0.0]
+    assert (first.closed, second.closed) == (1, 1)
+    assert outcome.exit_code == (0 if is_released else 1)
+    assert [error.__name__ in str(failed) for failed in outcome.release_errors] == ([] if is_released else [True])
