@@ -29,6 +29,10 @@ hunt: $(VENV)/.stamp-dev ## Look for errors in random and damaged programs, for 
 	$(BIN)/python -m tests.analyses.proofs.hunt --random 20000
 	$(BIN)/python -m tests.verification.test_random_refinements 10000
 	$(BIN)/python -m tests.simulate.ways_out
+	$(BIN)/python -m tests.analyses.timing.hunt --random 5000
+	$(BIN)/python -m tests.conformance.random --count 5000
+	for property in deadlock livelock terminates schedulable refines trace; do \
+	    $(BIN)/python -m tests.oracle.hunt --property $$property --count 5000 || exit 1; done
 
 check: $(VENV)/.stamp-dev ## Format, lint, types, import rules, generated documentation
 	$(BIN)/ruff format --check .
