@@ -90,7 +90,7 @@ def _template_from(elements: Sequence[Code], variable: str, start: int) -> Calla
 
 def template(elements: Sequence[Code], variable: str, start: int) -> Code | None:
     """The expression of ``variable`` that gives the elements, counted from ``start``; None if there is none."""
-    if len({re.sub(r"\d+", "#", element.flat) for element in elements}) > 1:
+    if len({_skeleton(element.flat) for element in elements}) > 1:
         return None
     try:
         return _code(elements, Counting(variable, start, len(elements)))
@@ -153,12 +153,16 @@ def _rolled(count: int, attempt: Callable[[int], T]) -> T | None:
     return attempt(count)
 
 
+def _skeleton(text: str) -> str:
+    return re.sub(r"\d+", "#", text)
+
+
 class _Runs:
     """Texts of which neighbours differ by numbers that stay or count up by one."""
 
     def __init__(self, texts: Sequence[str]) -> None:
         self._texts = texts
-        self._skeletons = [re.sub(r"\d+", "#", text) for text in texts]
+        self._skeletons = [_skeleton(text) for text in texts]
         self._numbers = [[int(number) for number in re.findall(r"\d+", text)] for text in texts]
         self._breaks: dict[int, int] = {}
         """Where the last run that was followed breaks off, by the size of its rounds."""

@@ -10,20 +10,18 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from cspdiag.diagnostics.record import replaced
 from cspdiag.model.types import RealType
+from cspdiag.network.everywhere import rewritten
 from cspdiag.network.expression_walk import operands
 from cspdiag.network.expressions import (
     ArrayElements,
     BinaryOperation,
     ConditionalValue,
     Conversion,
-    ElementValue,
     Expression,
-    FieldValue,
     FunctionCall,
     LiteralValue,
     SignalValue,
     StructValue,
-    UnaryOperation,
 )
 from cspdiag.network.ir import ExternalCall, SubmodelEquation
 
@@ -62,23 +60,7 @@ def assured_law(
 
 def within_domains(expression: Expression) -> Expression:
     """The expression with tests of functions that have no value everywhere."""
-    match expression:
-        case BinaryOperation(left=left, right=right):
-            inner: Expression = replaced(expression, left=within_domains(left), right=within_domains(right))
-        case UnaryOperation(operand=operand) | Conversion(operand=operand) | FieldValue(operand=operand):
-            inner = replaced(expression, operand=within_domains(operand))
-        case ConditionalValue(condition=condition, then=then, otherwise=otherwise):
-            chosen = (within_domains(part) for part in (condition, then, otherwise))
-            inner = replaced(expression, **dict(zip(("condition", "then", "otherwise"), chosen, strict=True)))
-        case FunctionCall(arguments=arguments):
-            inner = replaced(expression, arguments=tuple(map(within_domains, arguments)))
-        case ElementValue(operand=operand, index=index):
-            inner = replaced(expression, operand=within_domains(operand), index=within_domains(index))
-        case StructValue(values=values) | ArrayElements(values=values):
-            inner = replaced(expression, values=tuple(map(within_domains, values)))
-        case _:
-            return expression
-    return _tested(inner) if _has_domain(inner) else inner
+    return rewritten(expression, lambda part: _tested(part) if _has_domain(part) else part)
 
 
 def _has_domain(expression: Expression) -> bool:

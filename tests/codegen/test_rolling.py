@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import sys
-from types import FrameType
+from functools import partial
 
 import pytest
 
 from cspdiag.codegen import python_rolling
 from cspdiag.codegen.python_code import Atom
 from cspdiag.codegen.python_statements import Line, Statement, lines
+from tests.counting import calls
 
 
 def statement(text: str) -> tuple[Statement, ...]:
@@ -18,23 +18,6 @@ def statement(text: str) -> tuple[Statement, ...]:
 
 def rolled(texts: list[str]) -> list[str]:
     return list(lines(python_rolling.rolled_steps([statement(text) for text in texts], "i"), ""))
-
-
-def calls_of(texts: list[str]) -> int:
-    """How many functions are called to roll the statements."""
-    calls = 0
-
-    def count(frame: FrameType, event: str, argument: object) -> None:
-        nonlocal calls
-        calls += event == "call"
-
-    before = sys.getprofile()
-    sys.setprofile(count)
-    try:
-        rolled(texts)
-    finally:
-        sys.setprofile(before)
-    return calls
 
 
 def test_a_part_that_counts_becomes_a_loop() -> None:
@@ -71,5 +54,5 @@ def test_equal_statements_need_no_index() -> None:
 )
 def test_twice_as_many_statements_cost_twice_as_much(text: object) -> None:
     assert callable(text)
-    small, large = (calls_of([text(number) for number in range(size)]) for size in (200, 400))
+    small, large = (calls(partial(rolled, [text(number) for number in range(size)])) for size in (200, 400))
     assert large < 2.5 * small

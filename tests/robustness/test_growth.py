@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
 from functools import partial
-from types import FrameType
 
 import pytest
 
@@ -13,6 +11,7 @@ from cspdiag import pipeline
 from cspdiag.diagnostics import SourceFile
 from cspdiag.diagnostics.render_text import render
 from cspdiag.sources import read_source
+from tests.counting import calls
 
 MOST = 2.6
 """How much more may be done for twice the size: n log n, with room for what does not grow at all."""
@@ -80,23 +79,6 @@ def compiled(text: str) -> None:
         return
     for target, level in (("python", 0), ("python", 1), ("c", 1)):
         pipeline.generate(built.network, read_source, target, level)
-
-
-def calls(work: Callable[[], None]) -> int:
-    """How many functions it calls, those of Python and those in C."""
-    count = 0
-
-    def called(_frame: FrameType, event: str, _argument: object) -> None:
-        nonlocal count
-        count += event in ("call", "c_call")
-
-    before = sys.getprofile()
-    sys.setprofile(called)
-    try:
-        work()
-    finally:
-        sys.setprofile(before)
-    return count
 
 
 @pytest.mark.parametrize("shape", [ring, classes, equations, unconnected])

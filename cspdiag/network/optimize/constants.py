@@ -30,6 +30,7 @@ from cspdiag.network.actions import (
     WhileLoop,
     WriteValue,
 )
+from cspdiag.network.everywhere import rewritten
 from cspdiag.network.expressions import (
     Expression,
     LiteralValue,
@@ -41,7 +42,6 @@ from cspdiag.network.expressions import (
 )
 from cspdiag.network.ir import InstanceOf, Instantiation, Network, ProcessClass, SubmodelClass, SubmodelEquation
 from cspdiag.network.optimize.changes import changed, in_sequence
-from cspdiag.network.optimize.everywhere import rewritten
 from cspdiag.network.optimize.folding import folded, is_literal
 from cspdiag.network.walk import parts
 

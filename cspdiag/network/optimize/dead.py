@@ -29,6 +29,7 @@ from cspdiag.network.actions import (
     StopStep,
     Target,
 )
+from cspdiag.network.everywhere import rewritten
 from cspdiag.network.expressions import ParameterValue, VariableValue
 from cspdiag.network.ir import (
     CreatedChoice,
@@ -42,7 +43,6 @@ from cspdiag.network.ir import (
 )
 from cspdiag.network.optimize.changes import changed, in_sequence, mapped
 from cspdiag.network.optimize.dead_values import without_dead_values
-from cspdiag.network.optimize.everywhere import rewritten
 from cspdiag.network.optimize.reachable import reachable
 from cspdiag.network.unwritten import may_be_unwritten
 from cspdiag.network.walk import parts

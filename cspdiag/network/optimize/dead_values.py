@@ -10,11 +10,11 @@ from typing import Any, TypeAlias
 
 from cspdiag.diagnostics.record import field_names, is_record, replaced
 from cspdiag.network.actions import AssignValue, ChannelEnd, ResetStates, RunLaw, SequentialSteps, SkipStep
+from cspdiag.network.everywhere import rewritten
 from cspdiag.network.expressions import Expression, SignalValue, Typed, VariableValue
 from cspdiag.network.faults import may_fault
 from cspdiag.network.ir import ExternalCall, ProcessClass, SubmodelEquation
 from cspdiag.network.optimize.changes import changed, in_sequence
-from cspdiag.network.optimize.everywhere import rewritten
 from cspdiag.network.walk import parts
 
 Name: TypeAlias = "tuple[type[SignalValue] | type[VariableValue], str]"

@@ -9,6 +9,7 @@ from typing import Any
 from cspdiag.diagnostics.record import replaced
 from cspdiag.model.types import BOOL, ArrayType, BoolType, EnumType, IntType, RealType, StructType, TimeType, Type
 from cspdiag.network.constant_value import constant_value
+from cspdiag.network.everywhere import rewritten
 from cspdiag.network.expression_walk import operands
 from cspdiag.network.expressions import (
     ArrayElements,
@@ -25,7 +26,6 @@ from cspdiag.network.expressions import (
     VariableValue,
 )
 from cspdiag.network.faults import may_fault
-from cspdiag.network.optimize.everywhere import rewritten
 
 LIBRARY_FUNCTIONS = frozenset({"exp", "log", "sin", "cos", "tan", "asin", "acos", "atan", "atan2"})
 """Functions whose last bit depends on the library of the machine that runs the program."""

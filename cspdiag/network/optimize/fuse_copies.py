@@ -24,10 +24,10 @@ from cspdiag.network.actions import (
     WhileLoop,
     WriteValue,
 )
+from cspdiag.network.everywhere import rewritten
 from cspdiag.network.expressions import VariableValue
 from cspdiag.network.optimize.changes import with_inner_actions
 from cspdiag.network.optimize.dead import never_ends
-from cspdiag.network.optimize.everywhere import rewritten
 from cspdiag.network.walk import parts
 
 T = TypeVar("T")

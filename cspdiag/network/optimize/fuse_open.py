@@ -7,10 +7,10 @@ from typing import Any
 
 from cspdiag.diagnostics.record import replaced
 from cspdiag.network.actions import Action, InputRead, ReadInputs, RunInstance
+from cspdiag.network.everywhere import rewritten
 from cspdiag.network.expressions import SignalValue, VariableValue
 from cspdiag.network.ir import LocalChannel, Network, ProcessClass, SubmodelClass
 from cspdiag.network.optimize.changes import with_inner_actions
-from cspdiag.network.optimize.everywhere import rewritten
 from cspdiag.network.optimize.flatten import creation_with
 from cspdiag.network.optimize.fuse_code import NotStaticError
 from cspdiag.network.optimize.moved import EndNumbers, MovedUp
