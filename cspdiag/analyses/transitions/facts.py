@@ -1,13 +1,13 @@
 """What is known of the classes of a network before any process is followed.
 
 **Relevant** are variables, ports and channels whose values decide a condition somewhere: a condition reads them, or they flow into such.
-Only their values are followed.
+Only their values are followed. **Deciding** are those that decide a condition or how long a delay lasts: what a run does next, and when.
 """
 
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from cspdiag.analyses.transitions.cuts import boundaries, handed_to
 from cspdiag.analyses.transitions.faults import Faults
@@ -16,6 +16,7 @@ from cspdiag.analyses.transitions.program import Class, Node, Program
 from cspdiag.analyses.transitions.told_apart import Apart, AsSpecification, ToldApart
 from cspdiag.analyses.transitions.values import values_of_type
 from cspdiag.network.actions import (
+    AfterEvent,
     AssignValue,
     Branch,
     CatchException,
@@ -140,6 +141,17 @@ class Facts:
 _COMPUTING = (AssignValue, ReadValue, WriteValue, WaitStep, IfElse, WhileLoop, Repeat, Choice, InterruptOn)
 
 
+def deciding(program: Program) -> frozenset[Item]:
+    """What a run goes by: the items whose values decide a condition, or how long a delay or a time-out lasts."""
+    seeds: set[Item] = set()
+    for one in program.classes.values():
+        if isinstance(one.definition, ProcessClass):
+            for part in parts(one.definition.body):
+                if isinstance(part, WaitStep | AfterEvent):
+                    seeds |= items_in(part.duration, one)
+    return _relevant(program, set(), seeds)
+
+
 def _sampled_ports(program: Program) -> frozenset[tuple[str, str]]:
     """The ports, by class and name, of which some instance reads a sampled input of the outermost process."""
     top = program.network.top
@@ -159,9 +171,10 @@ def _base(port: str) -> str:
     return port.split("[", 1)[0]
 
 
-def _relevant(program: Program, told_apart: set[str]) -> frozenset[Item]:
+def _relevant(program: Program, told_apart: set[str], others: Iterable[Item] = ()) -> frozenset[Item]:
+    """What decides a condition or one of ``others``."""
     flows: defaultdict[Item, set[Item]] = defaultdict(set)
-    seeds: set[Item] = set()
+    seeds = set(others)
     for one in program.classes.values():
         if isinstance(one.definition, ProcessClass):
             for item, feeding in _flows(one):

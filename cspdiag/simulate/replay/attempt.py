@@ -32,6 +32,7 @@ from cspdiag.simulate.replay.trace import DivergenceError, Trace, TraceStep
 from cspdiag.simulate.replay.values import Values, numbers_of, written
 
 _ALLOWED = "with the values that it has there, it does what the specification allows"
+_NOTHING_DONE = "it leaves the loop, in which it does nothing but compute, by itself"
 _AT_A_TIME = 1_000
 _MOST_TURNS = 200
 """So often so many processes may get on until all halt: 10,000 that begin do so a few times each."""
@@ -99,6 +100,8 @@ class Attempt:
             for step in self._trace.cycle:
                 self._perform(step)
                 self._done += 1
+            if self._trace.cycle and len(conductor.passed) == self.cycle:
+                raise DivergenceError(_NOTHING_DONE)
             if self._trace.cycle and not self._trace.exact:
                 self._go_round_again(network.process)
             judgement = self._judged()

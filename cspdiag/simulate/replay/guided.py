@@ -19,6 +19,7 @@ from cspdiag.simulate.replay.guided_run import Run
 from cspdiag.simulate.replay.guided_runtime import guided_runtime
 from cspdiag.simulate.replay.guided_script import Passed, Script, put_off
 from cspdiag.simulate.replay.guided_world import Lines, World
+from cspdiag.simulate.replay.recurrence import Recurrence
 from cspdiag.simulate.replay.stuck import Partners
 from cspdiag.simulate.replay.trace import Trace
 from cspdiag.simulate.replay.values import Values, numbers_of
@@ -84,7 +85,15 @@ class Guided:
         script = (*entries, *(tuple(entries[cycle:]) * MOST_ROUNDS if period else ()))
         visible = frozenset(name for name in self._outside if not trace.hides(name))
         goal = Goal(
-            trace, self._outside, visible, cycle if trace.cycle else len(script), period, ends, self._partners, further
+            trace,
+            self._outside,
+            visible,
+            cycle if trace.cycle else len(script),
+            period,
+            ends,
+            self._partners,
+            Recurrence(self._network, exact=trace.exact),
+            further,
         )
         best: GuidedRun | None = None
         for run in self._runs(script, goal):
@@ -113,7 +122,16 @@ class Guided:
 
     def at_random(self, trace: Trace) -> GuidedRun | None:
         """A run to a deadlock that follows nothing; None if none was found."""
-        goal = Goal(trace, self._outside, self._outside - trace.hidden, 0, 0, ends=False, partners=self._partners)
+        goal = Goal(
+            trace,
+            self._outside,
+            self._outside - trace.hidden,
+            0,
+            0,
+            ends=False,
+            partners=self._partners,
+            recurrence=Recurrence(self._network, exact=trace.exact),
+        )
         runs = (
             self._run((), goal, RandomDecisions(number), strict=False, free=True) for number in range(MOST_AT_RANDOM)
         )

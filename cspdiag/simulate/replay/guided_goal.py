@@ -10,6 +10,7 @@ from cspdiag.runtime.composition import Branches
 from cspdiag.runtime.scheduler import Task
 from cspdiag.simulate.replay.guided_script import Actor, Standing
 from cspdiag.simulate.replay.names import belongs
+from cspdiag.simulate.replay.recurrence import Recurrence
 from cspdiag.simulate.replay.stuck import Partners, waits_of
 from cspdiag.simulate.replay.task_names import TaskNames, path_of
 from cspdiag.simulate.replay.trace import Trace
@@ -38,6 +39,7 @@ class Goal:
     period: int
     ends: bool
     partners: Partners
+    recurrence: Recurrence
     further: bool = False
 
     @property

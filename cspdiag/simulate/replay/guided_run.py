@@ -36,7 +36,7 @@ class AstrayError(Exception):
 
 
 class _Enough(BaseException):
-    """Breaks off a process that goes on for ever without ever having to wait; it can catch nothing of it."""
+    """Breaks off a process that goes on for ever without ever having to wait; nothing in it catches that."""
 
 
 class Run:
@@ -61,6 +61,7 @@ class Run:
         self._strict = strict
         self._free = free
         self._limit = limit
+        self._process = network.process
         self._root = task_for(network.process, self, None)
         self._outputs = goal.outside - world.inputs
         self._expected = goal.expected() if goal.trace.failure == "refinement" else None
@@ -79,7 +80,8 @@ class Run:
         self._cut: int | None = None
         self._cycle_began: int | None = None
         self._rounds = 0
-        self._situations: set[tuple[int, ...]] = set()
+        self._situations: set[tuple[object, ...]] = set()
+        self._repeated = False
         self._error: BaseException | None = None
 
     def branch_ended(self, branch: Task, error: BaseException | None) -> None:
@@ -125,6 +127,8 @@ class Run:
             try:
                 scheduler._run_one(party)
             except _Enough:
+                if self._repeated:
+                    return
                 if self._script.left or self._goal.is_standstill:
                     raise AstrayError(self._not_come("in so many steps")) from None
                 continue
@@ -136,13 +140,13 @@ class Run:
                 raise AstrayError(self._problem)
             if self._actions > self._limit:
                 raise AstrayError(self._not_come("in so many steps"))
-            if self._repeats():
+            if self._has_repeated():
                 return
         if self._goal.period:
-            raise AstrayError("times change each time round, so that this may come to an end")
+            raise AstrayError("times or values change each time round, so that this may come to an end")
 
-    def _repeats(self) -> bool:
-        """Whether all rounds to come will be as those that were: delays and samples are as they were before."""
+    def _has_repeated(self) -> bool:
+        """Whether all rounds to come will be as those that were: tasks, values, delays and samples are as they were before."""
         number = self._script.next()
         done = len(self._script.entries) if number is None else number
         goal = self._goal
@@ -152,11 +156,10 @@ class Run:
             self._rounds += 1
         if goal.trace.failure == "livelock" and self._cycle_began not in (None, scheduler.now):
             raise AstrayError("time passes before everything is repeated")
-        situation = self._world.situation
-        if situation in self._situations:
-            return True
+        situation = (*self._world.situation, *goal.recurrence.state(self._process, self._root))
+        self._repeated = situation in self._situations
         self._situations.add(situation)
-        return False
+        return self._repeated
 
     @property
     def _actions(self) -> int:
@@ -277,6 +280,8 @@ class Run:
             self._broadcasts.add(channel)
         self._note(action, channel, duration, party)
         self._match(party, action, channel, index)
+        if action == "skip" and self._has_repeated():
+            raise _Enough
 
     def _note(self, action: str, channel: str, value: Any, *parties: Party | None) -> None:
         self._steps += 1

@@ -13,7 +13,7 @@ _BOOKS = frozenset({"name", "source", "runs_now", "enclosing", "ends"})
 
 
 def memory(outermost: Any) -> dict[str, object]:
-    """The value of everything that a process and those inside it remember, by name."""
+    """The value of everything that a process and those inside it remember, by name; of a buffer the values in it."""
     found: dict[str, object] = {}
     seen: set[int] = set()
     pending: list[Any] = [outermost]
