@@ -47,18 +47,19 @@ def contradiction(judgement: Judgement, answer: Answer) -> str:
     return ""
 
 
-def judged(program: Program, assertion: str, decide: Callable[[], Answer]) -> Outcome:
-    printed = text(program, assertion)
-    judgement = verify(printed)
-    outcome = Outcome([judgement.verdict], text=printed, program=program)
+def judged(program: Program, printed: str, answer: Answer) -> Outcome:
+    """cspdiag is asked after the oracle has answered, and not at all where it has none.
+
+    A proof is made at once or not; so it has little time where only a proof would be wrong.
+    """
+    outcome = Outcome(text=printed, program=program)
+    if answer.holds is None:
+        outcome.counted.append("left open" if answer.why else "too large")
+        return outcome
+    judgement = verify(printed, seconds=3 if answer.holds else 0.5)
+    outcome.counted.append(judgement.verdict)
     if judgement.verdict == "rejected":
         outcome.counted.append("rejected " + judgement.text.split("\n")[0])
-        return outcome
-    if judgement.verdict == "unknown":
-        return outcome
-    answer = decide()
-    if answer.holds is None:
-        outcome.counted.append("too large")
     outcome.wrong = contradiction(judgement, answer)
     return outcome
 
@@ -78,14 +79,14 @@ def _livelock(program: Program) -> Answer:
 def _closed(assertion: str, decide: Callable[[Program], Answer]) -> Comparison:
     def compare(case: Case) -> Outcome:
         program = closed(case.seed)
-        return judged(program, assertion, lambda: decide(program))
+        return judged(program, text(program, assertion), decide(program))
 
     return Comparison(compare)
 
 
 def _schedulable(case: Case) -> Outcome:
     program = timed(case.seed)
-    return judged(program, "schedulable", lambda: schedulable(explore(program, free=False, wcet=True)))
+    return judged(program, text(program, "schedulable"), schedulable(explore(program, free=False, wcet=True)))
 
 
 def _trace(case: Case) -> Outcome:
@@ -100,18 +101,10 @@ def _refines(case: Case) -> Outcome:
     made = pair(case.seed)
     specification = "\n".join(process(made.specification))
     printed = f"{text(made.program)}{specification}\nassert Main refines Spec\n"
-    judgement = verify(printed)
-    outcome = Outcome([judgement.verdict], text=printed, program=made.program)
+    answer = refines(made.program, made.specification)
+    outcome = judged(made.program, printed, answer)
     if made.holds:
         outcome.counted.append("holds by construction")
-    if judgement.verdict == "rejected":
-        outcome.counted.append("rejected " + judgement.text.split("\n")[0])
-    if judgement.verdict not in ("proved", "refuted"):
-        return outcome
-    answer = refines(made.program, made.specification)
-    if answer.holds is None:
-        outcome.counted.append("too large")
-    outcome.wrong = contradiction(judgement, answer)
     if made.holds and answer.holds is False:
         outcome.counted.append("oracle and construction differ")
     return outcome

@@ -104,7 +104,7 @@ def explore(
     wcet: bool = False,
     general: bool = True,
     limit: int = 4000,
-    seconds: float = 3,
+    seconds: float = 1.5,
     fine: bool = False,
 ) -> Graph:
     """The states that can be reached, at most `limit` of them.

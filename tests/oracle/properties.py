@@ -80,14 +80,14 @@ def terminates(graph: Graph) -> Answer:
 
 
 def schedulable(graph: Graph) -> Answer:
-    """No process finds at a read that it has missed a sample; undecided where it merely never reads again."""
+    """No sample is overwritten untaken, whether or not the process ever finds that at a read."""
     for index, st in enumerate(graph.states):
         if st.timeout:
             return _found(graph, index, f"`Timeout` at {st.now} ns")
-    answer = _none(graph)
-    if any(st.missed for st in graph.states):
-        answer.holds, answer.why = None, "a sample is overwritten untaken by a process that never reads that port again"
-    return answer
+    for index, st in enumerate(graph.states):
+        if st.missed:
+            return _found(graph, index, f"a sample is overwritten untaken at {st.now} ns, and never asked for")
+    return _none(graph)
 
 
 def on_cycle(edges: list[list[int]]) -> int | None:

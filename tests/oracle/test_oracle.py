@@ -3,9 +3,13 @@
 import pytest
 
 from tests.oracle.hunt import hunt
+from tests.oracle.judged import verify
 from tests.oracle.page_run import page_run
 from tests.oracle.properties import decide
+from tests.oracle.shrink import tidy
+from tests.oracle.text import text
 from tests.oracle.tree import (
+    BOOL,
     INT,
     After,
     Alt,
@@ -114,6 +118,22 @@ def test_a_wait_between_two_loops_misses_samples(between: bool) -> None:
 def test_a_law_that_computes_for_longer_than_its_period_misses_samples() -> None:
     made = program(Mu(Run("a")), laws=(Law(**{**vars(LAW), "wcet": 17 * MS}),))
     assert decide(made, "schedulable").holds is False
+
+
+def test_a_sample_that_nobody_ever_asks_for_is_missed() -> None:
+    over = Seq((Mu(Run("a"), Bin("==", number(0), number(0), INT)), Mu(Wait(3 * MS))))
+    assert decide(program(over, laws=(LAW,)), "schedulable").holds is False
+
+
+@pytest.mark.parametrize("what", ["livelock free", "terminates"])
+def test_a_run_that_always_takes_the_same_guard_is_a_run(what: str) -> None:
+    """As the page on proofs says, of the oracle and of what is judged."""
+    one = Guarded(read("c"), Skip())
+    other = Guarded(read("d"), Assign(Target("w", INT), number(1)))
+    chooses = Mu(Alt((one, other)), Bin("==", Ref("w", INT), number(1), BOOL))
+    made = program(Par((chooses, Mu(write("c", 1)), Mu(write("d", 1)))))
+    assert decide(made, what).holds is False
+    assert verify(text(tidy(made), what)).verdict == "refuted"
 
 
 def test_two_that_read_first_are_deadlocked() -> None:
