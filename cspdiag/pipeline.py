@@ -16,6 +16,7 @@ from cspdiag.syntax.nesting import room_to_recurse
 
 if TYPE_CHECKING:
     from cspdiag.analyses.verification.question import Question
+    from cspdiag.diagnostics.diagnostic import Label
     from cspdiag.model.program import Program, Value
     from cspdiag.network.analyse import Analysis
     from cspdiag.network.contexts import Surroundings
@@ -106,10 +107,12 @@ def check(main: SourceFile, read: Reader, overrides: Mapping[str, Value] | None 
 
 
 @room_to_recurse()
-def changed(checked: Checked, constants: Mapping[str, Value]) -> Checked:
-    """A program without errors with other values of its constants; its text is not read again."""
+def changed(checked: Checked, constants: Mapping[str, Value], suspects: tuple[Label, ...] = ()) -> Checked:
+    """A program without errors with other values of its constants; its text is not read again. Errors show the ``suspects``."""
     assert checked.program is not None
-    return _checked(checked.program.trees, constants, Report())
+    report = Report()
+    report.suspects = suspects
+    return _checked(checked.program.trees, constants, report)
 
 
 def _checked(trees: Sequence[SourceTree], overrides: Mapping[str, Value], report: Report) -> Checked:
@@ -211,7 +214,10 @@ def _check_with(
     if checked.program is None or checked.analysis is None or checked.report.has_errors or not settings:
         return checked, NO_OVERRIDES
     overrides = parse_settings(checked.program, settings, roots(checked.program, checked.analysis))
-    return changed(checked, overrides.constants) if overrides.constants else checked, overrides
+    if overrides.constants:
+        return changed(checked, overrides.constants, overrides.places), overrides
+    checked.report.suspects = overrides.places
+    return checked, overrides
 
 
 def ask(

@@ -7,10 +7,11 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import chain, islice
 from typing import TYPE_CHECKING
 
-from cspdiag.diagnostics.record import record
+from cspdiag.diagnostics.record import record, replaced
 from cspdiag.syntax import ast
 
 if TYPE_CHECKING:
+    from cspdiag.diagnostics.diagnostic import Label
     from cspdiag.model.program import Program, Value
     from cspdiag.model.types import Type
     from cspdiag.network.setting_paths import Root, Step
@@ -22,13 +23,20 @@ class SettingError(ValueError):
 
 @record
 class Overrides:
-    """Settings as values: of constants by name or by the path of a field, of parameters by the path of their instance."""
+    """Settings as values: of constants by name or by the path of a field, of parameters by the path of their instance.
+
+    ``places`` are what was set, in the text: an error of a program with settings shows them.
+    """
 
     constants: Mapping[str, Value]
     parameters: Mapping[str, Value]
+    places: tuple[Label, ...] = ()
 
 
 NO_OVERRIDES = Overrides(constants={}, parameters={})
+
+CONSTANT = "const"
+"""Before the name of a constant, ``const.T``, it says that no parameter is meant; no instance can have this name."""
 
 
 def split_settings(texts: Iterable[str]) -> dict[str, str]:
@@ -62,27 +70,104 @@ def parse_duration(text: str) -> int:
     return duration
 
 
+@record
+class _Target:
+    """What a name can mean: a constant, or a part of one, or a parameter by its path below some roots."""
+
+    path: str
+    item: ast.Constant | ast.Parameter
+    type: Type
+    roots: tuple[Root, ...] = ()
+    is_qualified: bool = False
+
+    @property
+    def owners(self) -> tuple[str, ...]:
+        """What can stand before the path, so that the name means this and nothing else."""
+        return tuple(root.name.text for root in self.roots) or (CONSTANT,)
+
+    @property
+    def described(self) -> str:
+        """How to write it, and where it is declared."""
+        span = self.item.name.span
+        kind = "parameter" if self.roots else "constant"
+        return f"{self.owners[0]}.{self.path} (the {kind} in {span.file}:{span.line})"
+
+
 def parse_settings(program: Program, settings: Mapping[str, str], roots: Sequence[Root]) -> Overrides:
     """The settings with their values read by the types of what they set.
 
     A name is that of a constant, with a path to a field or an element where the constant is a struct or an array; or a parameter of one
     of the ``roots``, or of an instance below one, by its path. The roots are what is compiled: outermost processes and environments.
+    ``const.T`` is the constant, ``Main.T`` the parameter of the root `Main`, where ``T`` alone could be either.
     Raises SettingError.
     """
+    from cspdiag.diagnostics.diagnostic import Label
+    from cspdiag.network.setting_paths import in_root
+
     constants: dict[str, Value] = {}
     parameters: dict[str, Value] = {}
+    places: list[Label] = []
+    known: set[tuple[str, str]] = set()
     for name, text in settings.items():
-        head = re.split(r"[.\[]", name, maxsplit=1)[0].strip()
-        constant = program.definitions.get(head)
-        if isinstance(constant, ast.Constant) and (head == name or _has_parts(program.types[constant])):
-            path, known, found = "".join(name.split()), constants, _type_of(program, constant, name)
+        target = _target(program, name, roots)
+        own = {(owner, target.path) for owner in target.owners}
+        if own & known:
+            raise SettingError(f"{target.path} is set twice")
+        known |= own
+        value = _value(name, text, target.type, is_constant=not target.roots)
+        if not target.roots:
+            constants[target.path] = value
+        elif target.is_qualified:
+            parameters[in_root(target.roots[0], target.path)] = value
         else:
-            path, parameter = _parameter(program, name, roots)
-            known, found = parameters, program.types[parameter]
-        if path in known:
-            raise SettingError(f"{path} is set twice")
-        known[path] = _value(name, text, found, is_constant=known is constants)
-    return Overrides(constants=constants, parameters=parameters)
+            parameters[target.path] = value
+        places.append(Label(target.item.name.span, f"set from outside: {name}={text}"))
+    return Overrides(constants=constants, parameters=parameters, places=tuple(places))
+
+
+def _target(program: Program, name: str, roots: Sequence[Root]) -> _Target:
+    """The one thing that a name means; SettingError where it means nothing or several things."""
+    from cspdiag.network.setting_paths import steps_of
+
+    constant, path = _constant(program, name)
+    if path.startswith(f"{CONSTANT}."):
+        if constant is None:
+            raise SettingError(f"there is no constant {name!r} ({_meant_constant(program, path[len(CONSTANT) + 1 :])})")
+        return _constant_target(program, constant, path.removeprefix(f"{CONSTANT}."), name)
+    steps = steps_of(name)
+    found = [] if steps is None else _parameters(program, steps, roots)
+    if constant is not None and (not found or _leads_somewhere(program, constant, path)):
+        found.insert(0, _constant_target(program, constant, path, name))
+    if not found:
+        raise SettingError(_unknown(program, name, roots))
+    if len(found) == 1:
+        return found[0]
+    if _is_one(found):
+        return replaced(found[0], roots=tuple(root for target in found for root in target.roots))
+    ways = ", ".join(target.described for target in found)
+    raise SettingError(f"{name!r} means more than one thing; write the one that is meant: {ways}")
+
+
+def _is_one(found: Sequence[_Target]) -> bool:
+    """Whether a name sets the same thing in several roots: a parameter of one type, in processes or in environments."""
+    return (
+        len({(target.type, target.is_qualified) for target in found}) == 1
+        and len({tuple(map(type, target.roots)) for target in found}) == 1
+    )
+
+
+def _constant(program: Program, name: str) -> tuple[ast.Constant | None, str]:
+    """The constant that a name begins with, if it can mean it or a part of it; and the name without spaces."""
+    path = "".join(name.split())
+    head = re.split(r"[.\[]", path.removeprefix(f"{CONSTANT}."), maxsplit=1)[0]
+    constant = program.definitions.get(head)
+    if isinstance(constant, ast.Constant) and (path.endswith(head) or _has_parts(program.types[constant])):
+        return constant, path
+    return None, path
+
+
+def _constant_target(program: Program, constant: ast.Constant, path: str, name: str) -> _Target:
+    return _Target(path=path, item=constant, type=_type_of(program, constant, path, name))
 
 
 def _has_parts(type_: Type) -> bool:
@@ -107,41 +192,59 @@ def _value(name: str, text: str, type_: Type, *, is_constant: bool) -> Value:
         raise SettingError(f"{name}: {problem}") from None
 
 
-def _type_of(program: Program, constant: ast.Constant, name: str) -> Type:
+def _leads_somewhere(program: Program, constant: ast.Constant, path: str) -> bool:
+    from cspdiag.model.values import NoPartError, part_of
+
+    try:
+        part_of(program.types[constant], path[len(constant.name.text) :])
+    except NoPartError:
+        return False
+    return True
+
+
+def _type_of(program: Program, constant: ast.Constant, path: str, name: str) -> Type:
     """The type of a constant or of the part of it that is named."""
     from cspdiag.model.values import NoPartError, part_of
 
     head = constant.name.text
-    path = "".join(name.split())[len(head) :]
+    part = path[len(head) :]
     try:
-        return part_of(program.types[constant], path)[0]
+        return part_of(program.types[constant], part)[0]
     except NoPartError as problem:
-        near = _suggested(path[len(problem.before) :].lstrip("."), problem.fields)
+        near = _suggested(part[len(problem.before) :].lstrip("."), problem.fields)
         meant = f"did you mean {head + problem.before + '.' + near!r}?" if near else problem
         raise SettingError(f"there is no constant {name!r} ({meant})") from None
 
 
-def _parameter(program: Program, name: str, roots: Sequence[Root]) -> tuple[str, ast.Parameter]:
-    """The path to a parameter as it is compared, and the parameter."""
-    from cspdiag.network.setting_paths import parameter_at, steps_of
+def _parameters(program: Program, steps: tuple[Step, ...], roots: Sequence[Root]) -> list[_Target]:
+    """The parameters that a path can mean: inside each of the roots, or behind the name of one."""
+    from cspdiag.network.setting_paths import parameter_at
+
+    found = []
+    for root in roots:
+        qualified = len(steps) > 1 and str(steps[0]) == root.name.text
+        for inner in (steps, steps[1:])[: 1 + qualified]:
+            end = parameter_at(program, root, inner)
+            if isinstance(end, ast.Parameter):
+                path = ".".join(map(str, inner))
+                kind = program.types[end]
+                found.append(_Target(path, end, kind, roots=(root,), is_qualified=inner is not steps))
+    return found
+
+
+def _unknown(program: Program, name: str, roots: Sequence[Root]) -> str:
+    """What to say of a name that means nothing."""
+    from cspdiag.network.setting_paths import Dead, parameter_at, steps_of
 
     steps = steps_of(name)
     if steps is None:
-        raise SettingError(f"there is no parameter {name!r} (a path is INSTANCE.PARAMETER, such as cell[0].gain)")
-    found: dict[Root, ast.Parameter] = {}
-    deepest, reason = -1, ""
-    for root in roots:
-        end = parameter_at(program, root, steps)
-        if isinstance(end, ast.Parameter):
-            found[root] = end
-        elif end.depth > deepest:
-            deepest, reason = end.depth, end.reason
-    if not found:
-        what = "parameter" if len(steps) > 1 else "constant"
-        help_ = reason or _elsewhere(program, steps) or _meant(program, steps, roots)
-        raise SettingError(f"there is no {what} {name!r}{f' ({help_})' if help_ else ''}")
-    _refuse_ambiguous(program, name, found)
-    return ".".join(map(str, steps)), next(iter(found.values()))
+        return f"there is no parameter {name!r} (a path is INSTANCE.PARAMETER, such as cell[0].gain)"
+    ends = (parameter_at(program, root, steps) for root in roots)
+    dead = [end for end in ends if isinstance(end, Dead)]
+    reason = max(dead, key=lambda end: (end.depth, bool(end.reason))).reason if dead else ""
+    what = "parameter" if len(steps) > 1 else "constant"
+    help_ = reason or _elsewhere(program, steps) or _meant(program, steps, roots)
+    return f"there is no {what} {name!r}{f' ({help_})' if help_ else ''}"
 
 
 def _elsewhere(program: Program, steps: tuple[Step, ...]) -> str:
@@ -153,15 +256,6 @@ def _elsewhere(program: Program, steps: tuple[Step, ...]) -> str:
         if len(steps) > 1 and isinstance(parameter_at(program, item, steps), ast.Parameter):
             return f"`{item.name.text}` has it, an environment that was not chosen"
     return ""
-
-
-def _refuse_ambiguous(program: Program, name: str, found: Mapping[Root, ast.Parameter]) -> None:
-    """One name for parameters of a process and of its environment, or of several types, would set what was not meant."""
-    processes = [root for root in found if isinstance(root, ast.ProcessDefinition)]
-    types = {program.types[parameter] for parameter in found.values()}
-    if len(types) > 1 or 0 < len(processes) < len(found):
-        places = " and ".join(f"`{root.name.text}`" for root in found)
-        raise SettingError(f"{name!r} is a parameter in {places}; with different names each can be set")
 
 
 _MOST_NAMED = 8
@@ -176,25 +270,36 @@ def _meant(program: Program, steps: tuple[Step, ...], roots: Sequence[Root]) -> 
 
     known = list(islice(chain.from_iterable(paths_of(program, root) for root in roots), _MOST_PATHS))
     names = [step.name for step in steps]
-    constants = [name for name, item in program.definitions.items() if isinstance(item, ast.Constant)]
-    if len(steps) == 1:
-        near = _suggested(names[0], constants)
-        if near is not None:
-            return f"did you mean {near!r}?"
+    if len(steps) == 1 and _near_constant(program, names[0]) is not None:
+        return _meant_constant(program, names[0])
     near_path = _near_path(steps, known)
     if near_path is not None:
         return f"did you mean {near_path!r}?"
     if len(steps) == 1:
-        more = ", ..." if len(constants) > _MOST_NAMED else ""
-        return (
-            f"the constants are {', '.join(constants[:_MOST_NAMED])}{more}" if constants else "there are no constants"
-        )
+        return _meant_constant(program, names[0])
     inside = [path for path in known if [step.name for step in path[:-1]] == names[:-1]]
     if inside:
         owner = ".".join(map(str, steps[:-1]))
         return f"{owner} has the parameters {', '.join(path[-1].name for path in inside)}"
     where = " and ".join(f"`{root.name.text}`" for root in roots)
     return f"INSTANCE.PARAMETER, by the path inside {where}"
+
+
+def _near_constant(program: Program, name: str) -> str | None:
+    return _suggested(name, _constants(program))
+
+
+def _meant_constant(program: Program, name: str) -> str:
+    """The constant that was probably meant, or what constants there are."""
+    near, constants = _near_constant(program, name), _constants(program)
+    if near is not None:
+        return f"did you mean {near!r}?"
+    more = ", ..." if len(constants) > _MOST_NAMED else ""
+    return f"the constants are {', '.join(constants[:_MOST_NAMED])}{more}" if constants else "there are no constants"
+
+
+def _constants(program: Program) -> list[str]:
+    return [name for name, item in program.definitions.items() if isinstance(item, ast.Constant)]
 
 
 def _near_path(steps: tuple[Step, ...], known: Sequence[tuple[Step, ...]]) -> str | None:

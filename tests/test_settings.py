@@ -133,6 +133,12 @@ def plain() -> str:
         "plantful.gains.kp=7",
         "table[1]=5",
         "table=[1,9,3]",
+        "Main.T=2ms",
+        "Main.follow.law.kp=30",
+        "Bench.sink.k=2",
+        "const.Ts=2ms",
+        "const.panGains.kp=3",
+        "const.table[1]=5",
     ],
 )
 def test_what_can_be_set_is_changed(setting: str, plain: str) -> None:
@@ -147,8 +153,16 @@ def test_what_can_be_set_is_changed(setting: str, plain: str) -> None:
         ("kp=30", "did you mean 'follow.law.kp'?"),
         ("follow.lw.kp=3", "did you mean 'follow.law.kp'?"),
         ("follow.law.kq=3", "did you mean 'follow.law.kp'?"),
-        ("Main.follow.law.kp=3", "did you mean 'follow.law.kp'?"),
-        ("Bench.sink.k=2", "did you mean 'sink.k'?"),
+        ("Mian.follow.law.kp=3", "did you mean 'follow.law.kp'?"),
+        ("Bunch.sink.k=2", "did you mean 'sink.k'?"),
+        ("const.follow.law.kp=3", "the constants are Ts, base"),
+        ("const.bsae=3", "did you mean 'base'?"),
+        ("const.Tz=1ms", "the constants are Ts, base"),
+        ("follow.law.x=3", "`x` is an in port of `follow.law`; parameters there: follow.law.kp, follow.law.g"),
+        ("follow.law=3", "`follow.law` is an instance of `Law`; parameters there: follow.law.kp, follow.law.g"),
+        ("follow=3", "`follow` is an instance of `Follow`; parameters there: follow.T"),
+        ("x=3", "`x` is an in port; parameters there: T"),
+        ("sink.s=3", "`s` is a state of `sink`; parameters there: sink.k"),
         ("cell[99].id=7", "`cell` has cell[0] to cell[2]"),
         ("cell[xyz].id=7", "'cell[0].id'"),
         ("cell.id=7", "'cell[0].id'"),
@@ -202,15 +216,81 @@ def test_nothing_is_set_twice() -> None:
         network({"cell[1].id": "1", "cell[01].id": "2"})
 
 
-def test_a_name_that_means_two_parameters_sets_neither() -> None:
-    text = (
-        PROGRAM.replace("sink : Sink", "follow : Sink")
-        .replace("sink.u", "follow.u")
-        .replace("(k: double", "(T: double")
-    )
-    text = text.replace("k * u", "T * u")
-    with pytest.raises(SettingError, match="is a parameter in `Main` and `Bench`"):
-        pipeline.build(SourceFile(name="set.csp", text=text), read_source, settings={"follow.T": "2ms"}, alone=True)
+AMBIGUOUS = """
+const T = 4 ms
+struct Gains {
+  n: int
+  kp: double
+}
+const gains = Gains(n = 3, kp = 1.0)
+
+submodel Law(n: int = 3) {
+  in x : double
+  out y : double
+  y = x * double(n) * gains.kp * double(gains.n) + T / 1<s>
+}
+process Main(T: time = 2 ms) {
+  in  x : double @ T
+  out y : double @ T
+  communication {
+    gains : Law
+    x -> gains.x
+    gains.y -> y
+  }
+  composition { mu gains }
+}
+submodel Plant(n: int = 1) {
+  in u : double
+  out y : double
+  state s : double = 0
+  next s = u
+  y = s * double(n)
+}
+environment Bench for Main {
+  gains : Plant
+  y -> gains.u
+  gains.y -> x
+}
+"""
+"""``T`` and ``gains.n`` are a constant, or a part of one, and parameters."""
+
+
+@pytest.mark.parametrize(
+    ("name", "ways"),
+    [
+        ("T", ("const.T (the constant in set.csp:2)", "Main.T (the parameter in set.csp:14)")),
+        (
+            "gains.n",
+            (
+                "const.gains.n (the constant in set.csp:7)",
+                "Main.gains.n (the parameter in set.csp:9)",
+                "Bench.gains.n (the parameter in set.csp:24)",
+            ),
+        ),
+    ],
+)
+def test_a_name_that_means_several_things_sets_none(name: str, ways: tuple[str, ...]) -> None:
+    source = SourceFile(name="set.csp", text=AMBIGUOUS)
+
+    def dumped(*settings: str) -> str:
+        built = pipeline.build(source, read_source, settings=split_settings(settings), alone=True)
+        assert built.network is not None
+        instances = "\n".join(f"{instance.path} {instance.arguments}" for instance in built.network.instances)
+        return f"{dump(built.network)}\n{instances}"
+
+    value = "3ms" if name == "T" else "8"
+    with pytest.raises(SettingError, match="means more than one thing") as refused:
+        dumped(f"{name}={value}")
+    assert str(refused.value).endswith(": " + ", ".join(ways))
+    results = {dumped(), *(dumped(f"{way.split()[0]}={value}") for way in ways)}
+    assert len(results) == 1 + len(ways), "each way sets a thing of its own"
+
+
+def test_a_parameter_is_set_once_whatever_it_is_called(plain: str) -> None:
+    for two in (("T=2ms", "Main.T=3ms"), ("Main.cell[0].id=3", "cell[0].id=4"), ("const.Ts=2ms", "Ts=3ms")):
+        with pytest.raises(SettingError, match="is set twice"):
+            network(split_settings(two))
+    assert network({"Main.T": "2ms"}) == network({"T": "2ms"}) != plain
 
 
 @pytest.mark.parametrize(
@@ -235,3 +315,17 @@ def test_python_refuses_a_path_that_leads_nowhere(tmp_path: Path) -> None:
             use(set={"law.kp": 30})
         with pytest.raises(SettingError, match=r"cell\[0\] to cell\[2\]"):
             use(set={"cell[99].id": 30})
+
+
+def test_an_error_shows_what_was_set(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The program has no errors without that, so that what was set is where to look."""
+    path = tmp_path / "narrow.csp"
+    path.write_text("const n = 3\nconst m : int8 = int8(n * 100 - 200)\n" + PROGRAM)
+    assert main(["check", str(path)]) == 0
+    for command in (["run", "--for", "1ms"], ["compile", "-o", str(tmp_path / "out")], ["margins"], ["verify"]):
+        assert main([*command, str(path), "--set", "n=7"]) == 1
+        error = capsys.readouterr().err
+        assert "error[E0902]: this is 500" in error
+        assert "- set from outside: n=7" in error, command
+    assert main(["run", "--for", "1ms", str(path), "--set", "follow.T=0ms", "--set", "base=2"]) == 1
+    assert "set from outside: follow.T=0ms" in capsys.readouterr().err

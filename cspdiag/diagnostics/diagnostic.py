@@ -6,9 +6,9 @@ Each kind of diagnostic is a subclass beside the phase that finds it, in a modul
 
 from __future__ import annotations
 
-from typing import ClassVar, Literal
+from typing import ClassVar, Literal, Self
 
-from cspdiag.diagnostics.record import record
+from cspdiag.diagnostics.record import record, replaced
 from cspdiag.diagnostics.span import Span
 
 Severity = Literal["error", "warning"]
@@ -64,3 +64,15 @@ class Diagnostic:
     def labels(self) -> tuple[Label, ...]:
         """The other places involved."""
         return ()
+
+    def with_labels(self, further: tuple[Label, ...]) -> Self:
+        """The same with further places, of which who has found it knows nothing."""
+        copied = replaced(self)
+        vars(copied)["_further"] = further
+        return copied
+
+    @property
+    def all_labels(self) -> tuple[Label, ...]:
+        """The other places to be shown: those involved, and those that were added."""
+        further: tuple[Label, ...] = vars(self).get("_further", ())
+        return (*self.labels, *further)

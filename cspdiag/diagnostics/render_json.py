@@ -33,5 +33,5 @@ def _object(diagnostic: Diagnostic) -> dict[str, Any]:
         "end_line": span.end_line,
         "end_column": span.end_column,
         "help": diagnostic.help,
-        "related": [{"message": label.message, **place(label.span)} for label in diagnostic.labels],
+        "related": [{"message": label.message, **place(label.span)} for label in diagnostic.all_labels],
     }

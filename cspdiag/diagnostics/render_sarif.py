@@ -50,10 +50,10 @@ def _result(diagnostic: Diagnostic, rule_index: int) -> dict[str, Any]:
         "message": {"text": diagnostic.message + help_line},
         "locations": [_location(diagnostic.span)],
     }
-    if diagnostic.labels:
+    if diagnostic.all_labels:
         result["relatedLocations"] = [
             {"id": number, "message": {"text": label.message}, **_location(label.span)}
-            for number, label in enumerate(diagnostic.labels, start=1)
+            for number, label in enumerate(diagnostic.all_labels, start=1)
         ]
     return result
 

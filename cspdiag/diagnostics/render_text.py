@@ -39,7 +39,7 @@ class _Drawing:
         self._colour = colour
         self._marks: dict[SourceFile, list[Mark]] = {}
         self._mark(Mark(diagnostic.span, printable(diagnostic.label), True))
-        for label in diagnostic.labels:
+        for label in diagnostic.all_labels:
             self._mark(Mark(label.span, printable(label.message), False))
         highest = max(mark.lines[1] for marks in self._marks.values() for mark in marks)
         self._gutter = len(str(highest))

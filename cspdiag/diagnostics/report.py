@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cspdiag.diagnostics.diagnostic import Diagnostic
+from cspdiag.diagnostics.diagnostic import Diagnostic, Label
 
 
 class Report:
@@ -13,10 +13,14 @@ class Report:
 
     def __init__(self) -> None:
         self._found: dict[tuple[str, str, int, int], Diagnostic] = {}
+        self.suspects: tuple[Label, ...] = ()
+        """What was set from outside in a program that has no errors without that; each error shows it from now on."""
 
     def add(self, diagnostic: Diagnostic) -> None:
         """Add a diagnostic, unless the same code was already reported for the same range of characters."""
         span = diagnostic.span
+        if self.suspects and diagnostic.severity == "error":
+            diagnostic = diagnostic.with_labels(self.suspects)
         self._found.setdefault((diagnostic.code, span.file, span.start, span.end), diagnostic)
 
     @property

@@ -40,6 +40,9 @@ def _check_targets(program: Program, definition: ast.SubmodelDefinition, report:
             continue
         target = item.target
         given.add(_name(target))
+        if isinstance(program.bindings.get(target), PortSymbol):
+            # Reported where a field of an output is given by itself.
+            given.add(target.name.text)
         if target in program.poisoned:
             continue
         member, symbol = program.members.get(target), program.bindings.get(target)

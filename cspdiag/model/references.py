@@ -7,6 +7,7 @@ from cspdiag.model.diagnostics_names import UnknownMember, UnknownName, WrongKin
 from cspdiag.model.diagnostics_types import NotIndexed
 from cspdiag.model.expressions import Typer
 from cspdiag.model.members import array_of_ports
+from cspdiag.model.parts import refuse_part
 from cspdiag.model.program import EndLabelSymbol, PortSymbol, Scope, Symbol
 from cspdiag.model.symbols import declared_at, described
 from cspdiag.model.types import INT, UNKNOWN, ArrayType, Type
@@ -101,19 +102,23 @@ def end_of_channel(typer: Typer, reference: ast.Reference, wanted: str) -> Type:
     found: Type = UNKNOWN
     _type_indexes(typer, reference)
     if reference.member is not None:
-        if isinstance(symbol, ast.Instance):
-            found = _port_of(typer, reference, symbol)
-        elif symbol is not None:
-            refuse_kind(typer, reference, symbol, "instance")
+        match symbol:
+            case ast.Instance():
+                found = _port_of(typer, reference, symbol)
+            case PortSymbol() | ast.Variable() | ast.Channel() | EndLabelSymbol():
+                whole = _indexed(typer, reference, reference.indexes, _carried(typer, symbol))
+                if whole is UNKNOWN:
+                    typer.context.program.poisoned.add(reference)
+                else:
+                    refuse_part(typer, reference, symbol, whole, wanted)
+            case None:
+                pass
+            case _:
+                refuse_kind(typer, reference, symbol, "instance")
     else:
         match symbol:
-            case PortSymbol():
-                found = _indexed(typer, reference, reference.indexes, array_of_ports(typer.context, symbol))
-            case ast.Variable() | ast.Channel():
-                found = typer.context.program.types.get(symbol, UNKNOWN)
-                found = _indexed(typer, reference, reference.indexes, found)
-            case EndLabelSymbol():
-                found = _indexed(typer, reference, reference.indexes, symbol.type)
+            case PortSymbol() | ast.Variable() | ast.Channel() | EndLabelSymbol():
+                found = _indexed(typer, reference, reference.indexes, _carried(typer, symbol))
             case None:
                 pass
             case ast.Instance():
@@ -124,6 +129,17 @@ def end_of_channel(typer: Typer, reference: ast.Reference, wanted: str) -> Type:
                 refuse_kind(typer, reference, symbol, wanted)
     typer.context.program.types[reference] = found
     return found
+
+
+def _carried(typer: Typer, symbol: PortSymbol | ast.Variable | ast.Channel | EndLabelSymbol) -> Type:
+    """The type of what a port, a variable, a channel or a label has, all elements of an array together."""
+    match symbol:
+        case PortSymbol():
+            return array_of_ports(typer.context, symbol)
+        case EndLabelSymbol():
+            return symbol.type
+        case _:
+            return typer.context.program.types.get(symbol, UNKNOWN)
 
 
 def _port_advice(typer: Typer, reference: ast.Reference, definition: Symbol | None) -> str | None:
@@ -137,7 +153,7 @@ def _type_indexes(typer: Typer, reference: ast.Reference) -> None:
     for index in (*reference.indexes, *reference.member_indexes):
         # Which port or instance is meant is fixed when the diagram is drawn out; an element of a variable is not.
         symbol = typer.context.program.bindings.get(reference)
-        if isinstance(symbol, ast.Variable | EndLabelSymbol) and reference.member is None:
+        if isinstance(symbol, ast.Variable | EndLabelSymbol):
             typer.require(index, INT, Purpose(what="an index"))
         else:
             typer.constant(index, INT, Purpose(what="an index"))

@@ -20,7 +20,7 @@ from cspdiag.network.ir import Network
 from cspdiag.network.lower_classes import Classes, by_name
 from cspdiag.network.occurrences import Occurrences, instance_names
 from cspdiag.network.release import check_release
-from cspdiag.network.setting_paths import refuse_missing
+from cspdiag.network.setting_paths import of_root, refuse_missing
 from cspdiag.network.vocabulary import Vocabulary
 from cspdiag.syntax import ast
 
@@ -82,15 +82,16 @@ def lower(
     """The network of an outermost process; None where something is wrong that was reported.
 
     ``top``: its name, by default that of the process of the environment, which is by default the first of the text; without any
-    environment the last process that nobody instantiates and that is no specification of another. ``overrides``: values of parameters by the path of the instance.
-    ``surroundings``: what its ports meet. ``alone``: without other environments than the chosen one.
+    environment the last process that nobody instantiates and that is no specification of another. ``overrides``: values of parameters by the path of the instance,
+    as ``of_root`` takes them. ``surroundings``: what its ports meet. ``alone``: without other environments than the chosen one.
     ``checked`` is what ``check`` has found out about the same program, with the same report. Raises SelectionError where there is no such process,
     or a parameter of it has no value, and NoSuchElementError for an override of an element that an array does not have.
     """
     analysis = Analysis(program, report) if checked is None or overrides else checked
     process, wanted = selection(program, analysis, top, environment, alone=alone)
     arguments = wanted[0].arguments if wanted else ()
-    values = _arguments(analysis, process, arguments, overrides)
+    own = of_root(overrides, process)
+    values = _arguments(analysis, process, arguments, own)
     for parameter in process.parameters:
         if parameter not in values:
             raise SelectionError(
@@ -101,7 +102,7 @@ def lower(
     root = analysis.known_root(process, _by_name(values)) if is_known else None
     if root is None:
         analysis = Analysis(program, report)
-        shape = analysis.add_root(process, arguments, _by_name(values), overrides, surroundings)
+        shape = analysis.add_root(process, arguments, _by_name(values), own, surroundings)
         (placed,) = analysis.run()
         if report.has_errors:
             return None
@@ -115,10 +116,15 @@ def lower(
     classes.make(occurrences.found)
     ports = external_ports(program, shape, analysis.asked[shape], report)
     instances, nets = walk_instances(outermost, classes, ports)
-    if overrides:
-        refuse_missing(program, process, overrides, instance_names(outermost))
+    if own:
+        refuse_missing(program, process, own, instance_names(outermost))
+    # An environment computes with the parameters of its process too, which have bare names.
+    bare = {path: value for path, value in own.items() if "." not in path}
+    below = ((item, {**of_root(overrides, item), **bare}) for item in wanted)
     lowered = tuple(
-        found for item in wanted if (found := lower_environment(program, item, ports, overrides, report)) is not None
+        found
+        for item, values in below
+        if (found := lower_environment(program, item, ports, values, report)) is not None
     )
     if report.has_errors:
         return None

@@ -8,17 +8,29 @@ from __future__ import annotations
 
 import re
 from collections import deque
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from typing import TypeAlias
 
 from cspdiag.diagnostics.record import record
-from cspdiag.model.program import Program
+from cspdiag.model.program import Program, Value
+from cspdiag.model.symbols import described
 from cspdiag.syntax import ast
 
 Root: TypeAlias = ast.ProcessDefinition | ast.EnvironmentDefinition
 _Parametrized: TypeAlias = ast.ProcessDefinition | ast.SubmodelDefinition | ast.DriverDefinition
 
 _STEP = re.compile(r"(?P<name>[A-Za-z_][A-Za-z0-9_]*)(?P<indexes>(?:\[[^\[\].]*\])*)")
+
+
+def in_root(root: Root, path: str) -> str:
+    """The path of a parameter as a key that means this root only, where others may have the same path."""
+    return f"{root.name.text}:{path}"
+
+
+def of_root(values: Mapping[str, Value], root: Root) -> dict[str, Value]:
+    """Values by plain paths: those for every root, and those for this one."""
+    parted = ((path.rpartition(":"), value) for path, value in values.items())
+    return {path: value for (owner, _, path), value in parted if owner in {"", root.name.text}}
 
 
 class NoSuchElementError(LookupError):
@@ -81,10 +93,29 @@ def parameter_at(program: Program, root: Root, steps: tuple[Step, ...]) -> ast.P
     last = steps[-1]
     parameter = _own_parameter(definition, last.name)
     if parameter is None:
-        return Dead(len(steps) - 1)
+        return Dead(len(steps) - 1, _other_kind(program, definition, steps))
     if last.indexes:
         return Dead(len(steps) - 1, f"{last.name!r} is a parameter, and is set as a whole")
     return parameter
+
+
+def _other_kind(program: Program, definition: ast.Node, steps: tuple[Step, ...]) -> str:
+    """That a path ends at something which is no parameter, and what can be set there; empty where it is nothing known."""
+    scope = program.scopes.get(definition)
+    named = None if scope is None else scope.ports.get(steps[-1].name) or scope.names.get(steps[-1].name)
+    if named is None:
+        return ""
+    around = ".".join(map(str, steps[:-1]))
+    inside = definition
+    if isinstance(named, ast.Instance):
+        around = ".".join(map(str, steps))
+        inside = program.definitions.get(named.definition.text) or definition
+        what = f"`{around}` is {described(named)}"
+    else:
+        what = f"`{steps[-1].name}` is {described(named)}{f' of `{around}`' if around else ''}"
+    own = inside.parameters if isinstance(inside, _Parametrized) else ()
+    names = ", ".join(f"{around}.{parameter.name.text}" if around else parameter.name.text for parameter in own)
+    return f"{what}; parameters there: {names or 'none'}"
 
 
 def refuse_missing(program: Program, root: Root, paths: Iterable[str], instances: Iterable[str]) -> None:

@@ -53,7 +53,7 @@ def _related(
 ) -> dict[str, Mark]:
     found: dict[str, dict[int, str]] = {}
     for number, diagnostic in diagnostics.items():
-        for label in diagnostic.labels:
+        for label in diagnostic.all_labels:
             key = _owner(places, label.span)
             if key is not None and key not in marked:
                 found.setdefault(key, {})[number] = label.message
