@@ -30,7 +30,6 @@ from cspdiag.codegen.python_members import Members
 from cspdiag.codegen.python_rolling import LEAST, rolled_steps, statements_template, template
 from cspdiag.codegen.python_statements import Block, Line, Statement, assign, lines, run
 from cspdiag.codegen.python_text import quoted
-from cspdiag.codegen.ranges import cannot_fault
 from cspdiag.network.actions import (
     Action,
     AfterEvent,
@@ -64,8 +63,9 @@ from cspdiag.network.actions import (
     WriteValue,
 )
 from cspdiag.network.expressions import Expression
-from cspdiag.network.faults import may_fault
-from cspdiag.network.walk import mentions_variable, parts
+from cspdiag.network.faults import is_known_at_start, may_fault
+from cspdiag.network.ranges import cannot_fault
+from cspdiag.network.walk import parts
 
 _MAY_FAULT = re.compile(r"[(/%]")
 """In code: calls, of which checks of ranges are some, and divisions."""
@@ -321,8 +321,8 @@ class Composition:
                 given = () if printer is self.initial else (printer.print(value),)
                 return call(self.imports.runtime("Output"), Atom(self.members.sink(sink)), *given)
             case AfterEvent(duration=duration):
-                fixed = printer is self.initial and mentions_variable(duration)
-                return call(self.imports.runtime("After"), Atom("0") if fixed else printer.print(duration))
+                later = printer is self.initial and not is_known_at_start(duration)
+                return call(self.imports.runtime("After"), Atom("0") if later else printer.print(duration))
             case SkipEvent():
                 return call(self.imports.runtime("Skip"))
         assert_never(event)
@@ -340,7 +340,7 @@ class Composition:
         delays = tuple(
             Entry(str(number), self._if_enabled(branch, branch.event.duration, "0"))
             for number, branch in enumerate(branches)
-            if isinstance(branch.event, AfterEvent) and mentions_variable(branch.event.duration)
+            if isinstance(branch.event, AfterEvent) and not is_known_at_start(branch.event.duration)
         )
         if delays:
             yield Argument(Items("{}", delays), "delays")

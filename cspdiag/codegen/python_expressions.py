@@ -30,7 +30,6 @@ from cspdiag.codegen.python_code import (
 )
 from cspdiag.codegen.python_imports import Imports
 from cspdiag.codegen.python_types import field_names, literal
-from cspdiag.codegen.ranges import needs_check
 from cspdiag.diagnostics.record import replaced
 from cspdiag.model.types import BoolType, IntType, RealType, StructType, TimeType, Type
 from cspdiag.network.expressions import (
@@ -51,6 +50,8 @@ from cspdiag.network.expressions import (
     Value,
     VariableValue,
 )
+from cspdiag.network.faults import index_fits
+from cspdiag.network.ranges import needs_check
 
 _PRECEDENCE = {
     "+": SUM, "-": SUM, "*": PRODUCT, "/": PRODUCT, "and": AND, "or": OR,
@@ -118,8 +119,8 @@ class Printer:
                 assert isinstance(operand.type, StructType)
                 return Postfix(at_least(self.print(operand), PRIMARY), f".{field_names(operand.type)[field]}")
             case ElementValue(operand=operand, index=index):
-                if isinstance(index, LiteralValue):
-                    return Postfix(at_least(self.print(operand), PRIMARY), f"[{index.value}]")
+                if index_fits(expression):
+                    return Postfix(at_least(self.print(operand), PRIMARY), f"[{self.print(index).flat}]")
                 return call(self.imports.runtime("element"), self.print(operand), self.print(index))
             case StructValue(values=values):
                 assert isinstance(expression.type, StructType)

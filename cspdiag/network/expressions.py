@@ -34,9 +34,15 @@ class LiteralValue(Typed):
 
 @record(kw_only=True)
 class ParameterValue(Typed):
-    """A parameter of the enclosing class (``sample`` and discretized coefficients included)."""
+    """A parameter of the enclosing class (``sample`` and discretized coefficients included).
+
+    ``range``: the least and the greatest value that any instance gives a whole number or a ``time``, once all are known.
+    """
 
     name: str
+    range: tuple[int, int] | None = None
+
+    uncompared: ClassVar[frozenset[str]] = frozenset({"range"})
 
 
 @record(kw_only=True)

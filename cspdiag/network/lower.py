@@ -19,6 +19,7 @@ from cspdiag.network.instances import walk_instances
 from cspdiag.network.ir import Network
 from cspdiag.network.lower_classes import Classes, by_name
 from cspdiag.network.occurrences import Occurrences, instance_names
+from cspdiag.network.parameter_ranges import with_ranges
 from cspdiag.network.release import check_release
 from cspdiag.network.setting_paths import of_root, refuse_missing
 from cspdiag.network.vocabulary import Vocabulary
@@ -139,7 +140,7 @@ def lower(
         enums=vocabulary.enums(),
         structs=vocabulary.structs(),
         exceptions=vocabulary.exceptions(),
-        classes=tuple(classes.made.values()),
+        classes=with_ranges(classes.made.values(), instances),
         external_ports=ports,
         environments=lowered,
         instances=instances,

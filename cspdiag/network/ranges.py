@@ -7,7 +7,6 @@ from cspdiag.network.expressions import (
     ArrayElements,
     BinaryOperation,
     ConditionalValue,
-    Conversion,
     Expression,
     FieldValue,
     FunctionCall,
@@ -25,13 +24,11 @@ _WORD = IntType()
 
 
 def needs_check(expression: Expression) -> bool:
-    """Whether a whole-number operation may overflow.
+    """Whether a whole-number operation may overflow: only one whose operands have ranges that exclude it needs no check.
 
-    Operations on literals and parameters only were evaluated by the compiler, and reported if they overflow; literals that overflow all the
-    same are values of variables that a pass has put in their place.
+    That an operation is over parameters and indices alone does not say that it stays in range. What is known before the run is a fault
+    of the run, where it stands and if it is reached.
     """
-    if _is_constant(expression) and any(isinstance(part, ParameterValue) for part in parts(expression)):
-        return False
     low, high = _result(expression)
     bounds = _bounds(expression.type)
     return low < bounds[0] or high > bounds[1]
@@ -44,11 +41,6 @@ def exceeds(expression: Expression) -> tuple[bool, bool]:
     return low < bounds[0], high > bounds[1]
 
 
-def values_of(expression: Expression) -> Range:
-    """The least and the greatest value that a whole-number expression can have."""
-    return _range(expression)
-
-
 def cannot_fault(expression: Expression) -> bool:
     """Whether evaluating the expression computes nothing, so that it does not matter when it is evaluated."""
     stored = LiteralValue | ParameterValue | VariableValue | FieldValue | StructValue | ArrayElements
@@ -58,19 +50,6 @@ def cannot_fault(expression: Expression) -> bool:
 def value_range(expression: Expression) -> Range:
     """The least and the greatest value that a whole-number expression can have, if it does not fault."""
     return _range(expression)
-
-
-def _is_constant(expression: Expression) -> bool:
-    match expression:
-        case LiteralValue() | ParameterValue():
-            return True
-        case UnaryOperation(operand=operand) | Conversion(operand=operand):
-            return _is_constant(operand)
-        case BinaryOperation(left=left, right=right):
-            return _is_constant(left) and _is_constant(right)
-        case FunctionCall(arguments=arguments):
-            return all(_is_constant(argument) for argument in arguments)
-    return False
 
 
 def _bounds(type_: Type) -> Range:
@@ -96,6 +75,8 @@ def _result(expression: Expression) -> Range:
     match expression:
         case LiteralValue(value=int(value)):
             return value, value
+        case ParameterValue(range=tuple(known)):
+            return known
         case UnaryOperation(operator="-", operand=operand):
             low, high = _range(operand)
             return -high, -low

@@ -1,14 +1,14 @@
 """Which computations may end in a fault: only those are followed both ways, and only where a ``catch Fault`` is around them.
 
 A fault that nobody catches ends the program, which is neither a deadlock nor a further communication. Sums and differences of 64-bit integers are taken not to
-overflow: a counter of milliseconds would need 292 million years.
+overflow: a counter of milliseconds would need 292 million years. Those of parameters and constants alone do not count: they overflow at once or never.
 """
 
 from __future__ import annotations
 
 from functools import cached_property
 
-from cspdiag.model.types import ArrayType, IntType, RealType, TimeType, Type, UnknownType
+from cspdiag.model.types import ArrayType, IntType, TimeType, Type, UnknownType
 from cspdiag.network.actions import ChannelEnd, PortEnd, Target
 from cspdiag.network.expression_walk import walk
 from cspdiag.network.expressions import (
@@ -19,9 +19,11 @@ from cspdiag.network.expressions import (
     FunctionCall,
     LiteralValue,
     PresentTime,
+    SignalValue,
     UnaryOperation,
     VariableValue,
 )
+from cspdiag.network.faults import conversion_fits, index_fits, is_index_of
 from cspdiag.network.ir import Attachment, ExternalCall, InstanceOf, Network, ProcessClass, SubmodelClass
 from cspdiag.network.ranges import needs_check
 from cspdiag.network.unwritten import may_be_unwritten, ports_of_unwritten
@@ -57,7 +59,7 @@ class Faults:
         """Whether an index of what is assigned may be out of range, or its evaluation may fail."""
         kind: Type = self._types[class_name, target.channel] if target.indexes else UnknownType()
         for index in target.indexes:
-            if _out_of_range(index, kind) or self.of_expression(index, class_name):
+            if not is_index_of(index, kind) or self.of_expression(index, class_name):
                 return True
             assert isinstance(kind, ArrayType)
             kind = kind.element
@@ -102,33 +104,32 @@ class Faults:
                 return part.channel in self._variables.get(class_name, ())
             case BinaryOperation():
                 return _operation(part)
-            case UnaryOperation(operator="-") if isinstance(part.type, IntType):
-                return part.type.bits < 64 and needs_check(part)
+            case UnaryOperation(operator="-"):
+                return needs_check(part) and not (_is_wide(part.type) and _varies(part))
             case FunctionCall():
                 return part.function in _MAY_FAIL or (isinstance(part.type, IntType) and needs_check(part))
-            case Conversion(operand=operand):
-                if isinstance(part.type, RealType):
-                    return False
-                return isinstance(operand.type, RealType) or needs_check(part)
-            case ElementValue(index=index, operand=operand):
-                return _out_of_range(index, operand.type)
+            case Conversion():
+                return not conversion_fits(part)
+            case ElementValue():
+                return not index_fits(part)
             case PresentTime():
                 return False
         return False
 
 
-def _out_of_range(index: Expression, array: Type) -> bool:
-    """Whether an index may be none of an array's."""
-    if not isinstance(index, LiteralValue) or not isinstance(array, ArrayType) or array.size is None:
-        return True
-    return not (isinstance(index.value, int) and 0 <= index.value < array.size)
+def _is_wide(kind: Type) -> bool:
+    return isinstance(kind, TimeType) or (isinstance(kind, IntType) and kind.bits == 64)
+
+
+def _varies(expression: Expression) -> bool:
+    return any(isinstance(part, VariableValue | SignalValue | PresentTime) for part in walk(expression))
 
 
 def _operation(part: BinaryOperation) -> bool:
     match part.operator:
         case "+" | "-":
-            wide = isinstance(part.type, TimeType) or (isinstance(part.type, IntType) and part.type.bits == 64)
-            return isinstance(part.type, IntType) and not wide and needs_check(part)
+            whole = isinstance(part.type, IntType | TimeType)
+            return whole and needs_check(part) and not (_is_wide(part.type) and _varies(part))
         case "*":
             return isinstance(part.type, IntType | TimeType) and needs_check(part)
         case "/" | "%":

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from cspdiag.codegen.c.faults import can_fault
 from cspdiag.codegen.c.flow import ends
 from cspdiag.codegen.c.media import Spelling
 from cspdiag.codegen.c.members import SELF, Member
@@ -22,8 +21,7 @@ from cspdiag.network.actions import (
     ReadyEvent,
     SkipEvent,
 )
-from cspdiag.network.expressions import Expression
-from cspdiag.network.walk import mentions_variable
+from cspdiag.network.faults import is_known_at_start
 
 FEW = 8
 """Of so many branches each is asked for in turn; of more the chosen one is jumped to."""
@@ -70,7 +68,7 @@ def choice_rows(writer: Writer, choice: Choice) -> list[Row]:
     for number, guard in enumerate(guards):
         timer = f"{SELF}{member}.time_outs[{timers.index(guard)}]" if guard in timers else ""
         setup.append(Row(guard_call(writer, guard, f"&{alternative}", number, timer)))
-        if isinstance(guard.event, AfterEvent) and not _varies(guard.event.duration):
+        if isinstance(guard.event, AfterEvent) and is_known_at_start(guard.event.duration):
             duration = writer.members.initial_printer.print(guard.event.duration)
             setup.append(Row(f"csp_delay(&{alternative}, {number}U, {duration});"))
     conditional = any(branch.condition is not None for branch in choice.branches)
@@ -159,14 +157,10 @@ def prepare_rows(writer: Writer, guard: Guard, alternative: str, number: int, *,
     match event:
         case OutputEvent(value=value):
             return writer.evaluated(f"{guard.kept} = ", value, ";", where)
-        case AfterEvent(duration=duration) if always or _varies(duration):
+        case AfterEvent(duration=duration) if always or not is_known_at_start(duration):
             setup, code = writer.operand(duration, where, "duration")
             return [*setup, Row(f"csp_delay({alternative}, {number}U, {code});")]
     return []
-
-
-def _varies(duration: Expression) -> bool:
-    return mentions_variable(duration) or can_fault(duration)
 
 
 def taken_rows(writer: Writer, guard: Guard) -> list[Row]:

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 from cspdiag.codegen.c.code import INDENT, Code, statement
 from cspdiag.codegen.c.expressions import Printer
-from cspdiag.codegen.c.faults import can_fault
 from cspdiag.codegen.equations import Equation
 from cspdiag.network.expressions import Expression
+from cspdiag.network.faults import may_fault
 from cspdiag.network.ir import Declared, ExternalCall
 
 Check = Callable[[str], list[str]]
@@ -29,7 +29,7 @@ class EquationWriter:
 
     def assign(self, target: str, value: Expression, place: str) -> list[str]:
         """``target = value;`` with temporaries before it and a look for a fault behind it where there may be one."""
-        return self.assign_code(target, self.printer.print(value), place, faulty=can_fault(value))
+        return self.assign_code(target, self.printer.print(value), place, faulty=may_fault(value))
 
     def assign_code(self, target: str, code: Code, place: str | None, *, faulty: bool) -> list[str]:
         """The same for what is printed already."""

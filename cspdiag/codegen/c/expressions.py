@@ -23,7 +23,6 @@ from cspdiag.codegen.c.code import (
     cast,
     infix,
 )
-from cspdiag.codegen.c.faults import can_fault, divisor_can_be_zero, fits
 from cspdiag.codegen.c.types import CTypes
 from cspdiag.diagnostics.record import replaced
 from cspdiag.model.types import ArrayType, BoolType, IntType, RealType, StructType, TimeType, Type
@@ -45,6 +44,7 @@ from cspdiag.network.expressions import (
     Value,
     VariableValue,
 )
+from cspdiag.network.faults import conversion_fits, divisor_may_be_zero, index_fits, may_fault
 from cspdiag.network.ranges import needs_check, value_range
 
 _LOGIC = {"and": ("&&", AND), "or": ("||", OR)}
@@ -147,7 +147,7 @@ class Printer:
     def _in_order(self, expressions: Sequence[Expression]) -> tuple[list[str], list[Code]]:
         """The operands, and assignments before them that keep faults in order: of those that can fault only the last stays in place."""
         codes = [self.print(part) for part in expressions]
-        faulty = [position for position, part in enumerate(expressions) if can_fault(part)]
+        faulty = [position for position, part in enumerate(expressions) if may_fault(part)]
         setup = []
         for position in faulty[:-1]:
             name = self._temporary(expressions[position].type)
@@ -192,7 +192,7 @@ class Printer:
                 code = call("csp_pow", left, right)
             case "%":
                 code = call("fmod", left, right)
-            case "/" if divisor_can_be_zero(expression):
+            case "/" if divisor_may_be_zero(expression):
                 code = call("csp_divide", left, right)
             case _:
                 return infix(operator, _ARITHMETIC[operator], left, right)
@@ -204,7 +204,7 @@ class Printer:
             return self.types.literal(known, expression.type)
         if operator == "^":
             return self._narrow(expression, call("csp_power", left, right))
-        by_zero = operator in "/%" and divisor_can_be_zero(expression)
+        by_zero = operator in "/%" and divisor_may_be_zero(expression)
         if _is_word(expression.type) and (by_zero or needs_check(expression)):
             return call(_CHECKED[operator], left, right)
         if by_zero:
@@ -245,7 +245,7 @@ class Printer:
         compare = _COMPARISONS[operator]
         if first is not None and second is not None:
             return self._truth(bool(compare(first, second)))
-        if can_fault(left) or can_fault(right):
+        if may_fault(left) or may_fault(right):
             return None
         if isinstance(left.type, IntType | TimeType):
             (low, high), (least, greatest) = value_range(left), value_range(right)
@@ -311,7 +311,7 @@ class Printer:
             return cast(name, cast("double", code))
         if isinstance(operand.type, RealType):
             return call(f"csp_{integer_name(type_)}_of_real", code)
-        if not fits(expression):
+        if not conversion_fits(expression):
             return call(f"csp_{integer_name(type_)}", code)
         return code if self.types.type_name(operand.type) == name else cast(name, code)
 
@@ -322,8 +322,8 @@ class Printer:
             name = self._temporary(expression.operand.type)
             setup.append(f"{name} = {operand.at_least(CONDITIONAL)}")
             operand = Code(name)
-        if isinstance(expression.index, LiteralValue):
-            return self._after(setup, Code(f"{operand}.at[{expression.index.value}]"))
+        if index_fits(expression):
+            return self._after(setup, Code(f"{operand}.at[{index}]"))
         return self._after(setup, Code(f"{operand}.at[csp_index({index}, {expression.operand.type.size})]"))
 
 
@@ -394,7 +394,7 @@ def _is_lvalue(expression: Expression) -> bool:
         case FieldValue(operand=operand):
             return _is_lvalue(operand)
         case ElementValue(operand=operand):
-            return _is_lvalue(operand) and not can_fault(expression)
+            return _is_lvalue(operand) and not may_fault(expression)
         case StructValue() | ArrayElements():
-            return not can_fault(expression)
+            return not may_fault(expression)
     return isinstance(expression, LiteralValue | ParameterValue | VariableValue | SignalValue)

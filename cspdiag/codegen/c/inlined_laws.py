@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from cspdiag.codegen.c.code import INDENT
 from cspdiag.codegen.c.equations import Check, EquationWriter
 from cspdiag.codegen.c.expressions import Printer
-from cspdiag.codegen.c.faults import can_fault
 from cspdiag.codegen.c.integration import LOCALS, Integration
 from cspdiag.codegen.c.laws import body_name
 from cspdiag.codegen.c.names import Names, identifier
@@ -16,6 +15,7 @@ from cspdiag.codegen.c.text import quoted
 from cspdiag.codegen.equations import signals, values
 from cspdiag.model.types import RealType, Type
 from cspdiag.network.actions import RunLaw
+from cspdiag.network.faults import may_fault
 from cspdiag.network.ir import Declared, ExternalCall, ProcessClass
 
 
@@ -38,11 +38,11 @@ def run_law_signals(action: RunLaw) -> list[tuple[str, Type]]:
     return found
 
 
-def run_law_can_fault(action: RunLaw) -> bool:
+def run_law_may_fault(action: RunLaw) -> bool:
     """Whether a run can fault."""
     items = [part for equation in action.equations for part in values(equation)]
     items += [value for _, value in action.next_values]
-    return bool(action.derivatives) or any(map(can_fault, items))
+    return bool(action.derivatives) or any(map(may_fault, items))
 
 
 def run_law(

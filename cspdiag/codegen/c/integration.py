@@ -9,10 +9,10 @@ from functools import cached_property
 from cspdiag.codegen.c.code import INDENT, Code, broken, statement
 from cspdiag.codegen.c.equations import EquationWriter
 from cspdiag.codegen.c.expressions import Printer
-from cspdiag.codegen.c.faults import can_fault
 from cspdiag.codegen.equations import Equation, needed, signals, uses_time, values
 from cspdiag.model.types import Type
 from cspdiag.network.expressions import Expression
+from cspdiag.network.faults import may_fault
 from cspdiag.network.ir import SubmodelEquation
 
 LOCALS = frozenset(["h", "half", "sixth", "step", "steps", "t", "time", "k1", "k2", "k3", "k4", "slope", "slopes"])
@@ -46,7 +46,7 @@ class Integration:
     def faulty(self) -> bool:
         """Whether their evaluation can fault."""
         values = [value for _, value in self.derivatives]
-        return any(can_fault(value) for value in (*values, *(equation.value for equation in self.equations)))
+        return any(may_fault(value) for value in (*values, *(equation.value for equation in self.equations)))
 
     @property
     def several(self) -> bool:
@@ -103,7 +103,7 @@ class Integration:
     @staticmethod
     def _result(value: Expression, target: str, place: str, writer: EquationWriter) -> list[str]:
         rows = writer.assign_code(target, writer.printer.print(value), None, faulty=False)
-        return [*rows, *(INDENT + row for row in (writer.check(place) if can_fault(value) else []))]
+        return [*rows, *(INDENT + row for row in (writer.check(place) if may_fault(value) else []))]
 
     def _mentions_owner(self, printer: Printer) -> bool:
         values = [value for _, value in self.derivatives] + [equation.value for equation in self.equations]

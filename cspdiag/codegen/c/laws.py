@@ -10,7 +10,6 @@ from cspdiag.codegen.c.code import INDENT, Code, broken, cast, statement
 from cspdiag.codegen.c.documents import comment, wrapped
 from cspdiag.codegen.c.equations import EquationWriter
 from cspdiag.codegen.c.expressions import Printer
-from cspdiag.codegen.c.faults import can_fault
 from cspdiag.codegen.c.integration import LOCALS, Integration
 from cspdiag.codegen.c.names import Names, PackageNames, snake_case
 from cspdiag.codegen.c.text import quoted
@@ -28,17 +27,18 @@ from cspdiag.codegen.equations import (
     values,
 )
 from cspdiag.model.types import TimeType, Type
+from cspdiag.network.faults import may_fault
 from cspdiag.network.ir import Declared, ExternalCall, SubmodelClass
 
 _STEPS = "integration_steps"
 _SUB_STEP = "sub_step"
 
 
-def law_can_fault(class_: SubmodelClass) -> bool:
+def law_may_fault(class_: SubmodelClass) -> bool:
     """Whether one run of the law can fault, so that whoever calls it has to look."""
     items = [part for equation in class_.equations for part in values(equation)]
     items += [value for _, value in class_.next_values]
-    return bool(class_.derivatives) or any(map(can_fault, items))
+    return bool(class_.derivatives) or any(map(may_fault, items))
 
 
 def law_members(class_: SubmodelClass, names: PackageNames) -> Names:
@@ -80,7 +80,7 @@ class LawFiles:
     @cached_property
     def faulty(self) -> bool:
         """Whether one run can fault."""
-        return law_can_fault(self.class_)
+        return law_may_fault(self.class_)
 
     @cached_property
     def _calls(self) -> list[ExternalCall]:

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from cspdiag.codegen.c.inlined_laws import reset_states, run_law, run_law_signals
-from cspdiag.codegen.c.laws import law_can_fault, law_members
+from cspdiag.codegen.c.laws import law_may_fault, law_members
 from cspdiag.codegen.c.media import Spelling
 from cspdiag.codegen.c.members import SELF
 from cspdiag.codegen.c.plain_steps import READS, WRITES, finite_check, finite_rows, flag_rows, receive_rows, send_rows
@@ -65,7 +65,7 @@ def law_rows(writer: Writer, step: RunInstance, class_: SubmodelClass) -> list[R
     outer, writer.inner = writer.inner, step.instance
     law = SkipStep(span=class_.span)  # where -O0 says that a law reads and writes
     found = _reading(writer, law, step.instance, reads)
-    if law_can_fault(class_):
+    if law_may_fault(class_):
         called = f"(void){struct}_calculate(&{member});"
         found += [Row(called), writer.fault(writer.where(law))]
     else:

@@ -66,7 +66,7 @@ def write_rows(writer: Writer, step: WriteValue) -> list[Row]:
 
 def discard_rows(writer: Writer, value: Expression, where: str) -> list[Row]:
     """A value that nobody takes: it can only fault."""
-    if not writer.can_fault(value):
+    if not writer.may_fault(value):
         return []
     slot = writer.slot("unused", value.type)
     return writer.evaluated(f"{slot} = ", value, ";", where)

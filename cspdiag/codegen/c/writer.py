@@ -8,7 +8,6 @@ from dataclasses import dataclass, field
 
 from cspdiag.codegen.branch_names import branch_name
 from cspdiag.codegen.c.expressions import Printer
-from cspdiag.codegen.c.faults import can_fault
 from cspdiag.codegen.c.flow import ends
 from cspdiag.codegen.c.levels import Levels
 from cspdiag.codegen.c.members import SELF, Member, Members
@@ -19,6 +18,7 @@ from cspdiag.codegen.c.text import quoted
 from cspdiag.model.types import Type
 from cspdiag.network.actions import Action, InterruptOn, ParallelSteps, RunInstance, Step
 from cspdiag.network.expressions import Expression
+from cspdiag.network.faults import may_fault
 from cspdiag.network.ir import ProcessClass, SubmodelClass
 from cspdiag.network.walk import parts
 
@@ -205,22 +205,22 @@ class Writer:
         text = f"{before}{self.printer.print(expression)}{after}"
         temporaries = self.printer.take_temporaries()
         found = rows(text)
-        if self.can_fault(expression):
+        if self.may_fault(expression):
             found.append(self.fault(where))
         return block("", [*rows(*temporaries), *found]) if temporaries else found
 
     def stored(self, lvalue: str, expression: Expression, where: str) -> list[Row]:
         """``lvalue = expression;``: one that faults leaves the variable as it was."""
-        if not self.can_fault(expression):
+        if not self.may_fault(expression):
             return self.evaluated(f"{lvalue} = ", expression, ";", where)
         kind = self.members.types.type_name(expression.type)
         text = f"const {kind} csp_result = {self.printer.print(expression)};"
         temporaries = self.printer.take_temporaries()
         return block("", [*rows(*temporaries, text), self.fault(where), *rows(f"{lvalue} = csp_result;")])
 
-    def can_fault(self, expression: Expression) -> bool:
+    def may_fault(self, expression: Expression) -> bool:
         """Whether the evaluation of an expression can note a fault."""
-        return can_fault(expression) or not self.members.is_sure(expression)
+        return may_fault(expression) or not self.members.is_sure(expression)
 
     def wrote(self, variable: str) -> list[Row]:
         """Behind a write to a variable of the class."""
@@ -236,7 +236,7 @@ class Writer:
         """What must be done first, and the condition."""
         code = str(self.printer.print(expression))
         temporaries = self.printer.take_temporaries()
-        if not temporaries and not self.can_fault(expression):
+        if not temporaries and not self.may_fault(expression):
             return [], code
         self.current.condition = True
         span = expression.span or step.span
@@ -247,7 +247,7 @@ class Writer:
         """What must be done first, and the value; a value that can fault is kept in a slot of that name."""
         code = str(self.printer.print(expression))
         temporaries = self.printer.take_temporaries()
-        if not temporaries and not self.can_fault(expression):
+        if not temporaries and not self.may_fault(expression):
             return [], code
         slot = self.slot(name, expression.type, "computed")
         return self.evaluated(f"{slot} = ", expression, ";", where), slot

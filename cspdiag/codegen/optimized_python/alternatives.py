@@ -40,7 +40,7 @@ from cspdiag.network.actions import (
     SkipEvent,
 )
 from cspdiag.network.expressions import Expression, LiteralValue, ParameterValue
-from cspdiag.network.walk import mentions_variable
+from cspdiag.network.faults import is_known_at_start
 
 _LONGEST_COMMENT = 70
 
@@ -222,7 +222,7 @@ class Alternatives(Values):
         delays = tuple(
             Entry(str(number), self._if_enabled(branch, branch.event.duration, "0"))
             for number, branch in enumerate(branches)
-            if isinstance(branch.event, AfterEvent) and mentions_variable(branch.event.duration)
+            if isinstance(branch.event, AfterEvent) and not is_known_at_start(branch.event.duration)
         )
         if delays:
             yield Argument(Items("{}", delays), "delays")
@@ -252,7 +252,7 @@ class Alternatives(Values):
                 given = () if made else (printer.print(value),)
                 return call(self.imports.runtime("Output"), Atom(end if made else self.spelling.local(end)), *given)
             case AfterEvent(duration=duration):
-                later = made and mentions_variable(duration)
+                later = made and not is_known_at_start(duration)
                 return call(self.imports.runtime("After"), Atom("0") if later else printer.print(duration))
             case SkipEvent():
                 return call(self.imports.runtime("Skip"))

@@ -33,7 +33,6 @@ from cspdiag.codegen.python_code import (
 from cspdiag.codegen.python_expressions import ROUNDED_FUNCTIONS, Printer, integer_function
 from cspdiag.codegen.python_names import Names
 from cspdiag.codegen.python_types import literal, number, real
-from cspdiag.codegen.ranges import exceeds, needs_check, values_of
 from cspdiag.model.types import ArrayType, BoolType, EnumType, IntType, RealType, TimeType, Type
 from cspdiag.network.constant_value import constant_value
 from cspdiag.network.expressions import (
@@ -52,6 +51,8 @@ from cspdiag.network.expressions import (
     UnaryOperation,
     Value,
 )
+from cspdiag.network.faults import index_fits, may_fault
+from cspdiag.network.ranges import exceeds, needs_check, value_range
 
 NANOSECONDS = Atom("1_000_000_000")
 """In a second."""
@@ -82,7 +83,7 @@ class FastPrinter(Printer):
             if value is not None and isinstance(expression.type, SCALAR):
                 return self._literal(value, expression.type, expression)
             match expression:
-                case ElementValue(operand=operand, index=index) if not isinstance(index, LiteralValue):
+                case ElementValue(operand=operand, index=index) if not index_fits(expression):
                     return self._element(operand, index)
                 case _:
                     return super().print(expression)
@@ -200,7 +201,7 @@ class FastPrinter(Printer):
         operator = "//" if expression.operator == "/" else "%"
         divisor = self.print(expression.right)
         dividend = self.print(expression.left)
-        if values_of(expression.left)[0] >= 0:
+        if value_range(expression.left)[0] >= 0:
             return infix(operator, PRODUCT, dividend, divisor)
         first, again = self._reused(dividend, expression.type)
         mirrored = Parenthesized(infix(operator, PRODUCT, Prefix("-", at_least(again, SIGN)), divisor))
@@ -212,7 +213,7 @@ class FastPrinter(Printer):
         match type_, operand.type:
             case (IntType() | TimeType(), IntType() | TimeType()):
                 word = type_ if isinstance(type_, IntType) else IntType()
-                low, high = values_of(operand)
+                low, high = value_range(operand)
                 exceeded = low < word.minimum, high > word.maximum
                 code = self.print(operand)
                 return self._in_range(code, word, exceeded) if any(exceeded) else code
@@ -221,7 +222,7 @@ class FastPrinter(Printer):
     def _element(self, operand: Expression, index: Expression) -> Code:
         array = self.print(operand)
         assert isinstance(operand.type, ArrayType)
-        if not _is_simple(array):
+        if not _is_simple(array) or self.value(index) is not None:
             return call(self.imports.runtime("element"), array, self.print(index))
         first, again = self._reused(self.print(index), index.type)
         above, below = (
@@ -289,7 +290,7 @@ class FastPrinter(Printer):
     def _limit(self, value: Expression, low: Expression, high: Expression) -> Code | None:
         """The bounds are evaluated when they are asked for: the upper one must have no fault that would be missed."""
         highest = self.print(high)
-        if can_fault(high) and not _is_simple(highest):
+        if may_fault(high) and not _is_simple(highest):
             return None
         first, again = self._reused(self.print(value), value.type)
         first_low, low_again = self._reused(self.print(low), low.type)
@@ -326,22 +327,6 @@ class FastPrinter(Printer):
         return Conditional(call(self._math(function), again), finite, Atom(self._math("nan")))
 
 
-def can_fault(expression: Expression) -> bool:
-    """Whether evaluating may raise: division, whole-number arithmetic that may leave its range, an index, a conversion."""
-    match expression:
-        case BinaryOperation(operator="/" | "%" | "^"):
-            return True
-        case FunctionCall(function="finite"):
-            return True
-        case BinaryOperation() | UnaryOperation() | FunctionCall() if needs_check(expression):
-            return isinstance(expression.type, IntType | TimeType) or any(map(can_fault, _operands(expression)))
-        case Conversion(type=IntType() | TimeType()):
-            return True
-        case ElementValue(index=index) if not isinstance(index, LiteralValue):
-            return True
-    return any(map(can_fault, _operands(expression)))
-
-
 def _is_one(value: Value | None) -> bool:
     """Whether multiplying by a value changes nothing, not even the sign of a zero."""
     return isinstance(value, float) and value == 1.0
@@ -349,19 +334,6 @@ def _is_one(value: Value | None) -> bool:
 
 def _is_in(value: Value | None, type_: IntType) -> bool:
     return isinstance(value, int) and type_.minimum <= value <= type_.maximum
-
-
-def _operands(expression: Expression) -> tuple[Expression, ...]:
-    match expression:
-        case UnaryOperation(operand=operand) | Conversion(operand=operand) | FieldValue(operand=operand):
-            return (operand,)
-        case BinaryOperation(left=left, right=right) | ElementValue(operand=left, index=right):
-            return left, right
-        case ConditionalValue(condition=condition, then=then, otherwise=otherwise):
-            return condition, then, otherwise
-        case FunctionCall(arguments=operands) | StructValue(values=operands) | ArrayElements(values=operands):
-            return operands
-    return ()
 
 
 def _is_simple(code: Any) -> bool:

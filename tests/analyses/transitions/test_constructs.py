@@ -322,6 +322,29 @@ def test_index_out_of_range_is_a_fault() -> None:
     assert {index for index, values in written.items() if "2" in values} == {"7", "x"}
 
 
+@pytest.mark.parametrize(
+    "statement",
+    [
+        "v := int8(x)",
+        "v := small + small",
+        "v := -least",
+        "n := word + 1",
+        "t := pause + pause",
+        "n := v3[at]",
+        "n := v3[at - 4]",
+    ],
+)
+def test_what_is_out_of_range_is_a_fault_also_where_it_is_known_before_the_run(statement: str) -> None:
+    parameters = (
+        "small : int8 = 100, least : int8 = -128, word : int = 9223372036854775807, "
+        "pause : time = 9223372036854775807 ns, at : int = 3"
+    )
+    declarations = "var x : int = 0 var n : int = 0 var t : time = 0 s var v : int8 = 0 var v3 : int[3] = [1, 2, 3]"
+    text = main(declarations, f"a ? x ; (({statement}) catch Fault -> b ! 2)", "in a : int out b : int")
+    events = system_of(text.replace("process Main", f"process Main({parameters})")).events
+    assert "2" in {event.value for event in events}
+
+
 def test_nested_parallels_are_one() -> None:
     text = (
         WRITER
