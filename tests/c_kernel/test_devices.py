@@ -8,8 +8,10 @@ from __future__ import annotations
 import re
 import signal
 import subprocess
+import threading
 from collections.abc import Sequence
 from pathlib import Path
+from tempfile import TemporaryFile
 from typing import NamedTuple
 
 import pytest
@@ -39,39 +41,50 @@ class Ended(NamedTuple):
 BOTH = ["released drive -1", "released lamp 0"]
 
 
-@pytest.fixture(scope="module")
-def machine(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    need("gcc")
-    folder = tmp_path_factory.mktemp("machine")
-    for path, text in pipeline.generate(network_of(read(str(DEVICES / "machine.csp"))), read, "c").items():
+CRASHES = [getattr(signal, f"SIG{name}") for name in ("SEGV", "BUS", "FPE", "ILL", "ABRT", "TRAP", "SYS")]
+HARMLESS = [getattr(signal, f"SIG{name}") for name in ("CHLD", "CONT", "URG", "WINCH", "TSTP", "TTIN", "TTOU")]
+OF_ITS_OWN = [signal.SIGKILL, signal.SIGSTOP, signal.SIGUSR1]
+STOPPING = sorted(signal.valid_signals() - {*CRASHES, *HARMLESS, *OF_ITS_OWN})
+
+
+def built(folder: Path, program: Path, main: Path) -> Path:
+    """A program with the devices of a test, for POSIX."""
+    for path, text in pipeline.generate(network_of(read(str(program))), read, "c").items():
         (folder / path).parent.mkdir(parents=True, exist_ok=True)
         (folder / path).write_text(text)
     hosted = ("csp_port_", "csp_simulation", "csp_stream", "main_")
     sources = [file for file in sorted(folder.rglob("*.c")) if not file.name.startswith(hosted)]
     flags = (*STRICT, "-O1", "-DCSP_TRACE=0", f"-I{folder}", f"-I{folder / 'support'}")
     port = SUPPORT / "csp_port_posix.c"
-    run("gcc", *flags, *sources, port, DEVICES / "machine.c", "-lm", "-pthread", "-o", folder / "machine")
-    return folder / "machine"
+    run("gcc", *flags, *sources, port, main, "-lm", "-pthread", "-o", folder / "program")
+    return folder / "program"
 
 
-def ended(machine: Path, *arguments: str, signals: Sequence[signal.Signals] = ()) -> Ended:
-    """Runs the machine; ``signals`` are sent to it when it drives."""
-    with subprocess.Popen([machine, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+@pytest.fixture(scope="module")
+def machine(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    need("gcc")
+    return built(tmp_path_factory.mktemp("machine"), DEVICES / "machine.csp", DEVICES / "machine.c")
+
+
+def ended(machine: Path, *arguments: str, signals: Sequence[int] = (), later: Sequence[int] = ()) -> Ended:
+    """Runs the machine; ``signals`` are sent to it when it drives, ``later`` when it lingers after its run."""
+    sent = {"drives 5": signals, "lingers 1": later}
+    lines: list[str] = []
+    with (
+        TemporaryFile("w+") as errors,
+        subprocess.Popen([machine, *arguments], stdout=subprocess.PIPE, stderr=errors, text=True) as process,
+    ):
+        patience = threading.Timer(60, process.kill)
+        patience.start()
         assert process.stdout is not None
-        lines: list[str] = []
-        if signals:
-            for line in process.stdout:
-                lines.append(line)
-                if line.startswith("drives"):
-                    break
-            for number in signals:
+        for line in process.stdout:
+            lines.append(line.rstrip("\n"))
+            for number in sent.pop(lines[-1], ()):
                 process.send_signal(number)
-        try:
-            rest, errors = process.communicate(timeout=60)
-        except subprocess.TimeoutExpired:
-            process.kill()
-            raise
-    return Ended(process.returncode, [line.rstrip("\n") for line in (*lines, *rest.splitlines())], errors)
+        status = process.wait()
+        patience.cancel()
+        errors.seek(0)
+        return Ended(status, lines, errors.read())
 
 
 def test_an_event_input_of_an_own_device_is_polled(machine: Path) -> None:
@@ -106,13 +119,78 @@ def test_missed_samples_are_counted(machine: Path) -> None:
     assert counts.startswith("  missed samples: ")
 
 
-@pytest.mark.parametrize("number", ["SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT", "SIGPIPE"])
-def test_signals_stop_the_run_with_safe_outputs(machine: Path, number: str) -> None:
-    sent = signal.Signals[number]
+@pytest.mark.parametrize("sent", STOPPING)
+def test_signals_stop_the_run_with_safe_outputs(machine: Path, sent: int) -> None:
     found = ended(machine, "goes on", signals=[sent])
     assert found.status == 128 + sent
     assert found.releases == BOTH
     assert f"ending {STOPPED}" in found.lines
+
+
+@pytest.mark.parametrize("sent", CRASHES)
+def test_signals_of_crashes_release_the_outputs(machine: Path, sent: int) -> None:
+    found = ended(machine, "goes on", signals=[sent])
+    assert found.status == -sent
+    assert found.releases == BOTH
+
+
+@pytest.mark.parametrize("number", ["INT", "HUP", "TERM"])
+def test_signals_that_were_ignored_stay_so(machine: Path, number: str) -> None:
+    """As a shell starts what is to run in the background, and as ``nohup`` does."""
+    script = machine.with_name(f"ignores_{number}")
+    script.write_text(f"#!/bin/sh\ntrap '' {number}\nexec {machine} 'goes on'\n")
+    script.chmod(0o755)
+    found = ended(script, signals=[signal.Signals[f"SIG{number}"], signal.SIGALRM])
+    assert found.status == 128 + signal.SIGALRM
+    assert found.releases == BOTH
+
+
+def test_a_handler_of_its_own_is_respected(machine: Path) -> None:
+    """SIGUSR1 is the button of the machine."""
+    found = ended(machine, "pressed by a signal")
+    assert found.status == 0
+    assert f"ending {TERMINATED}" in found.lines
+
+
+def test_a_signal_after_the_run_changes_nothing(machine: Path) -> None:
+    found = ended(machine, "lingers", signals=[signal.SIGTERM], later=[signal.SIGINT])
+    assert found.status == 128 + signal.SIGTERM
+
+
+def test_children_of_a_device_end_as_others_do(machine: Path) -> None:
+    found = ended(machine, "children", signals=[signal.SIGTERM])
+    assert found.status == 128 + signal.SIGTERM
+    assert f"child ended by signal {int(signal.SIGTERM)}" in found.lines
+    assert "child ended with 3" in found.lines
+    assert found.releases == BOTH
+
+
+@pytest.mark.parametrize(
+    ("trouble", "status"), [("exits", 7), ("crashes", -signal.SIGSEGV), ("aborts", -signal.SIGABRT)]
+)
+def test_another_thread_that_ends_the_program_ends_the_run_before(machine: Path, trouble: str, status: int) -> None:
+    """Nothing is handed over to an output after its safe value, even if the release takes its time."""
+    found = ended(machine, f"another thread {trouble}")
+    assert found.status == status
+    assert [line for line in found.lines if "drive" in line or "lamp" in line] == ["drives 5", *BOTH]
+
+
+def test_another_thread_that_exits_does_not_wait_for_a_device_that_hangs(machine: Path) -> None:
+    found = ended(machine, "another thread exits and read hangs")
+    assert found.status == 7
+    assert found.releases == BOTH
+
+
+def test_a_run_whose_thread_ends_releases_the_outputs(machine: Path) -> None:
+    found = ended(machine, "thread ends")
+    assert found.status == 1
+    assert found.releases == BOTH
+
+
+def test_a_run_that_holds_signals_back_is_released_from_outside(machine: Path) -> None:
+    found = ended(machine, "read hangs and signals are held back")
+    assert found.status == 1
+    assert found.releases == BOTH
 
 
 @pytest.mark.parametrize("count", [2, 6])
@@ -132,7 +210,27 @@ def test_a_device_that_hangs_is_noticed_without_a_signal(machine: Path) -> None:
     found = ended(machine, "read hangs")
     assert found.status == 1
     assert found.releases == BOTH
-    assert "has not come back" in found.errors
+    assert "the device function of Machine.level has not come back for 2 s: the outputs are released" in found.errors
+
+
+def test_a_device_that_asks_for_the_time_for_ever_is_noticed(machine: Path) -> None:
+    found = ended(machine, "read spins")
+    assert found.status == 1
+    assert found.releases == BOTH
+
+
+def test_a_safe_value_that_hangs_is_named(machine: Path) -> None:
+    found = ended(machine, "polled and safe value hangs")
+    assert found.status == 1
+    assert found.releases == BOTH
+    assert "Machine.drive does not take its safe value for 2 s" in found.errors
+
+
+def test_a_control_law_that_hangs_is_named(tmp_path: Path) -> None:
+    found = ended(built(tmp_path, DEVICES / "spinning.csp", DEVICES / "spinning.c"))
+    assert found.status == 1
+    assert found.lines == ["released"]
+    assert "Spinning.law (spinning.csp:2) has not come to its next communication for 2 s" in found.errors
 
 
 def test_a_safe_value_that_hangs_keeps_no_other_output_driven(machine: Path) -> None:
@@ -145,7 +243,8 @@ def test_a_safe_value_that_hangs_keeps_no_other_output_driven(machine: Path) -> 
     ("trouble", "number"),
     [
         ("segmentation", signal.SIGSEGV),
-        ("overflow", signal.SIGSEGV),
+        ("read overflows", signal.SIGSEGV),
+        ("read overflows and safe value overflows", signal.SIGSEGV),
         ("division", signal.SIGFPE),
         ("abort", signal.SIGABRT),
     ],
@@ -162,9 +261,10 @@ def test_a_safe_value_that_crashes_keeps_no_other_output_driven(machine: Path) -
     assert found.releases == BOTH
 
 
-def test_a_device_that_exits_releases_the_outputs(machine: Path) -> None:
-    found = ended(machine, "exit")
-    assert found.status == 7
+@pytest.mark.parametrize(("trouble", "status"), [("exit", 7), ("exit and safe value exits", 9)])
+def test_a_device_that_exits_releases_the_outputs(machine: Path, trouble: str, status: int) -> None:
+    found = ended(machine, trouble)
+    assert found.status == status
     assert found.releases == BOTH
 
 

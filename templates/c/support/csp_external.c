@@ -7,6 +7,7 @@
  */
 #include "csp_internal.h"
 #include "csp_port.h"
+#include "csp_shared.h"
 
 static void set_attend(csp_guard *watchers, bool attends)
 {
@@ -100,7 +101,7 @@ static void sample(csp_sampled_end *end)
 
 void csp_sampled_tick(csp_sampled_input *port)
 {
-    if ((port->driver.read == NULL) || !port->driver.read(port->driver.device, port->value)) {
+    if ((port->driver.read == NULL) || !csp_device_read(&port->medium, &port->driver, port->value)) {
         return;
     }
     port->sampled = true;
@@ -233,7 +234,7 @@ void csp_event_bring(csp_event_input *port, const void *value)
     const uint32_t outside = csp_port_enter_critical();
     if (port->brought != NULL) {
         (void)memcpy(port->brought, value, port->brought_size);
-        port->news = true;
+        CSP_STORE(port->news, true);
     }
     csp_port_leave_critical(outside);
     csp_port_wake();
@@ -241,10 +242,10 @@ void csp_event_bring(csp_event_input *port, const void *value)
 
 void csp_event_take_over(csp_event_input *port)
 {
-    if (port->news) {
+    if (CSP_LOAD(port->news)) {
         const uint32_t outside = csp_port_enter_critical();
         (void)memcpy(port->value, port->brought, port->brought_size);
-        port->news = false;
+        CSP_STORE(port->news, false);
         csp_port_leave_critical(outside);
         csp_event_occur(port);
     }
@@ -252,7 +253,7 @@ void csp_event_take_over(csp_event_input *port)
 
 void csp_event_poll(csp_event_input *port)
 {
-    if ((port->driver.read != NULL) && port->driver.read(port->driver.device, port->value)) {
+    if ((port->driver.read != NULL) && csp_device_read(&port->medium, &port->driver, port->value)) {
         csp_event_occur(port);
     }
 }
@@ -333,9 +334,7 @@ void csp_direct_output_init(csp_direct_output *output, uint32_t number, csp_driv
 csp_progress csp_direct_write(csp_party *party, csp_direct_output *output, void *value, size_t size)
 {
     (void)size;
-    if (output->driver.write != NULL) {
-        output->driver.write(output->driver.device, value);
-    }
+    csp_device_write(&output->medium, &output->driver, value);
     csp_observe(output->medium.number, value, party->number, 0U);
     return CSP_DONE;
 }
@@ -344,9 +343,7 @@ void csp_latched_tick(csp_latched_output *output)
 {
     if (output->written) {
         output->written = false;
-        if (output->driver.write != NULL) {
-            output->driver.write(output->driver.device, output->value);
-        }
+        csp_device_write(&output->medium, &output->driver, output->value);
         csp_observe(output->medium.number, output->value, output->writer, 0U);
     }
 }

@@ -167,4 +167,18 @@ bool csp_instants_meet(const csp_program *program, int64_t instant, int64_t pres
 /* From here on the outputs have to be released. */
 void csp_begin_driving(const csp_program *program);
 
+/* Calls of device functions. What is written when the outputs are released already goes nowhere. */
+bool csp_device_read(const csp_medium *port, const csp_driver *driver, void *value);
+void csp_device_write(const csp_medium *port, const csp_driver *driver, const void *value);
+
+/* What of them is under way, as another thread sees it. */
+typedef struct csp_calls {
+    const csp_program *program; /* whose outputs are not released; NULL: none */
+    const csp_medium *port;     /* whose device function is called; NULL: none */
+    bool releases;              /* safe values are handed over, to so many ports by now: */
+    uint32_t released;
+} csp_calls;
+
+csp_calls csp_calls_now(void);
+
 #endif

@@ -1,5 +1,6 @@
 /* The scheduler: which process runs next. First come, first served within a level of priority. */
 #include "csp_internal.h"
+#include "csp_shared.h"
 
 csp_kernel csp;
 
@@ -24,7 +25,7 @@ static void run_step(csp_party *first)
 {
     csp_party *party = first;
     for (uint32_t count = 0U; (party != NULL) && (count < (uint32_t)LONGEST_STEP); count++) {
-        csp.current = party;
+        CSP_NOTE(csp.current, party);
         csp_measure_party(party->number);
         party = party->step(party);
     }
@@ -39,14 +40,14 @@ bool csp_run_ready(uint32_t most)
     for (uint32_t steps = 0U; steps < most; steps++) {
         party = next_party();
         if (party == NULL) {
-            csp.current = NULL;
+            CSP_NOTE(csp.current, NULL);
             return false;
         }
         csp_measure_begin();
         run_step(party);
         csp_measure_end();
     }
-    csp.current = NULL;
+    CSP_NOTE(csp.current, NULL);
     return true;
 }
 

@@ -99,10 +99,8 @@ void csp_port_start(void)
     started = clock_now();
 }
 
-/* Once in each turn at least. */
 int64_t csp_port_now(void)
 {
-    csp_signals_turn();
     return clock_now() - started;
 }
 
@@ -194,7 +192,7 @@ void csp_port_finish(const struct csp_program *program)
 /* Handlers of signals, and other threads, are the interrupt handlers here. */
 uint32_t csp_port_enter_critical(void)
 {
-    static const int never_held[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
+    static const int never_held[] = {CSP_CRASHES};
     sigset_t held;
     sigset_t before;
     (void)sigfillset(&held);

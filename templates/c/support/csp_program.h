@@ -54,10 +54,14 @@ csp_ending csp_run(const csp_program *program, int64_t until);
 void csp_request_stop(void);
 
 /* Hands the safe values over now, where the run will not come to its end: for handlers of faults of the processor. Each output gets its
- * own once. */
+ * own once, and no other value after that. Other threads than that of the run call csp_request_stop. */
 void csp_release_outputs(void);
 /* Whether there is a run whose outputs are not released. */
 bool csp_is_driving(void);
+/* The outputs are somebody else's from here on: nothing is handed over to them any more. */
+void csp_forget_outputs(void);
+/* How many turns runs have made; for who looks on whether this one goes on. */
+uint32_t csp_turns(void);
 
 /* ---- Reports ---- */
 
@@ -88,6 +92,8 @@ const char *csp_exception_name(const csp_program *program);
 void csp_describe_message(const csp_program *program, char *text, size_t size);
 void csp_describe_place(const csp_program *program, char *text, size_t size);
 /* The ports whose samples were overwritten untaken, and how many: "level 3, speed 1"; "none". */
+/* What the run does at present, for another thread that finds it hanging: "the device function of Machine.level has not come back". */
+void csp_describe_present(char *text, size_t size);
 void csp_describe_missed(const csp_program *program, char *text, size_t size);
 void csp_describe_error(const csp_program *program, char *text, size_t size);
 

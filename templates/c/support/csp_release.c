@@ -1,18 +1,56 @@
-/* Safe values: every output is handed its own once, however the run ends. */
+/* Calls of device functions, and safe values: every output is handed its own once, as its last value, however the run ends. */
 #include "csp_internal.h"
+#include "csp_shared.h"
 
 static const csp_program *volatile driving; /* the program whose outputs are not released; NULL: none */
 static volatile uint32_t next_port;         /* that is handed its safe value */
+static volatile bool closed;                /* for all but safe values */
+static const csp_medium *volatile called;   /* the port whose device function is called; NULL: none */
 
 void csp_begin_driving(const csp_program *program)
 {
-    next_port = 0U;
-    driving = program;
+    CSP_STORE(next_port, 0U);
+    CSP_STORE(closed, false);
+    CSP_STORE(driving, program);
+}
+
+void csp_forget_outputs(void)
+{
+    CSP_STORE(closed, true);
+    CSP_STORE(driving, NULL);
 }
 
 bool csp_is_driving(void)
 {
-    return driving != NULL;
+    return CSP_LOAD(driving) != NULL;
+}
+
+csp_calls csp_calls_now(void)
+{
+    const csp_calls calls = {CSP_LOAD(driving), CSP_LOAD(called), CSP_LOAD(closed), CSP_LOAD(next_port)};
+    return calls;
+}
+
+bool csp_device_read(const csp_medium *port, const csp_driver *driver, void *value)
+{
+    CSP_NOTE(called, port);
+    const bool came = driver->read(driver->device, value);
+    CSP_NOTE(called, NULL);
+    return came;
+}
+
+/* It says first that it writes, and then looks whether it may; who releases the outputs in another thread closes first, and then looks whether
+ * anything is written. */
+void csp_device_write(const csp_medium *port, const csp_driver *driver, const void *value)
+{
+    if (driver->write == NULL) {
+        return;
+    }
+    CSP_STORE(called, port);
+    if (!CSP_LOAD(closed)) {
+        driver->write(driver->device, value);
+    }
+    CSP_STORE_AFTER(called, NULL);
 }
 
 static void release_port(const csp_port *port)
@@ -27,7 +65,9 @@ static void release_port(const csp_port *port)
         driver = &((const csp_direct_output *)(const void *)port->medium)->driver;
     }
     if (driver->write != NULL) {
+        CSP_NOTE(called, port->medium);
         driver->write(driver->device, port->safe);
+        CSP_NOTE(called, NULL);
     }
     csp_observe_release(port->medium->number, port->safe);
 }
@@ -35,14 +75,13 @@ static void release_port(const csp_port *port)
 /* A device function that fails in here ends in a handler that calls this again: it goes on with the next port. */
 void csp_release_outputs(void)
 {
-    const csp_program *const program = driving;
+    const csp_program *const program = CSP_LOAD(driving);
     if (program == NULL) {
         return;
     }
-    while (next_port < program->port_count) {
-        const uint32_t index = next_port;
-        next_port = index + 1U;
+    CSP_STORE(closed, true);
+    for (uint32_t index = CSP_COUNT(next_port); index < program->port_count; index = CSP_COUNT(next_port)) {
         release_port(&program->ports[index]);
     }
-    driving = NULL;
+    CSP_STORE(driving, NULL);
 }

@@ -1,5 +1,6 @@
 /* Who waits for whom, and why a run has failed: texts for people. */
 #include "csp_internal.h"
+#include "csp_shared.h"
 #include "csp_text.h"
 
 /* ---- Walking ---- */
@@ -307,6 +308,27 @@ void csp_describe_error(const csp_program *program, char *text, size_t size)
     if (csp.error.process != NULL) {
         csp_append(text, size, ", in ");
         csp_describe_place(program, &text[strlen(text)], size - strlen(text));
+    }
+}
+
+/* It is read while it may change: a process is named by what changes least. */
+void csp_describe_present(char *text, size_t size)
+{
+    const csp_calls calls = csp_calls_now();
+    const csp_process *const process = (const csp_process *)(const void *)CSP_LOAD(csp.current);
+    text[0] = '\0';
+    if (calls.program == NULL) {
+        csp_append(text, size, "nothing runs");
+    } else if (calls.port != NULL) {
+        csp_append(text, size, calls.releases ? "" : "the device function of ");
+        append_channel(calls.program, calls.port->number, text, size);
+        csp_append(text, size, calls.releases ? " does not take its safe value" : " has not come back");
+    } else if (process != NULL) {
+        append_process(calls.program, process, csp_place_of(process)->inner, text, size);
+        append_place(csp_place_of(process)->where, text, size);
+        csp_append(text, size, " has not come to its next communication");
+    } else {
+        csp_append(text, size, "the program has not gone on");
     }
 }
 

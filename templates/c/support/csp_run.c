@@ -2,6 +2,7 @@
 #include "csp_arithmetic.h"
 #include "csp_internal.h"
 #include "csp_port.h"
+#include "csp_shared.h"
 
 /* Steps of processes between looks at the clock, and at requests to stop. In real time a process of a higher priority waits for one step of
  * the others, not for all of them that are ready. */
@@ -9,6 +10,7 @@ enum { STEPS_IN_REAL_TIME = (CSP_LEVELS > 1U) ? 1 : 64, STEPS_IN_VIRTUAL_TIME = 
 
 static bool built;
 static volatile bool stop_requested;
+static volatile uint32_t turns;
 static uint32_t awaited; /* the port for which something waited last */
 
 void csp_begin_building(void)
@@ -16,14 +18,14 @@ void csp_begin_building(void)
     (void)memset(&csp, 0, sizeof csp);
     csp_fault.describe = NULL;
     csp_timers_reset();
-    stop_requested = false;
+    CSP_STORE(stop_requested, false);
     awaited = 0U;
     built = true;
 }
 
 void csp_request_stop(void)
 {
-    stop_requested = true;
+    CSP_STORE(stop_requested, true);
     csp_port_wake();
 }
 
@@ -87,20 +89,31 @@ static csp_ending environment_failed(void)
     return CSP_FAILED;
 }
 
+uint32_t csp_turns(void)
+{
+    return CSP_LOAD(turns);
+}
+
+static void begin_turn(void)
+{
+    CSP_NOTE(turns, turns + 1U);
+    csp_port_alive();
+}
+
 static csp_ending run_in_virtual_time(const csp_program *program, int64_t until)
 {
     for (;;) {
-        csp_port_alive();
+        begin_turn();
         while (csp_run_ready(STEPS_IN_VIRTUAL_TIME)) {
-            csp_port_alive();
-            if (stop_requested) {
+            begin_turn();
+            if (CSP_LOAD(stop_requested)) {
                 return CSP_STOPPED;
             }
         }
         if (has_ended(program)) {
             return ended_by_itself();
         }
-        if (stop_requested) {
+        if (CSP_LOAD(stop_requested)) {
             return CSP_STOPPED;
         }
         if ((csp_timer_next() == INT64_MAX) && !can_come(program)) {
@@ -122,7 +135,7 @@ static bool has_news(const csp_program *program)
     bool news = false;
     for (uint32_t index = 0U; (index < program->port_count) && !news; index++) {
         news = (program->ports[index].kind == CSP_PORT_EVENT) &&
-               ((const csp_event_input *)(const void *)program->ports[index].medium)->news;
+               CSP_LOAD(((const csp_event_input *)(const void *)program->ports[index].medium)->news);
     }
     return news;
 }
@@ -146,7 +159,7 @@ static bool meet_the_past(const csp_program *program, int64_t until, csp_ending 
     for (;;) {
         const int64_t due = csp_instants_next();
         const int64_t instant = (until >= 0) ? earlier(due, until) : due;
-        if (stop_requested) {
+        if (CSP_LOAD(stop_requested)) {
             *ending = CSP_STOPPED;
             return false;
         }
@@ -171,7 +184,7 @@ static csp_ending run_in_real_time(const csp_program *program, int64_t until)
 {
     csp_ending ending = CSP_FAILED;
     for (;;) {
-        csp_port_alive();
+        begin_turn();
         const bool ready = csp_run_ready(STEPS_IN_REAL_TIME);
         if (has_ended(program)) {
             return ended_by_itself();
@@ -179,7 +192,7 @@ static csp_ending run_in_real_time(const csp_program *program, int64_t until)
         if (!ready && !can_come(program)) {
             return CSP_DEADLOCK;
         }
-        if (!ready && !stop_requested && !has_news(program)) {
+        if (!ready && !CSP_LOAD(stop_requested) && !has_news(program)) {
             const int64_t due = csp_instants_next();
             csp_port_wait_until((until >= 0) ? earlier(due, until) : due);
         }

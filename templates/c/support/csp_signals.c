@@ -1,4 +1,5 @@
 /* See csp_signals.h. */
+#define _DEFAULT_SOURCE /* memory without a file */
 #define _XOPEN_SOURCE 700 /* POSIX, and a stack for handlers */
 
 #include "csp_signals.h"
@@ -7,70 +8,104 @@
 #include <pthread.h>
 #include <sched.h>
 #include <signal.h>
+#include <stdio.h>
 #include <stdlib.h>
+#include <sys/mman.h>
 #include <time.h>
 #include <unistd.h>
 
-enum { STACK = 65536, SIGNALLED = 128, PARENT_LOOKED_AT = 1 /* s */ };
+#include "csp_internal.h"
+#include "csp_shared.h"
 
-static const int stopping[] = {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE};
-static const int crashing[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
+enum { STACK = 65536, SIGNALLED = 128, SIGNALS = 128 /* more than there are */, TEXT = 512 };
+enum { LOOKS = 10 /* a second */, LOOK = 1000000000 / LOOKS, THREAD_STACK = 1 << 17 };
 
-enum { STOPPING = sizeof stopping / sizeof stopping[0], CRASHING = sizeof crashing / sizeof crashing[0] };
+/* Signals that end no process, or that cannot be handled. */
+static const int harmless[] = {SIGCHLD, SIGCONT, SIGURG, SIGTSTP, SIGTTIN, SIGTTOU, SIGSTOP, SIGKILL,
+#ifdef SIGWINCH
+                               SIGWINCH,
+#endif
+};
+static const int crashes[] = {CSP_CRASHES};
 
-static struct sigaction stopping_before[STOPPING];
-static struct sigaction crashing_before[CRASHING];
+static bool ours[SIGNALS]; /* which signals have a handler of this file */
+static sigset_t held_before;
 static stack_t stack_before;
-static char stack[STACK]; /* a crash may be that of the stack */
 
-static uint32_t begun; /* so many times */
-static bool at_exit;
-static pthread_t owner;
-static volatile sig_atomic_t first; /* the signal that stopped the run; 0: none */
-static volatile sig_atomic_t watched_parent;
-
-enum { LOOKS = 10 /* a second */, LOOK = 1000000000 / LOOKS, WATCH_STACK = 1 << 17 };
+static volatile uint32_t begun; /* so many times */
+static pthread_t owner;         /* the thread of the run */
+static pthread_key_t end_of_owner;
+static volatile uint32_t first; /* the signal that stopped the run; 0: none */
+static struct timespec asked_at;
+static volatile bool leaving; /* another thread ends the process, when the outputs are released */
 
 static pthread_t watcher;
-static bool watches;
-static volatile uint32_t turns;
+static bool watched;
+static volatile bool patient; /* a run that does not go on hangs */
 static volatile bool hangs;
+static volatile bool forced; /* the run, to let go */
+static volatile uint32_t parent; /* 0: any */
 
-static void handle(int number, void (*handler)(int), int flags, struct sigaction *before)
+static bool contains(const int *numbers, size_t count, int number)
+{
+    bool found = false;
+    for (size_t index = 0U; (index < count) && !found; index++) {
+        found = numbers[index] == number;
+    }
+    return found;
+}
+
+static void handle(int number, void (*handler)(int), int flags)
 {
     struct sigaction action;
     action.sa_handler = handler;
     action.sa_flags = flags;
     (void)sigemptyset(&action.sa_mask);
-    (void)sigaction(number, &action, before);
+    (void)sigaction(number, &action, NULL);
 }
 
-static void time_is_over(int number);
-
-/* Only now: until then SIGALRM is the program's own. What hangs in the handler is interrupted by the same again. */
-static void set_alarm(unsigned seconds)
+static bool has_default(int number)
 {
-    handle(SIGALRM, time_is_over, SA_RESTART | SA_NODEFER, NULL);
-    (void)alarm(seconds);
+    struct sigaction present;
+    return (sigaction(number, NULL, &present) == 0) && ((present.sa_flags & SA_SIGINFO) == 0) &&
+           (present.sa_handler == SIG_DFL);
 }
 
-/* A signal comes to any thread: the one that runs the program is not to go on meanwhile. */
-static bool belongs_to_another(int number)
+static bool in_owner(void)
 {
-    if (pthread_equal(pthread_self(), owner) != 0) {
-        return false;
+    return pthread_equal(pthread_self(), owner) != 0;
+}
+
+static void wait_a_look(void)
+{
+    const struct timespec look = {0, LOOK};
+    (void)nanosleep(&look, NULL);
+}
+
+static void wait_for_the_end(void)
+{
+    for (;;) {
+        (void)pause();
     }
-    (void)pthread_kill(owner, number);
-    return true;
+}
+
+/* ---- Requests to stop ---- */
+
+/* Long enough ago for what is left to be told. */
+static bool asked_before(void)
+{
+    struct timespec present = {0, 0};
+    (void)clock_gettime(CLOCK_MONOTONIC, &present);
+    return (present.tv_sec - asked_at.tv_sec) > (time_t)CSP_GRACE;
 }
 
 static void ask_to_stop(int number)
 {
-    if (first == 0) {
-        first = number;
-        set_alarm(CSP_GRACE);
-    } else if (!csp_is_driving()) {
-        _exit(SIGNALLED + number); /* the outputs are released, and what is left to be told is not wanted */
+    if (CSP_LOAD(first) == 0U) {
+        (void)clock_gettime(CLOCK_MONOTONIC, &asked_at);
+        CSP_STORE(first, (uint32_t)number);
+    } else if (!csp_is_driving() && asked_before()) {
+        _exit(SIGNALLED + (int)CSP_LOAD(first));
     } else {
         /* It has been asked. */
     }
@@ -80,150 +115,305 @@ static void ask_to_stop(int number)
 static void stop(int number)
 {
     const int error = errno;
-    if (!belongs_to_another(number)) {
-        ask_to_stop(number);
-    }
+    ask_to_stop(number);
     errno = error;
 }
 
-/* The time that the run had for stopping is over; or the parent is to be looked at. */
-static void time_is_over(int number)
+/* ---- Releases ---- */
+
+/* Another thread leaves it to the run, which is not to go on meanwhile; the watcher sees to it that this has an end. */
+static void release(void)
 {
-    const int error = errno;
-    if (belongs_to_another(number)) {
-        errno = error;
-    } else if ((first != 0) || hangs) {
-        if (csp_is_driving()) {
-            set_alarm(CSP_GRACE);
-            csp_release_outputs();
-            _exit((first != 0) ? (SIGNALLED + first) : EXIT_FAILURE);
+    if (!csp_is_driving()) {
+        return;
+    }
+    if (!in_owner()) {
+        CSP_STORE(leaving, true);
+        csp_request_stop();
+        for (uint32_t looks = 0U; csp_is_driving() && (watched || (looks < (CSP_GRACE * (uint32_t)LOOKS))); looks++) {
+            wait_a_look();
         }
-        errno = error;
-    } else if ((watched_parent != 0) && (getppid() != (pid_t)watched_parent)) {
-        ask_to_stop(SIGTERM);
-        errno = error;
-    } else {
-        set_alarm(PARENT_LOOKED_AT);
-        errno = error;
+    }
+    csp_release_outputs();
+}
+
+/* What is left to be released is, if a safe value exits: each exit takes a function from the list and goes on behind it. */
+static void at_exit(void)
+{
+    if (csp_is_driving()) {
+        (void)atexit(at_exit);
+        release();
     }
 }
 
 static void crash(int number)
 {
-    first = number;
-    set_alarm(CSP_GRACE);
-    csp_release_outputs();
-    handle(number, SIG_DFL, 0, NULL);
+    if (CSP_LOAD(first) == 0U) {
+        CSP_STORE(first, (uint32_t)number);
+    }
+    release();
+    handle(number, SIG_DFL, 0);
     (void)raise(number);
+}
+
+static void end_by_force(void)
+{
+    if (CSP_LOAD(leaving)) {
+        wait_for_the_end();
+    }
+    _exit((CSP_LOAD(first) != 0U) ? (SIGNALLED + (int)CSP_LOAD(first)) : EXIT_FAILURE);
+}
+
+/* In the thread of the run: what hangs in here is interrupted by the same again. */
+static void let_go(int number)
+{
+    const int error = errno;
+    (void)number;
+    if (CSP_LOAD(forced) && in_owner() && csp_is_driving()) {
+        csp_release_outputs();
+        end_by_force();
+    }
+    errno = error;
+}
+
+static void *release_instead(void *nothing)
+{
+    csp_release_outputs();
+    end_by_force();
+    return nothing;
+}
+
+/* The first attempt is the signal; each one after that takes the next output. A thread that holds the signal back is not waited for. */
+static void force(bool in_vain)
+{
+    pthread_attr_t attributes;
+    pthread_t helper;
+    CSP_STORE(forced, true);
+    if (!in_vain) {
+        handle(SIGURG, let_go, SA_RESTART | SA_NODEFER);
+        (void)pthread_kill(owner, SIGURG);
+    } else if (pthread_attr_init(&attributes) == 0) {
+        (void)pthread_attr_setdetachstate(&attributes, PTHREAD_CREATE_DETACHED);
+        (void)pthread_attr_setstacksize(&attributes, THREAD_STACK);
+        (void)pthread_create(&helper, &attributes, release_instead, NULL);
+        (void)pthread_attr_destroy(&attributes);
+    } else {
+        csp_release_outputs();
+    }
+}
+
+/* ---- The thread that looks on ---- */
+
+static void tell_what_hangs(void)
+{
+    char text[TEXT] = "";
+    char line[TEXT + 64] = "";
+    csp_describe_present(text, sizeof text);
+    const int length =
+        snprintf(line, sizeof line, "%s for %u s: the outputs are released\n", text, (unsigned)CSP_PATIENCE);
+    const ssize_t written = write(STDERR_FILENO, line, (size_t)length);
+    (void)written;
 }
 
 static void *watch(void *nothing)
 {
-    static const char account[] = "a step or a device function has not come back: the outputs are released\n";
-    const struct timespec look = {0, LOOK};
-    uint32_t seen = turns;
+    uint32_t turns = 0U;
+    uint32_t released = 0U;
     uint32_t looks = 0U;
-    while (looks < (CSP_PATIENCE * (uint32_t)LOOKS)) {
-        (void)nanosleep(&look, NULL);
-        looks = (turns == seen) ? (looks + 1U) : 0U;
-        seen = turns;
+    bool in_vain = false;
+    for (;;) {
+        wait_a_look();
+        const uint32_t looked_for = CSP_LOAD(parent);
+        if ((looked_for != 0U) && (getppid() != (pid_t)looked_for)) {
+            CSP_STORE(parent, 0U);
+            ask_to_stop(SIGTERM);
+        }
+        const bool asked = (CSP_LOAD(first) != 0U) || CSP_LOAD(leaving) || CSP_LOAD(hangs);
+        const uint32_t turns_now = csp_turns();
+        const uint32_t released_now = csp_calls_now().released;
+        const bool goes_on = (released_now != released) || (!asked && (turns_now != turns));
+        in_vain = in_vain && (released_now == released);
+        turns = turns_now;
+        released = released_now;
+        looks = (goes_on || !csp_is_driving() || !(asked || CSP_LOAD(patient))) ? 0U : (looks + 1U);
+        if (looks >= ((asked ? CSP_GRACE : CSP_PATIENCE) * (uint32_t)LOOKS)) {
+            if (!asked) {
+                tell_what_hangs();
+                CSP_STORE(hangs, true);
+            }
+            force(in_vain);
+            in_vain = true;
+            looks = 0U;
+        }
     }
-    const ssize_t written = write(STDERR_FILENO, account, sizeof account - 1U);
-    (void)written;
-    hangs = true;
-    handle(SIGALRM, time_is_over, SA_RESTART | SA_NODEFER, NULL);
-    (void)pthread_kill(owner, SIGALRM);
     return nothing;
 }
 
-void csp_signals_watch(int priority)
+static void begin_watch(void)
 {
-    struct sched_param parameter;
     pthread_attr_t attributes;
     sigset_t all;
     sigset_t before;
-    hangs = false;
-    if (watches || (pthread_attr_init(&attributes) != 0)) {
+    if (pthread_attr_init(&attributes) != 0) {
         return;
     }
-    (void)pthread_attr_setstacksize(&attributes, WATCH_STACK);
+    (void)pthread_attr_setstacksize(&attributes, THREAD_STACK);
     (void)sigfillset(&all);
     (void)pthread_sigmask(SIG_BLOCK, &all, &before); /* which the thread inherits */
-    watches = pthread_create(&watcher, &attributes, watch, NULL) == 0;
+    watched = pthread_create(&watcher, &attributes, watch, NULL) == 0;
     (void)pthread_sigmask(SIG_SETMASK, &before, NULL);
     (void)pthread_attr_destroy(&attributes);
-    parameter.sched_priority = priority;
-    if (watches) {
-        (void)pthread_setschedparam(watcher, SCHED_FIFO, &parameter); /* where that is allowed */
-    }
-}
-
-void csp_signals_turn(void)
-{
-    turns++;
 }
 
 static void end_watch(void)
 {
-    if (watches) {
-        watches = false;
+    if (watched) {
+        watched = false;
         (void)pthread_cancel(watcher);
         (void)pthread_join(watcher, NULL);
     }
 }
 
+void csp_signals_watch(int priority)
+{
+    struct sched_param parameter;
+    parameter.sched_priority = priority;
+    if (watched) {
+        (void)pthread_setschedparam(watcher, SCHED_FIFO, &parameter); /* where that is allowed */
+    }
+    CSP_STORE(patient, true);
+}
+
+void csp_signals_end_with_parent(long number)
+{
+    CSP_STORE(parent, (uint32_t)number);
+}
+
+/* ---- Around a run ---- */
+
+static void give_back_signals(void)
+{
+    struct sigaction present;
+    for (int number = 1; number < (int)SIGNALS; number++) {
+        if (ours[number] && (sigaction(number, NULL, &present) == 0) &&
+            ((present.sa_handler == stop) || (present.sa_handler == crash))) {
+            handle(number, SIG_DFL, 0);
+        }
+        ours[number] = false;
+    }
+}
+
+static void take_signals(void)
+{
+    for (int number = 1; (number < (int)SIGNALS) && (number <= SIGRTMAX); number++) {
+        if (!has_default(number) || contains(harmless, sizeof harmless / sizeof harmless[0], number)) {
+            continue;
+        }
+        ours[number] = true;
+        if (contains(crashes, sizeof crashes / sizeof crashes[0], number)) {
+            handle(number, crash, SA_ONSTACK | SA_NODEFER);
+        } else {
+            handle(number, stop, SA_RESTART); /* of writes: waits end */
+        }
+    }
+}
+
+/* A crash may be that of the stack, and that of a safe value may be one of this stack: below it nothing can be written, and who is there is
+ * not on it any longer, so that the next handler begins it anew. */
+static void take_stack(void)
+{
+    static char *memory;
+    const size_t page = (size_t)sysconf(_SC_PAGESIZE);
+    stack_t alternate;
+    if (memory == NULL) {
+        void *const mapped = mmap(NULL, (2U * page) + STACK, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+        if (mapped == MAP_FAILED) {
+            return;
+        }
+        memory = (char *)mapped;
+        (void)mprotect(memory, page, PROT_NONE);
+    }
+    alternate.ss_sp = memory + (2U * page);
+    alternate.ss_size = STACK;
+    alternate.ss_flags = 0;
+    (void)sigaltstack(&alternate, &stack_before);
+}
+
+/* Whatever the program holds back: a crash whose signal is held back ends the process at once. */
+static void let_through(void)
+{
+    sigset_t wanted;
+    (void)sigemptyset(&wanted);
+    (void)sigaddset(&wanted, SIGURG);
+    for (size_t index = 0U; index < (sizeof crashes / sizeof crashes[0]); index++) {
+        (void)sigaddset(&wanted, crashes[index]);
+    }
+    (void)pthread_sigmask(SIG_UNBLOCK, &wanted, &held_before);
+}
+
+static void in_child(void)
+{
+    if (begun > 0U) {
+        csp_forget_outputs();
+        give_back_signals();
+        begun = 0U;
+        watched = false;
+    }
+}
+
+static void owner_ends(void *nothing)
+{
+    (void)nothing;
+    csp_release_outputs();
+    begun = 1U;
+    csp_signals_end();
+}
+
+static void begin_once(void)
+{
+    (void)atexit(at_exit);
+    (void)pthread_atfork(NULL, NULL, in_child);
+    (void)pthread_key_create(&end_of_owner, owner_ends);
+}
+
 void csp_signals_begin(void)
 {
-    stack_t alternate;
+    static pthread_once_t once = PTHREAD_ONCE_INIT;
     begun++;
     if (begun > 1U) {
         return;
     }
     owner = pthread_self();
-    first = 0;
-    if (!at_exit) {
-        at_exit = atexit(csp_release_outputs) == 0;
-    }
-    alternate.ss_sp = stack;
-    alternate.ss_size = sizeof stack;
-    alternate.ss_flags = 0;
-    (void)sigaltstack(&alternate, &stack_before);
-    for (uint32_t index = 0U; index < (uint32_t)CRASHING; index++) {
-        handle(crashing[index], crash, SA_ONSTACK | SA_NODEFER, &crashing_before[index]);
-    }
-    for (uint32_t index = 0U; index < (uint32_t)STOPPING; index++) {
-        handle(stopping[index], stop, SA_RESTART, /* of writes: waits end */
-               &stopping_before[index]);
-        if ((stopping[index] == SIGHUP) && (stopping_before[index].sa_handler == SIG_IGN)) {
-            (void)sigaction(SIGHUP, &stopping_before[index], NULL);
-        }
-    }
+    CSP_STORE(first, 0U);
+    CSP_STORE(hangs, false);
+    CSP_STORE(forced, false);
+    CSP_STORE(patient, false);
+    (void)pthread_once(&once, begin_once);
+    (void)pthread_setspecific(end_of_owner, &owner);
+    take_stack();
+    take_signals();
+    let_through();
+    begin_watch();
 }
 
+/* After a signal the program is to end: further ones do not end it by their default, with another status. */
 void csp_signals_end(void)
 {
-    end_watch();
     if (begun != 1U) {
         begun -= (begun > 0U) ? 1U : 0U;
         return;
     }
+    end_watch();
+    if (CSP_LOAD(leaving)) {
+        wait_for_the_end();
+    }
     begun = 0U;
-    if (first != 0) {
-        (void)alarm(0U);
+    if (CSP_LOAD(first) == 0U) {
+        give_back_signals();
     }
-    for (uint32_t index = 0U; index < (uint32_t)STOPPING; index++) {
-        (void)sigaction(stopping[index], &stopping_before[index], NULL);
-    }
-    for (uint32_t index = 0U; index < (uint32_t)CRASHING; index++) {
-        (void)sigaction(crashing[index], &crashing_before[index], NULL);
-    }
+    (void)pthread_setspecific(end_of_owner, NULL);
+    (void)pthread_sigmask(SIG_SETMASK, &held_before, NULL);
     (void)sigaltstack(&stack_before, NULL);
-}
-
-void csp_signals_end_with_parent(long parent)
-{
-    watched_parent = (sig_atomic_t)parent;
-    set_alarm(PARENT_LOOKED_AT);
 }
 
 int csp_exit_status(csp_ending ending)
@@ -231,5 +421,5 @@ int csp_exit_status(csp_ending ending)
     if ((ending == CSP_TERMINATED) || (ending == CSP_TIME_LIMIT)) {
         return EXIT_SUCCESS;
     }
-    return ((ending == CSP_STOPPED) && (first != 0)) ? (SIGNALLED + first) : EXIT_FAILURE;
+    return ((ending == CSP_STOPPED) && (CSP_LOAD(first) != 0U)) ? (SIGNALLED + (int)CSP_LOAD(first)) : EXIT_FAILURE;
 }

@@ -1,9 +1,11 @@
-/* Signals of POSIX systems, for programs that drive something: whatever ends the program, its outputs get their safe values first.
+/* Ends of a program on POSIX systems, for programs that drive something: whatever ends it, its outputs get their safe values first.
  *
- * SIGINT, SIGTERM, SIGHUP, SIGQUIT and SIGPIPE ask the run to stop, however many of them come. If it does not within CSP_GRACE seconds,
- * because a step or a device function hangs, the outputs are released from a signal handler, and the program ends; an output whose device
- * function hangs then, too, is given up after the same time. A crash (SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT) and exit() release the
- * outputs as well. A SIGHUP that was ignored before, as nohup does, stays so.
+ * Every signal that would end the process asks the run to stop, however many of them come. If it does not within CSP_GRACE seconds,
+ * because a step or a device function hangs, the outputs are released from a signal handler in the thread of the run, and the program ends;
+ * an output whose device function hangs then, too, is given up after the same time. A crash (SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT,
+ * SIGTRAP, SIGSYS), exit() and the end of the run's thread release the outputs as well. If it is another thread that crashes or exits, it
+ * waits until the run has stopped. Signals that were ignored, as SIGHUP under nohup and SIGINT in the background of a script, and those that
+ * have handlers of the program's own, stay as they are. SIGURG is used while a run has to be interrupted.
  */
 #ifndef CSP_SIGNALS_H
 #define CSP_SIGNALS_H
@@ -18,14 +20,16 @@
 #define CSP_PATIENCE 2U /* seconds */
 #endif
 
-/* From here to the end: if csp_signals_turn is not called for CSP_PATIENCE seconds, a step or a device function hangs. The outputs are
- * released, and the program ends with status 1. */
-void csp_signals_watch(int priority);
-void csp_signals_turn(void);
+/* Those of what the processor or the library finds wrong: they are never held back. */
+#define CSP_CRASHES SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGTRAP, SIGSYS
 
 /* Around a run, in the thread that makes it; perhaps once more around that. */
 void csp_signals_begin(void);
 void csp_signals_end(void);
+
+/* From here to the end: if the run makes no turn for CSP_PATIENCE seconds, a step or a device function hangs. It is named, the outputs are
+ * released, and the program ends with status 1. */
+void csp_signals_watch(int priority);
 
 /* The program ends as by SIGTERM when the process of this number is no longer its parent. */
 void csp_signals_end_with_parent(long parent);

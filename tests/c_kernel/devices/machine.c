@@ -5,6 +5,7 @@
 #include <pthread.h>
 #include <signal.h>
 #include <stdlib.h>
+#include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -17,13 +18,20 @@ enum { NUMBER = 24 };
 
 static const char *trouble;
 static int polled;
-static int sampled;
+static volatile int sampled;
 static volatile int turns;
+static volatile bool released;
 static volatile uintptr_t zero;
 
 static bool is(const char *name)
 {
     return strcmp(trouble, name) == 0;
+}
+
+/* Whether the name is a part of it. */
+static bool has(const char *name)
+{
+    return strstr(trouble, name) != NULL;
 }
 
 static void say(const char *word, long number)
@@ -69,6 +77,41 @@ static int overflow(int depth)
     return (depth < 0) ? frame[0] : (overflow(depth + 1) + frame[0]);
 }
 
+static void *make_trouble(void *nothing)
+{
+    while (sampled < 5) {
+        pass(1);
+    }
+    if (has("exits")) {
+        exit(7);
+    } else if (has("crashes")) {
+        *(volatile int *)zero = 1;
+    } else if (has("aborts")) {
+        abort();
+    } else {
+        /* It ends. */
+    }
+    return nothing;
+}
+
+/* One child ends by a signal, one by itself; neither has outputs. */
+static void have_children(void)
+{
+    int status = 0;
+    pid_t child = fork();
+    if (child == 0) {
+        (void)raise(SIGTERM);
+    }
+    (void)waitpid(child, &status, 0);
+    say("child ended by signal", WIFSIGNALED(status) ? WTERMSIG(status) : 0);
+    child = fork();
+    if (child == 0) {
+        exit(3);
+    }
+    (void)waitpid(child, &status, 0);
+    say("child ended with", WIFEXITED(status) ? WEXITSTATUS(status) : -1);
+}
+
 static void press(int number)
 {
     (void)number;
@@ -87,7 +130,7 @@ static bool read_button(void *device, void *value)
     (void)device;
     polled++;
     *(bool *)value = true;
-    return is("polled") && (polled == 10);
+    return has("polled") && (polled == 10);
 }
 
 static bool read_level(void *device, void *value)
@@ -97,18 +140,25 @@ static bool read_level(void *device, void *value)
     *(double *)value = 3.0;
     if (sampled == 5) {
         say("drives", 5);
-        if (is("read hangs")) {
+        if (has("read hangs")) {
             hang();
+        } else if (is("read spins")) {
+            while (csp_port_now() >= 0) {
+            }
         } else if (is("segmentation")) {
             *(volatile int *)zero = 1;
-        } else if (is("overflow")) {
+        } else if (has("read overflows")) {
             say("deep", overflow(0));
         } else if (is("division")) {
             (void)raise(SIGFPE);
         } else if (is("abort")) {
             abort();
-        } else if (is("exit")) {
+        } else if (is("exit") || is("exit and safe value exits")) {
             exit(7);
+        } else if (is("thread ends")) {
+            pthread_exit(NULL);
+        } else if (is("children")) {
+            have_children();
         } else if (is("pressed by a signal")) {
             (void)raise(SIGUSR1);
         } else {
@@ -126,13 +176,24 @@ static void write_drive(void *device, const void *value)
     (void)device;
     if (*(const double *)value < 0.0) {
         say("released drive", (long)*(const double *)value);
-        if (is("safe value crashes")) {
+        released = true;
+        if (has("another thread")) {
+            pass(100); /* for whoever goes on writing */
+        } else if (has("safe value crashes")) {
             *(volatile int *)zero = 1;
-        } else if (is("safe value hangs")) {
+        } else if (has("safe value hangs")) {
             hang();
+        } else if (has("safe value exits")) {
+            exit(9);
+        } else if (has("safe value overflows")) {
+            say("deep", overflow(0));
         } else {
             /* It is safe. */
         }
+    } else if (released) {
+        say("drives after the release", 1);
+    } else {
+        /* As usual. */
     }
 }
 
@@ -176,10 +237,21 @@ static csp_ending run(bool built)
             ((csp_sampled_input *)(void *)network_program.ports[1].medium)->counts = true;
         }
     }
-    const csp_ending ending = csp_run(&network_program, is("polled") ? -1 : INT64_C(60000000000));
+    const csp_ending ending = csp_run(&network_program, has("polled") ? -1 : INT64_C(60000000000));
     say("sampled", sampled);
     say("polled", polled);
     say("ending", (long)ending);
+    return ending;
+}
+
+static void *run_in_thread(void *ending)
+{
+    sigset_t all;
+    (void)sigfillset(&all);
+    if (has("held back")) {
+        (void)pthread_sigmask(SIG_BLOCK, &all, NULL);
+    }
+    *(csp_ending *)ending = run(true);
     return ending;
 }
 
@@ -196,8 +268,21 @@ int main(int count, char **arguments)
     }
     if (is("pressed by a thread")) {
         (void)pthread_create(&thread, NULL, press_later, NULL);
+    } else if (has("another thread")) {
+        (void)pthread_create(&thread, NULL, make_trouble, NULL);
+    } else {
+        /* It is alone. */
     }
-    ending = run(true);
+    if (has("held back") || is("thread ends")) {
+        (void)pthread_create(&thread, NULL, run_in_thread, &ending);
+        (void)pthread_join(thread, NULL);
+    } else {
+        ending = run(true);
+    }
+    if (is("lingers")) {
+        say("lingers", 1);
+        pass(100);
+    }
     if (count > 2) { /* once more */
         ending = run(arguments[2][0] == 'b');
     }
