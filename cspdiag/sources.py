@@ -20,13 +20,21 @@ def read_source(path: str) -> SourceFile:
     """
     try:
         if path == STANDARD_INPUT:
-            data = sys.stdin.buffer.read(MAXIMUM_SIZE + 1)
+            data = _standard_input()
         else:
             with open(path, "rb") as file:
                 data = file.read(MAXIMUM_SIZE + 1)
     except ValueError as problem:
         raise OSError(errno.EINVAL, str(problem), path) from None
     return SourceFile(name=path, text=decoded(data, path))
+
+
+def _standard_input() -> bytes:
+    try:
+        return sys.stdin.buffer.read(MAXIMUM_SIZE + 1)
+    except OSError as problem:
+        reason = "it is closed" if problem.errno == errno.EBADF else problem.strerror
+        raise OSError(problem.errno, reason, "standard input") from None
 
 
 def decoded(data: bytes, path: str) -> str:

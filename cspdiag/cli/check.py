@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 from cspdiag.cli.diagnostic_formats import FORMATS, told_diagnostics
 from cspdiag.cli.failure import FINE, UNSUCCESSFUL, UsageError, described
-from cspdiag.cli.terminal import wants_colour
+from cspdiag.cli.terminal import put, wants_colour, write_out
 from cspdiag.diagnostics.diagnostic import Diagnostic
 from cspdiag.diagnostics.report import Report
 from cspdiag.diagnostics.span import SourceFile
@@ -54,5 +54,5 @@ def _show(diagnostics: list[Diagnostic], names: list[str], arguments: Namespace)
     if arguments.format == "text" and names and not diagnostics:
         files = "1 file" if len(names) == 1 else f"{len(names)} files"
         stderr = f"checked {files}: no errors\n"
-    sys.stdout.write(stdout)
-    sys.stderr.write(stderr)
+    write_out(stdout)
+    put(stderr)

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import os
-import sys
 from argparse import ArgumentParser, Namespace
 from typing import TYPE_CHECKING
 
 from cspdiag.cli.failure import FINE, UNSUCCESSFUL, NoResultError, UsageError
-from cspdiag.cli.terminal import say, show_diagnostics
+from cspdiag.cli.terminal import say, show_diagnostics, write_out
 from cspdiag.cli.written import require_folder
 from cspdiag.codegen import TARGETS, target_errors
 from cspdiag.diagnostics.report import Report
@@ -71,7 +70,7 @@ def _emit_tree(arguments: Namespace) -> int:
     show_diagnostics(report.diagnostics, arguments.color)
     if tree is None or report.has_errors:
         return UNSUCCESSFUL
-    sys.stdout.write(printable(show_tree(tree)))
+    write_out(printable(show_tree(tree)))
     return FINE
 
 
@@ -82,7 +81,7 @@ def _emit_model(arguments: Namespace) -> int:
     show_diagnostics(checked.report.diagnostics, arguments.color)
     if checked.program is None or checked.report.has_errors:
         return UNSUCCESSFUL
-    sys.stdout.write(printable(show_model(checked.program)))
+    write_out(printable(show_model(checked.program)))
     return FINE
 
 
@@ -98,9 +97,9 @@ def _emit_network(arguments: Namespace) -> int:
         *before, last = PASSES
         network = optimize(network, before)
         explained = [f"// {line}\n" for line in explain_fusion(network)]
-        sys.stdout.write(printable("".join([dump(optimize(network, (last,))), "\n", *explained])))
+        write_out(printable("".join([dump(optimize(network, (last,))), "\n", *explained])))
     else:
-        sys.stdout.write(printable(dump(network)))
+        write_out(printable(dump(network)))
     return FINE
 
 
@@ -113,7 +112,7 @@ def _emit_transitions(arguments: Namespace) -> int:
     from cspdiag.analyses.transitions.explore import TransitionError
 
     try:
-        sys.stdout.write(printable(dump(transition_system(network))))
+        write_out(printable(dump(transition_system(network))))
     except TransitionError as problem:
         raise NoResultError(str(problem)) from None
     return FINE

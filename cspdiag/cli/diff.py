@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from cspdiag.cli.failure import FINE, UNSUCCESSFUL, NoResultError, UsageError
 from cspdiag.cli.revisions import reader_of, split_name
-from cspdiag.cli.terminal import say, show_diagnostics, wants_colour
+from cspdiag.cli.terminal import say, show_diagnostics, wants_colour, write_out
 from cspdiag.cli.written import require_file
 from cspdiag.pipeline import check
 
@@ -61,11 +61,11 @@ def run(arguments: Namespace) -> int:
     if arguments.format == "json":
         from cspdiag.draw.differences.render_json import render as render_json
 
-        sys.stdout.write(render_json(found.changes))
+        write_out(render_json(found.changes))
     else:
         from cspdiag.draw.differences.render_text import render
 
-        sys.stdout.write(render(found.changes, colour=wants_colour(arguments.color, sys.stdout)))
+        write_out(render(found.changes, colour=wants_colour(arguments.color, sys.stdout)))
     if arguments.output is not None:
         _draw(arguments, found)
     return UNSUCCESSFUL if found.changes and not arguments.exit_zero else FINE

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from cspdiag.cli.failure import FINE, UNSUCCESSFUL, NoResultError, UsageError
-from cspdiag.cli.terminal import say, show_diagnostics
+from cspdiag.cli.terminal import say, show_diagnostics, write_out
 from cspdiag.cli.written import require_file, require_folder
 from cspdiag.pipeline import check
 from cspdiag.sources import STANDARD_INPUT, read_source
@@ -160,7 +160,7 @@ def _write_book(arguments: Namespace, pictures: Pictures) -> None:
 
     page = book(pictures).encode()
     if arguments.book == STANDARD_INPUT:
-        sys.stdout.buffer.write(page)
+        write_out(page)
         return
     _write(Path(arguments.book), page)
     say(f"wrote {arguments.book}")
@@ -185,7 +185,7 @@ def _draw(arguments: Namespace, pictures: Pictures) -> None:
     if arguments.output == STANDARD_INPUT:
         if format_ != "svg" and sys.stdout.isatty():
             raise UsageError(f"-o -: a {format_.upper()} is not for a terminal")
-        sys.stdout.buffer.write(data)
+        write_out(data)
         return
     name = arguments.output or f"{next(iter(scenes))}.{format_}"
     if arguments.output is None:

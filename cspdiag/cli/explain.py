@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import re
-import sys
 from argparse import ArgumentParser, Namespace
 
 from cspdiag.catalogue import manual_pages, reference
 from cspdiag.cli.failure import FINE, UsageError
+from cspdiag.cli.terminal import write_out
 
 EXAMPLE = "cspdiag explain E0301\ncspdiag explain"
 
@@ -25,12 +25,11 @@ def run(arguments: Namespace) -> int:
     if arguments.markdown:
         if arguments.code is not None:
             raise UsageError("--markdown prints the whole reference and takes no CODE")
-        sys.stdout.write(reference())
+        write_out(reference())
     elif arguments.code is None:
-        for page in manual_pages().values():
-            print(f"{page.code}  {page.title}")
+        write_out("".join(f"{page.code}  {page.title}\n" for page in manual_pages().values()))
     else:
-        sys.stdout.write(_page(arguments.code))
+        write_out(_page(arguments.code))
     return FINE
 
 

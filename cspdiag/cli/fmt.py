@@ -8,7 +8,7 @@ from argparse import ArgumentParser, Namespace
 
 from cspdiag.cli.failure import FINE, UNSUCCESSFUL
 from cspdiag.cli.output import replace_text
-from cspdiag.cli.terminal import say, show_diagnostics
+from cspdiag.cli.terminal import say, show_diagnostics, write_out
 from cspdiag.diagnostics.report import Report
 from cspdiag.diagnostics.snippet import printable
 from cspdiag.diagnostics.span import SourceFile
@@ -38,9 +38,9 @@ def run(arguments: Namespace) -> int:
             continue
         if arguments.diff:
             difference = _difference(source, text)
-            sys.stdout.write(printable(difference) if sys.stdout.isatty() else difference)
+            write_out(printable(difference) if sys.stdout.isatty() else difference)
         elif source.name == STANDARD_INPUT and not arguments.check:
-            sys.stdout.write(text)
+            write_out(text)
         if text != source.text:
             changed.append(source)
             _change(source, text, arguments)

@@ -25,7 +25,7 @@ from cspdiag.cli.failure import (
     UsageError,
     described,
 )
-from cspdiag.cli.terminal import put
+from cspdiag.cli.terminal import complete_streams, put, write_out
 
 VERBS = {
     "check": "find everything that is wrong with programs",
@@ -62,6 +62,10 @@ class _Parser(ArgumentParser):
     def error(self, message: str) -> NoReturn:
         raise UsageError(f"{message} (try {self.prog} --help)")
 
+    def print_help(self, file: object = None) -> None:
+        """That of the base class keeps it to itself where this cannot be written."""
+        write_out(self.format_help())
+
 
 class _HelpFormatter(RawDescriptionHelpFormatter):
     """Finds the width of the terminal without importing ``shutil``, as it is made for every option."""
@@ -77,11 +81,20 @@ class _HelpFormatter(RawDescriptionHelpFormatter):
 def main(arguments: Sequence[str] | None = None) -> int:
     """Carry out a command line (default: that of this process) and return its exit code."""
     given = list(sys.argv[1:] if arguments is None else arguments)
-    code = FINE
+    if arguments is None:
+        complete_streams()
+    _accept_any_character()
+    code = _carried_out(given, whole_process=arguments is None)
     try:
-        _accept_any_character()
-        code = _dispatch(given, whole_process=arguments is None)
         sys.stdout.flush()
+    except OSError as problem:
+        return _unwritten(problem, code)
+    return code
+
+
+def _carried_out(given: list[str], *, whole_process: bool) -> int:
+    try:
+        return _dispatch(given, whole_process=whole_process)
     except UsageError as problem:
         return _refuse(str(problem))
     except NoResultError as problem:
@@ -89,12 +102,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return UNSUCCESSFUL
     except KeyboardInterrupt:
         return INTERRUPTED
-    except BrokenPipeError:
-        _drop_broken_output()
-        return code or BROKEN_PIPE
     except OSError as problem:
-        _drop_broken_output()
-        return code or _refuse(described(problem))
+        return _unwritten(problem, FINE)
     except SystemExit as end:
         return end.code if isinstance(end.code, int) else FINE
     except Exception as problem:
@@ -103,7 +112,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
         put(printable(describe(problem, given)))
         return INTERNAL_ERROR
-    return code
 
 
 def verb_parser(verb: str) -> ArgumentParser:
@@ -127,10 +135,10 @@ def verb_parser(verb: str) -> ArgumentParser:
 
 def _dispatch(given: list[str], *, whole_process: bool) -> int:
     if not given or given[0] in {"-h", "--help", "help"}:
-        sys.stdout.write(_overview())
+        write_out(_overview())
         return FINE if given else WRONG_USAGE
     if given[0] in {"-V", "--version"}:
-        print(f"cspdiag {__version__}")
+        write_out(f"cspdiag {__version__}\n")
         return FINE
     verb = given[0]
     if verb not in VERBS:
@@ -181,6 +189,14 @@ def _refuse(message: str, *, lines: bool = False) -> int:
     text = printable(message) if lines else " ".join(printable(message).split("\n"))
     put(f"cspdiag: {text}\n")
     return WRONG_USAGE
+
+
+def _unwritten(problem: OSError, code: int) -> int:
+    """The exit code where something cannot be read or written; of a verb that has done its work with ``code`` that is what it prints."""
+    _drop_broken_output()
+    if isinstance(problem, BrokenPipeError):
+        return code or BROKEN_PIPE
+    return max(code, _refuse(described(problem)))
 
 
 def _drop_broken_output() -> None:

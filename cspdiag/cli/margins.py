@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import sys
 from argparse import ArgumentParser, Namespace
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from cspdiag.cli.failure import FINE, UNSUCCESSFUL, NoResultError, UsageError
-from cspdiag.cli.terminal import say, show_diagnostics
+from cspdiag.cli.terminal import say, show_diagnostics, write_out
 from cspdiag.cli.written import require_file
 from cspdiag.diagnostics.snippet import printable
 from cspdiag.sources import read_source
@@ -223,10 +222,10 @@ def _tell(arguments: Namespace, report: LoopReport, periods: Mapping[str, tuple[
     if arguments.format == "json":
         from cspdiag.analyses.margins.render_json import render
 
-        sys.stdout.write(render(report, periods))
+        write_out(render(report, periods))
         return
     from cspdiag.analyses.margins.render_text import table
 
-    sys.stdout.write(printable(table(report, periods)))
+    write_out(printable(table(report, periods)))
     if arguments.plot is not None and report.loops:
         say(f"wrote {arguments.plot}")

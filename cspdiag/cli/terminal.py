@@ -1,7 +1,8 @@
-"""What people see: diagnostics on standard error, in colours where that is wanted."""
+"""The streams of a command: what is for machines goes to standard output, what is for people to standard error, in colours where that is wanted."""
 
 from __future__ import annotations
 
+import errno
 import os
 import sys
 from collections.abc import Sequence
@@ -27,6 +28,38 @@ def show_diagnostics(diagnostics: Sequence[Diagnostic], color: str) -> None:
         from cspdiag.diagnostics.render_text import render
 
         put(render(diagnostics, colour=wants_colour(color, sys.stderr)))
+
+
+def write_out(text: str | bytes) -> None:
+    """Write to standard output, at once and as it is. Raises OSError, with its name, where that cannot be written."""
+    if not text:
+        # Even nothing is too much for a full disk.
+        return
+    try:
+        if isinstance(text, str):
+            sys.stdout.write(text)
+        else:
+            sys.stdout.buffer.write(text)
+        sys.stdout.flush()
+    except OSError as problem:
+        reason = "it is closed" if problem.errno == errno.EBADF else problem.strerror
+        raise OSError(problem.errno, reason, "standard output") from None
+
+
+def complete_streams() -> None:
+    """Give a process that was started with closed streams (``>&-``) streams again: of standard output and standard input one that refuses
+    what is asked of it, so that who needs it says so.
+
+    Otherwise the next file that is opened would take their place, and what somebody prints would go there.
+    """
+    for number, access in enumerate((os.O_WRONLY, os.O_RDONLY, os.O_WRONLY)):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, access)
+    sys.stdin = sys.stdin or os.fdopen(0, encoding="utf-8", closefd=False)
+    sys.stdout = sys.stdout or os.fdopen(1, "w", encoding="utf-8", closefd=False)
+    sys.stderr = sys.stderr or os.fdopen(2, "w", encoding="utf-8", closefd=False)
 
 
 def say(text: str) -> None:

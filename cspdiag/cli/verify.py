@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from cspdiag.cli.diagnostic_formats import FORMATS, told_diagnostics
 from cspdiag.cli.failure import FINE, UNSUCCESSFUL, NoResultError, UsageError
 from cspdiag.cli.output import replace_text
-from cspdiag.cli.terminal import say, wants_colour
+from cspdiag.cli.terminal import put, say, wants_colour, write_out
 from cspdiag.cli.written import require_file
 
 if TYPE_CHECKING:
@@ -108,8 +108,8 @@ def run(arguments: Namespace) -> int:
             _draw(arguments, answers, asked)
         if is_cached and all(answer.outcome != "unknown" for answer in answers):
             cache.keep(printed)
-    sys.stdout.write(printed.stdout)
-    sys.stderr.write(printed.stderr)
+    write_out(printed.stdout)
+    put(printed.stderr)
     return printed.code
 
 
@@ -187,8 +187,8 @@ def refused(diagnostics: Sequence[Diagnostic], arguments: Namespace) -> int:
     """Tell why nothing can be proved of a program, as ``check`` tells it."""
     colour = wants_colour(arguments.color, sys.stderr)
     stdout, stderr = told_diagnostics(diagnostics, arguments.format, [arguments.file], colour=colour)
-    sys.stdout.write(stdout)
-    sys.stderr.write(stderr)
+    write_out(stdout)
+    put(stderr)
     return UNSUCCESSFUL
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import shlex
-import sys
 import time
 from argparse import Namespace
 from collections.abc import Sequence
@@ -12,7 +11,7 @@ from typing import TYPE_CHECKING, Literal, cast
 
 from cspdiag.cli.failure import FINE, UNSUCCESSFUL, UsageError
 from cspdiag.cli.output import replace_text
-from cspdiag.cli.terminal import say, show_diagnostics
+from cspdiag.cli.terminal import put, say, show_diagnostics, write_out
 from cspdiag.cli.verify import refused, told
 from cspdiag.cli.written import require_file
 from cspdiag.diagnostics.snippet import printable
@@ -73,12 +72,12 @@ def _tell(arguments: Namespace, built: Built, report: TimingReport, seconds: flo
             from cspdiag.analyses.timing.render_json import render
 
             show_diagnostics(built.checked.report.diagnostics, arguments.color)
-            sys.stdout.write(render(report))
+            write_out(render(report))
         case "text":
             from cspdiag.analyses.timing.render_text import table
 
             show_diagnostics(built.checked.report.diagnostics, arguments.color)
-            sys.stdout.write("" if arguments.quiet and report.is_schedulable else printable(table(report)))
+            write_out("" if arguments.quiet and report.is_schedulable else printable(table(report)))
         case _:
             from cspdiag.analyses.verification.question import schedulability_of
             from cspdiag.analyses.verification.schedulable import answer_of
@@ -88,8 +87,8 @@ def _tell(arguments: Namespace, built: Built, report: TimingReport, seconds: flo
             process = built.network.class_named(built.network.top).definition
             question = schedulability_of(built.checked.program, process)
             stdout, stderr = told([answer_of(question, report, seconds)], built.checked.report.diagnostics, arguments)
-            sys.stdout.write(stdout)
-            sys.stderr.write(stderr)
+            write_out(stdout)
+            put(stderr)
 
 
 def _built(arguments: Namespace) -> Built:

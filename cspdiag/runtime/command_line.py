@@ -43,6 +43,7 @@ def main(name: str, load: Callable[[], Program], arguments: Sequence[str] | None
 
     ``load`` imports the program. Without a time limit a run goes on until the program ends or a signal comes; outputs are released however it ends.
     """
+    _occupy_standard_streams()
     with stopping.until_exit():
         stopping.last_resort = _end_by_force
         try:
@@ -90,8 +91,17 @@ def _say(text: str, code: int) -> int:
     return code
 
 
-def _tell(text: str, code: int) -> int:
-    """Prints the account of a run. Where that cannot be written, the code says so, unless it says more important things already."""
+def _occupy_standard_streams() -> None:
+    """Where the process was started with a closed one, the next file that is opened would get its number: a device, of which what is printed is no part."""
+    for number in range(3):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)
+
+
+def _tell(text: str, code: int, what: str = "account of the run") -> int:
+    """Prints what there is to say. Where that cannot be written, the code says so, unless it says more important things already."""
     try:
         print(text, flush=True)
     except BrokenPipeError:
@@ -99,7 +109,7 @@ def _tell(text: str, code: int) -> int:
         return code or BROKEN_PIPE
     except OSError as error:
         _drop_standard_output()
-        return code or _say(f"the account of the run cannot be written: {error.strerror}\n{text}", UNSUCCESSFUL)
+        return code or _say(f"the {what} cannot be written: {error.strerror}\n{text}", UNSUCCESSFUL)
     return code
 
 
@@ -123,8 +133,16 @@ def duration(text: str) -> int:
     return round(float(match[1]) * _UNITS[match[2]])
 
 
+class _Parser(argparse.ArgumentParser):
+    def print_help(self, file: object = None) -> None:
+        # That of the base class keeps it to itself where this cannot be written.
+        code = _tell(self.format_help().rstrip("\n"), 0, "help")
+        if code:
+            sys.exit(code)
+
+
 def _parser(name: str, environments: Mapping[str, Callable[[], Any]]) -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog=f"python -m {name}", epilog=f"example: python -m {name} --for 20s")
+    parser = _Parser(prog=f"python -m {name}", epilog=f"example: python -m {name} --for 20s")
     if environments:
         first = next(iter(environments))
         parser.add_argument(
