@@ -24,7 +24,8 @@ def conclude(arguments: Namespace, result: Run, checked: Checked) -> int:
 
     The files of a run that was stopped are written like those of any other. A signal during that, after a run that ended by itself, ends the command.
     """
-    from cspdiag.runtime.stopping import Stopped, name_of_signal, stopping
+    from cspdiag.runtime.signals import name_of_signal
+    from cspdiag.runtime.stopping import Stopped, stopping
 
     if result.outcome.deadlock is not None:
         say(result.outcome.deadlock.text)

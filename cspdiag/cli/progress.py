@@ -13,6 +13,7 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Protocol
 
 from cspdiag.cli.terminal import put
+from cspdiag.runtime.signals import left_to_the_main_thread
 
 if TYPE_CHECKING:
     from cspdiag.simulate.modes import ModeGroup
@@ -55,7 +56,8 @@ class Progress:
         self._begin = time.monotonic()
 
     def __enter__(self) -> Progress:
-        self._thread.start()
+        with left_to_the_main_thread():
+            self._thread.start()
         return self
 
     def __exit__(

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import os
 from argparse import ArgumentParser, Namespace
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -92,26 +91,18 @@ def run(arguments: Namespace) -> int:
     if until is None and not arguments.quiet:
         _tell_of_no_end(built.network)
     from cspdiag.cli.conclude import conclude
-    from cspdiag.runtime.stopping import Stopped, name_of_signal, stopping
+    from cspdiag.runtime.signals import name_of_signal
+    from cspdiag.runtime.stopping import HandlerFailed, Stopped, stopping
 
-    with stopping.until_exit() if arguments.whole_process else stopping:
-        if arguments.whole_process:
-            stopping.last_resort = _end_by_force
+    with stopping.until_exit(lambda text: say(f"cspdiag: {text}")) if arguments.whole_process else stopping:
         try:
             result = _simulate(arguments, built.network, until)
         except Stopped as stopped:
             say(f"cspdiag: stopped by {name_of_signal(stopped.signal)} before the run began")
             return stopped.exit_code
+        except HandlerFailed as failed:
+            raise NoResultError(str(failed.error)) from None
         return conclude(arguments, result, built.checked)
-
-
-def _end_by_force(errors: Sequence[BaseException]) -> None:
-    """The main thread does not come back from a driver; the outputs have been released from another one."""
-    from cspdiag.runtime.exceptions import described
-
-    for error in errors:
-        say(f"cspdiag: {described(error)}")
-    os._exit(UNSUCCESSFUL)
 
 
 def _require_matplotlib() -> None:

@@ -8,6 +8,7 @@ from types import TracebackType
 from typing import TYPE_CHECKING
 
 from cspdiag.cli.terminal import put
+from cspdiag.runtime.signals import left_to_the_main_thread
 
 if TYPE_CHECKING:
     from cspdiag.cli.progress import Running
@@ -35,7 +36,8 @@ class Standstill:
     def attach(self, network: Running) -> None:
         """Tell what runs."""
         self._network = network
-        self.thread.start()
+        with left_to_the_main_thread():
+            self.thread.start()
 
     def __enter__(self) -> Standstill:
         return self

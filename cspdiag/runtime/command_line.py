@@ -16,7 +16,8 @@ from .durations import ms, ns, s, shown, us
 from .exceptions import described
 from .network import Network
 from .outcome import Outcome
-from .stopping import Stopped, name_of_signal, stopping
+from .signals import name_of_signal
+from .stopping import HandlerFailed, Stopped, stopping
 
 _UNITS = {"ns": ns, "us": us, "ms": ms, "s": s, "min": 60 * s}
 
@@ -44,13 +45,14 @@ def main(name: str, load: Callable[[], Program], arguments: Sequence[str] | None
     ``load`` imports the program. Without a time limit a run goes on until the program ends or a signal comes; outputs are released however it ends.
     """
     _occupy_standard_streams()
-    with stopping.until_exit():
-        stopping.last_resort = _end_by_force
+    with stopping.until_exit(_say_line):
         try:
             with stopping.raising():
                 given, environment, network = _prepared(name, load, arguments)
         except Stopped as stopped:
             return _say(f"{name}: stopped by {name_of_signal(stopped.signal)} before it began", stopped.exit_code)
+        except HandlerFailed as failed:
+            return _say(f"{name} cannot be started: {failed.error}", UNSUCCESSFUL)
         except _RefusedError as refused:
             return _say(str(refused), UNSUCCESSFUL)
         outcome = network.run(
@@ -78,17 +80,23 @@ def _attempt(name: str, make: Callable[[], T]) -> T:
     """What ``make`` makes. Raises _RefusedError with whatever it raises: it runs modules that were written by hand."""
     try:
         return make()
-    except (Exception, SystemExit) as error:
+    except BaseException as error:
+        if stopping.ends_run(error):
+            raise
         frame = traceback.extract_tb(error.__traceback__)[-1]
         place = f"{os.path.basename(frame.filename)}:{frame.lineno}"
         raise _RefusedError(f"{name} cannot be started: {described(error)}, in {place}") from error
 
 
 def _say(text: str, code: int) -> int:
+    _say_line(text)
+    return code
+
+
+def _say_line(text: str) -> None:
     with suppress(OSError, ValueError, AttributeError):
         sys.stderr.write(f"{text}\n")
         sys.stderr.flush()
-    return code
 
 
 def _occupy_standard_streams() -> None:
@@ -116,13 +124,6 @@ def _tell(text: str, code: int, what: str = "account of the run") -> int:
 def _drop_standard_output() -> None:
     """The interpreter flushes it once more when it ends."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-
-
-def _end_by_force(errors: Sequence[BaseException]) -> None:
-    """The main thread does not come back from a driver; the outputs have been released from another one."""
-    for error in errors:
-        _say(described(error), UNSUCCESSFUL)
-    os._exit(UNSUCCESSFUL)
 
 
 def duration(text: str) -> int:

@@ -14,7 +14,7 @@ from types import coroutine
 from typing import Any, TypeAlias, TypeVar, cast
 
 from .durations import shown
-from .exceptions import ANOTHER_BRANCH, Cancelled
+from .exceptions import ANOTHER_BRANCH, Cancelled, kind_and_text
 from .process import Process
 from .routine import Branch, Routine, routine_task
 from .scheduler import Join, Party, Task, Waits, scheduler
@@ -79,7 +79,7 @@ class Branches:
                     if task is not branch:
                         task.cancel()
             else:
-                self._error.add_note(f"{ANOTHER_BRANCH} {type(error).__name__}: {error}")
+                self._error.add_note(f"{ANOTHER_BRANCH} {kind_and_text(error)}")
         if not self.pending:
             scheduler.enqueue(self._parent)
 

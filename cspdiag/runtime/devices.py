@@ -36,7 +36,7 @@ class Devices:
         self._threads: list[ThreadLine] = []
         self._opened: list[tuple[Any, str]] = []
         self._brought: deque[tuple[EventInput[Any], Any] | DriverError] = deque()
-        self._watch = Watch(look=self._look, stuck=self._release_elsewhere)
+        self.watch = Watch(look=self._look, stuck=self._release_elsewhere)
         self._lock = threading.Lock()
         self._releasing: Release | None = None
         for port in ports:
@@ -45,7 +45,7 @@ class Devices:
                 port.polled = port.driver is not None
         for port in self._ports:
             blocking = clock.real and getattr(port.driver, "blocking", False)
-            port.line = self._thread_of(port) if blocking else DirectLine(port, self._watch, self._limit)
+            port.line = self._thread_of(port) if blocking else DirectLine(port, self.watch, self._limit)
 
     @property
     def _limit(self) -> float | None:
@@ -67,8 +67,8 @@ class Devices:
 
     def open(self) -> None:
         """Opens every device once, and starts the threads. Raises DriverFailed, and Stopped if a signal has come."""
-        if self.driven:
-            self._watch.begin()
+        if self.driven or stopping.is_entered:
+            self.watch.begin()
         seen: set[int] = set()
         for port in self._ports:
             device = device_of(port.driver)
@@ -77,9 +77,11 @@ class Devices:
             seen.add(id(device))
             opening = getattr(device, "open", None)
             if opening is not None:
-                self._watch.call(Call(name_of(device), port.name, "open", None), opening)
+                self.watch.call(Call(name_of(device), port.name, "open", None), opening)
             self._opened.append((device, port.name))
             stopping.check()
+        if self.driven:
+            stopping.install()  # A driver may have installed handlers of its own.
         for line in self._threads:
             line.thread.start()
 
@@ -106,24 +108,27 @@ class Devices:
         for line in self._threads:
             line.look()
 
-    def release(self) -> tuple[list[tuple[str, Any]], list[BaseException]]:
+    def release(self) -> tuple[list[tuple[str, Any]], Sequence[BaseException]]:
         """Hands over the safe values and closes the devices that were opened: what was released, and what failed."""
         release = self._release()
         release.run()
-        self._watch.end()
-        for port in self._ports:
-            port.line = None
+        self._cut_off()
         return release.released, release.errors
 
     def _release(self) -> Release:
         with self._lock:
             if self._releasing is None:
-                self._releasing = Release(self._all, self._opened, self._threads, self._watch)
+                self._releasing = Release(self._all, self._opened, self._threads, self.watch)
             return self._releasing
 
-    def _release_elsewhere(self, hangs: DriverFailed) -> None:
-        """The scheduler's thread does not come back from a driver: the outputs are released all the same."""
+    def _cut_off(self) -> None:
+        """Nothing more is handed over."""
+        for port in self._ports:
+            port.line = None
+
+    def _release_elsewhere(self, hanging: Exception) -> None:
+        """The scheduler's thread does not come back from a driver or a process: the outputs are released all the same."""
         release = self._release()
-        release.run_elsewhere([hangs.error])
-        if stopping.last_resort is not None:
-            stopping.last_resort(release.errors)
+        self._cut_off()
+        release.run_elsewhere()
+        stopping.end_by_force(hanging, release.errors)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Generic, Protocol, TypeVar
 
-from .exceptions import DriverError
+from .exceptions import DriverError, RunFailed
 
 T = TypeVar("T")
 
@@ -17,12 +17,11 @@ class Driver(Protocol):
     """
 
 
-class DriverFailed(BaseException):
-    """Ends a run at once; no process can catch it."""
+class DriverFailed(RunFailed):
+    """A driver has failed."""
 
     def __init__(self, error: DriverError) -> None:
         super().__init__(error)
-        self.error = error
 
 
 class _NoSample:

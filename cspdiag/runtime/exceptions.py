@@ -6,6 +6,8 @@ communication, and then the exception goes up, until a ``try`` catches it or the
 
 from __future__ import annotations
 
+import os
+
 
 class ProcessError(Exception):
     """A process ended unsuccessfully; base class of the exceptions that a program declares.
@@ -42,17 +44,33 @@ def text_of(error: BaseException) -> str:
     """What an exception says; one whose text cannot be made must not keep outputs from being released."""
     try:
         return str(error)
-    except Exception as failed:
+    except BaseException as failed:
         return f"(its text cannot be made: {type(failed).__name__})"
+
+
+def kind_and_text(error: BaseException) -> str:
+    """The class of an exception and what it says, if anything."""
+    name, text = type(error).__name__, text_of(error)
+    return f"{name}: {text}" if text else name
+
+
+class RunEnded(BaseException):
+    """Ends a run at once; no process can catch it."""
+
+
+class RunFailed(RunEnded):
+    """Ends a run at once, unsuccessfully: with ``error``."""
+
+    def __init__(self, error: Exception) -> None:
+        super().__init__(error)
+        self.error = error
 
 
 class DriverError(Exception):
     """A driver failed at ``open``, ``read``, ``write`` or ``close``; the run ends with its outputs released."""
 
     def __init__(self, driver: str, port: str, operation: str, cause: BaseException) -> None:
-        super().__init__(
-            f"driver {driver} failed to {operation} at port {port}: {type(cause).__name__}: {text_of(cause)}"
-        )
+        super().__init__(f"driver {driver} failed to {operation} at port {port}: {kind_and_text(cause)}")
         self.driver = driver
         self.port = port
         self.operation = operation
@@ -63,7 +81,20 @@ class EnvironmentFailure(Exception):  # noqa: N818 - it is no fault of the progr
 
     def __init__(self, environment: str, cause: BaseException, place: str | None) -> None:
         where = "" if place is None else f", in {place}"
-        super().__init__(f"the environment {environment} failed: {type(cause).__name__}: {text_of(cause)}{where}")
+        super().__init__(f"the environment {environment} failed: {kind_and_text(cause)}{where}")
+
+
+class HandlerError(Exception):
+    """A handler of a signal that does not belong to the runtime has raised something; the run ends with its outputs released."""
+
+    def __init__(self, signal: str, handler: object, cause: BaseException) -> None:
+        code = getattr(handler, "__code__", None)
+        where = "" if code is None else f" ({code.co_name}, {os.path.basename(code.co_filename)}:{code.co_firstlineno})"
+        super().__init__(f"the handler of {signal}{where} raised {kind_and_text(cause)}")
+
+
+class HangError(Exception):
+    """A step of the program has not come to its end; the run ends with its outputs released."""
 
 
 class ChannelMisuse(Exception):  # noqa: N818 - it says what was done
@@ -88,10 +119,10 @@ ANOTHER_BRANCH = "another parallel branch ended with"
 
 def described(error: BaseException) -> str:
     """The exception in the words of the program: its name, what it says, and where it was raised."""
-    text, name = text_of(error), type(error).__name__
-    if isinstance(error, DriverError | EnvironmentFailure):
+    text = text_of(error)
+    if isinstance(error, DriverError | EnvironmentFailure | HandlerError | HangError):
         return text
     place = getattr(error, "place", None)
     told = [note for note in getattr(error, "__notes__", []) if not note.startswith(ANOTHER_BRANCH)]
     notes = [f"in {place}"] if place is not None and place not in text else told
-    return ", ".join([f"{name}: {text}" if text else name, *notes])
+    return ", ".join([kind_and_text(error), *notes])

@@ -15,6 +15,7 @@ from .external import EventOutput, Port, SampledOutput
 from .inputs import EventInput, SampledEnd, SampledInput
 from .places import raised_by_program, statement_of
 from .scheduler import scheduler
+from .stopping import stopping
 
 Plan: TypeAlias = tuple[Callable[[], None], ...]
 
@@ -43,11 +44,13 @@ def start(environment: Environment) -> None:
     """Evaluates an environment at time 0. Raises EnvironmentFailure with what it raises."""
     try:
         environment.start()
-    except Exception as error:
+    except BaseException as error:
+        if stopping.ends_run(error):
+            raise
         raise failure_of(type(environment).__name__, error) from error
 
 
-def failure_of(environment: str, error: Exception) -> EnvironmentFailure:
+def failure_of(environment: str, error: BaseException) -> EnvironmentFailure:
     """What ends the run; an error of arithmetic in an equation is a fault."""
     place = statement_of(error)
     if isinstance(error, ArithmeticError) and raised_by_program(error):
@@ -114,7 +117,9 @@ class Instants:
             if self._advance is not None:
                 try:
                     self._advance(instant)
-                except Exception as error:
+                except BaseException as error:
+                    if stopping.ends_run(error):
+                        raise
                     raise failure_of(self._environment, error) from error
             for action in plan:
                 action()

@@ -149,6 +149,7 @@ class OutputLine(ThreadLine):
         self._changed = threading.Condition()
         self._values: deque[Any] = deque(maxlen=1)
         self._since: float | None = None
+        self._is_last = False
         self._released = threading.Event()
         self._failure: BaseException | None = None
 
@@ -162,6 +163,7 @@ class OutputLine(ThreadLine):
                 if not self._values:
                     return
                 value = self._values.popleft()
+            self._is_last = last
             self._write(value)
             if last:
                 self._released.set()
@@ -186,9 +188,9 @@ class OutputLine(ThreadLine):
             self.bring(self.what.hangs().error)
 
     @property
-    def is_writing(self) -> bool:
-        """Whether it is in a call of the driver."""
-        return self._since is not None
+    def is_writing_another_value(self) -> bool:
+        """Whether it is in a call of the driver that does not hand over the safe value."""
+        return self._since is not None and not self._is_last
 
     def write(self, value: Any) -> None:
         """Leaves a value to the thread."""

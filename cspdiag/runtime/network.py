@@ -5,6 +5,7 @@ However a run ends, every output is handed its safe value and every driver is cl
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Sequence
 from contextlib import nullcontext
@@ -15,8 +16,7 @@ from .clock import Clock, RealClock, VirtualClock
 from .composition import end_all, task_for
 from .deadlock import report_deadlock
 from .devices import Devices
-from .drivers import DriverFailed
-from .exceptions import EnvironmentFailure
+from .exceptions import EnvironmentFailure, RunFailed, text_of
 from .external import Port
 from .inputs import EventInput, SampledInput
 from .instants import Environment, Instants, start
@@ -25,7 +25,7 @@ from .outcome import Jitter, Outcome
 from .process import Process
 from .routine import Routine
 from .scheduler import Party, Task, scheduler
-from .stopping import Stopped, stopping
+from .stopping import HandlerFailed, Stopped, stopping
 
 _REAL_TIME_STEPS = 16
 """How many steps of processes may pass in real time before the clock is looked at."""
@@ -93,6 +93,7 @@ class _Run:
             if isinstance(port, SampledInput):
                 port.begin(on_miss)
         self._tracked = not isinstance(network.process, Routine) or network.process.tracked
+        self._process = os.getpid()
         self._root_error: BaseException | None = None
         self._root = task_for(network.process, self, None)
 
@@ -103,23 +104,34 @@ class _Run:
     def outcome(self) -> Outcome:
         began = time.perf_counter()
         try:
-            outcome = self._ending()
-        except Stopped as stopped:
-            outcome = Outcome("stopped", scheduler.now, signal=stopped.signal)
-        except KeyboardInterrupt:
-            outcome = Outcome("stopped", scheduler.now, signal=SIGINT)
-        except DriverFailed as end:
+            outcome = self._how_it_ends()
+        except HandlerFailed as end:
+            if stopping.say is None:
+                raise end.cause from None  # It is the caller's, who is not a command.
             outcome = Outcome("failed", scheduler.now, error=end.error)
-        except EnvironmentFailure as error:
-            outcome = Outcome("failed", scheduler.now, error=error)
         finally:
             errors = self._release()
-        outcome.release_errors = errors
+        told = text_of(outcome.error) if outcome.ended == "failed" and outcome.error is not None else None
+        outcome.release_errors = [error for error in errors if text_of(error) != told]
         outcome.wall_time = time.perf_counter() - began
         outcome.missed = {port.name: port.missed for port in self._network.ports if isinstance(port, SampledInput)}
         outcome.jitter = self._jitter
         outcome.real_time = self._clock.real
         return outcome
+
+    def _how_it_ends(self) -> Outcome:
+        try:
+            return self._ending()
+        except Stopped as stopped:
+            return Outcome("stopped", scheduler.now, signal=stopped.signal, error=stopped.hanging)
+        except KeyboardInterrupt:
+            return Outcome("stopped", scheduler.now, signal=SIGINT)
+        except HandlerFailed:
+            raise
+        except RunFailed as end:
+            return Outcome("failed", scheduler.now, error=end.error)
+        except EnvironmentFailure as error:
+            return Outcome("failed", scheduler.now, error=error)
 
     def _ending(self) -> Outcome:
         self._start()
@@ -160,7 +172,10 @@ class _Run:
         What passes while instants are met has to wait for the next turn: processes run in between, however slow drivers are. All instants that have passed are met before the next steps of processes, so that who computes too long finds its samples overwritten.
         """
         run_ready = scheduler.run_ready if self._tracked else scheduler.run_ready_routines
+        watch = self._devices.watch
+        watch.limits_steps = True
         while True:
+            watch.turns += 1
             ready = run_ready(_REAL_TIME_STEPS)
             stopping.check()
             if self._root.ended:
@@ -170,6 +185,7 @@ class _Run:
             instant = self._next_instant()
             present = self._clock.now() if self._reached(self._limited(instant), ready) else -1
             while (limited := self._limited(instant)) is not None and limited <= present:
+                watch.turns += 1
                 stopping.check()
                 if instant is None or instant != limited:
                     return self._limit_reached()
@@ -193,7 +209,10 @@ class _Run:
         """Whether the clock has reached the instant; waits for it, or for news, only while no process is ready."""
         if ready:
             return instant is not None and self._clock.now() >= instant
-        return self._clock.reach(instant)
+        self._devices.watch.limits_steps = False
+        reached = self._clock.reach(instant)
+        self._devices.watch.limits_steps = True
+        return reached
 
     def _deadlocked(self) -> Outcome:
         return Outcome("deadlock", scheduler.now, deadlock=report_deadlock(self._root, scheduler.now))
@@ -255,9 +274,15 @@ class _Run:
         self._instants.meet(instant, present)
         scheduler.timers.fall_due(instant)
 
-    def _release(self) -> list[BaseException]:
+    def _release(self) -> Sequence[BaseException]:
         """Hands safe values over, closes the drivers, and ends what still runs."""
-        stopping.hold()
+        try:
+            stopping.hold()
+        except HandlerFailed:
+            return self._release()  # A handler was faster; from now on none is called.
+        if os.getpid() != self._process:
+            os._exit(1)  # A child that a driver has forked and that comes back: outputs are none of its business.
+        self._devices.watch.limits_steps = False
         scheduler.observe = None
         scheduler.watcher = None
         released, errors = self._devices.release()
@@ -265,7 +290,14 @@ class _Run:
         if tell is not None:
             for port, value in released:
                 tell(scheduler.now, port, value)
-        end_all(self._root)
+        try:
+            self._devices.watch.turns += 1
+            self._devices.watch.limits_steps = True
+            end_all(self._root)
+        except RunFailed as failed:
+            errors = [*errors, failed.error]
+        finally:
+            self._devices.watch.end()
         return errors
 
 

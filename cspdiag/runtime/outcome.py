@@ -9,7 +9,7 @@ from typing import Literal
 from .deadlock import DeadlockReport
 from .durations import shown
 from .exceptions import Deadlock
-from .stopping import exit_code_of
+from .signals import exit_code_of
 
 Ending = Literal["terminated", "deadlock", "time limit", "stopped", "failed"]
 

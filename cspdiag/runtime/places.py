@@ -6,9 +6,14 @@ Generated code carries the place of a statement as a comment, ``# laws.csp:12``,
 from __future__ import annotations
 
 import linecache
+import os
 import re
+import sys
+from inspect import CO_COROUTINE, CO_GENERATOR
 from types import CodeType, FrameType, TracebackType
 from typing import TYPE_CHECKING
+
+from .exceptions import Cancelled, RunEnded
 
 if TYPE_CHECKING:
     from .process import Process
@@ -16,12 +21,31 @@ if TYPE_CHECKING:
 
 _PLACE = re.compile(r"#\s*([^\s#]+\.csp:\d+)")
 _RUNTIME = __package__
+_LIBRARY = os.path.dirname(os.__file__)
 
 
 def place_of(error: BaseException, process: Process | Part) -> str:
     """The process, with the source line of the statement that raised ``error``, or else that of the process."""
     place = statement_of(error) or process.source
     return process.name if place is None else f"{process.name} ({place})"
+
+
+def note_place(error: BaseException, process: Process | Part) -> None:
+    """Notes where what is no exception of the program has left ``process``, but not of what only ends the process."""
+    if isinstance(error, Cancelled | RunEnded) or hasattr(error, "__notes__"):
+        return
+    if isinstance(error, GeneratorExit) and _is_closed(error.__traceback__):
+        return
+    error.add_note(f"in {place_of(error, process)}")
+
+
+def _is_closed(traceback: TracebackType | None) -> bool:
+    """Whether a GeneratorExit was raised where a process waits, and not by a function that it calls."""
+    flags = 0
+    while traceback is not None:
+        flags = traceback.tb_frame.f_code.co_flags
+        traceback = traceback.tb_next
+    return bool(flags & (CO_GENERATOR | CO_COROUTINE))
 
 
 def statement_of(error: BaseException) -> str | None:
@@ -61,3 +85,31 @@ def source_line(code: CodeType, line: int) -> str | None:
         if found is not None:
             return found[1]
     return None
+
+
+def whereabouts(thread: int) -> str:
+    """Where a thread is that does not come back: the process, the source line, and the line of what was written by hand."""
+    frame = sys._current_frames().get(thread)
+    process = place = by_hand = ""
+    while frame is not None and not (process and place):
+        if not is_of_runtime(frame):
+            place = place or source_line(frame.f_code, frame.f_lineno) or ""
+            if not place and not by_hand and not _is_of_library(frame):
+                by_hand = f"{os.path.basename(frame.f_code.co_filename)}:{frame.f_lineno} in {frame.f_code.co_name}"
+        process = process or _process_of(frame)
+        frame = frame.f_back
+    shown = f"{process} ({place})" if process and place else process or place
+    return f"{shown}, at {by_hand}" if shown and by_hand else shown or by_hand
+
+
+def _is_of_library(frame: FrameType) -> bool:
+    file = frame.f_code.co_filename
+    return file.startswith((_LIBRARY, "<frozen")) or "site-packages" in file
+
+
+def _process_of(frame: FrameType) -> str:
+    from .process import Process
+    from .routine import Part
+
+    executed = frame.f_locals.get("self")
+    return executed.name if isinstance(executed, Process | Part) else ""

@@ -6,7 +6,7 @@ from collections.abc import Generator
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from .exceptions import Fault, ProcessError, fault_of
-from .places import place_of
+from .places import note_place, place_of
 from .scheduler import scheduler
 
 if TYPE_CHECKING:
@@ -60,9 +60,8 @@ class Process:
             raise
         except ArithmeticError as error:
             raise fault_of(error, place_of(error, self)) from error
-        except Exception as error:
-            if not hasattr(error, "__notes__"):
-                error.add_note(f"in {place_of(error, self)}")
+        except BaseException as error:
+            note_place(error, self)
             raise
         finally:
             self.runs_now = False

@@ -8,7 +8,8 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from typing import Any, TypeAlias
 
-from .drivers import DriverFailed, Signal, device_of, name_of
+from .drivers import Signal, device_of, name_of
+from .exceptions import RunFailed
 from .external import EventOutput, Port, SampledOutput
 from .lines import OutputLine, ThreadLine
 from .watch import PATIENCE, PATIENCE_AT_CLOSE, Call, Watch
@@ -30,7 +31,7 @@ class Release:
         self, ports: Sequence[Port], opened: Sequence[tuple[Any, str]], threads: Sequence[ThreadLine], watch: Watch
     ) -> None:
         self.released: list[tuple[str, Any]] = []
-        self.errors: list[BaseException] = []
+        self.errors: list[Exception] = []
         self._threads = threads
         self._watch = watch
         watch.releasing = True
@@ -58,8 +59,8 @@ class Release:
             call, job = self._jobs.popleft()
             try:
                 self._do(call, job)
-            except DriverFailed as failed:
-                self.errors.append(failed.error)
+            except RunFailed as failed:
+                self._note(failed.error)
         if self._elsewhere is not None:
             self._elsewhere.join()
         for line in self._threads:
@@ -85,10 +86,9 @@ class Release:
         else:
             self._watch.call(call, job)
 
-    def run_elsewhere(self, hanging: Sequence[BaseException]) -> None:
-        """Goes on with it from this thread, where the scheduler's thread hangs in a driver."""
+    def run_elsewhere(self) -> None:
+        """Goes on with it from this thread, where the scheduler's thread hangs."""
         self._elsewhere = threading.current_thread()
-        self.errors += hanging
         while self._jobs:
             call, job = self._jobs.popleft()
             self._bounded(call, job)
@@ -97,17 +97,22 @@ class Release:
         def work() -> None:
             try:
                 job()
-            except DriverFailed as failed:
-                self.errors.append(failed.error)
+            except RunFailed as failed:
+                self._note(failed.error)
             except BaseException as error:
                 assert call is not None
-                self.errors.append(call.failed(error).error)
+                self._note(call.failed(error).error)
 
         thread = threading.Thread(target=work, daemon=True)
         thread.start()
         thread.join(2 * PATIENCE if call is None else call.limit)
         if thread.is_alive() and call is not None:
-            self.errors.append(call.hangs().error)
+            self._note(call.hangs().error)
+
+    def _note(self, error: Exception) -> None:
+        """What failed, once: the call that stands in for one that hangs may hang as well."""
+        if str(error) not in map(str, self.errors):
+            self.errors.append(error)
 
     def _write(self, port: Output) -> _Job:
         driver: Any = port.driver
@@ -125,9 +130,9 @@ class Release:
         def finish() -> None:
             try:
                 line.finish_release(self._until)
-            except DriverFailed as failed:
-                self.errors.append(failed.error)
-                if line.is_writing:
+            except RunFailed as failed:
+                self._note(failed.error)
+                if line.is_writing_another_value:
                     self._bounded(*self._write(port))
             else:
                 self.released.append((port.name, port.safe))

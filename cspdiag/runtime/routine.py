@@ -11,7 +11,7 @@ from types import FrameType
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 from .exceptions import ProcessError, fault_of
-from .places import place_of
+from .places import note_place, place_of
 from .rendezvous import Rendezvous
 from .scheduler import Join, Task, Waits, scheduler
 
@@ -78,8 +78,8 @@ class Part:
                 error.place = place_of(error, self)
         elif isinstance(error, ArithmeticError):
             raise fault_of(error, place_of(error, self)) from error
-        elif isinstance(error, Exception) and not hasattr(error, "__notes__"):
-            error.add_note(f"in {place_of(error, self)}")
+        else:
+            note_place(error, self)
 
 
 class Inlined(Part):

@@ -21,6 +21,7 @@ from itertools import islice
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
 from .exceptions import Cancelled
+from .stopping import stopping
 from .timers import Timers
 
 if TYPE_CHECKING:
@@ -271,7 +272,7 @@ class Scheduler:
                 break
             except StopIteration:
                 self._party_ended(party, None)
-            except (Exception, SystemExit, Cancelled) as error:
+            except BaseException as error:
                 self._party_ended(party, error)
         del queue[:most]
         self.current = nobody
@@ -300,7 +301,7 @@ class Scheduler:
                 break
             except StopIteration:
                 self._task_ended(None)
-            except (Exception, SystemExit, Cancelled) as error:
+            except BaseException as error:
                 self._task_ended(error)
         del queue[:most]
         self.current = nobody
@@ -320,10 +321,13 @@ class Scheduler:
             party.resume(None)
         except StopIteration:
             self._task_ended(None)
-        except (Exception, SystemExit, Cancelled) as error:
+        except BaseException as error:
             self._task_ended(error)
 
     def _task_ended(self, error: BaseException | None) -> None:
+        """A task has come to its end; whatever it raises is the program's, unless it ends the run."""
+        if error is not None and stopping.ends_run(error):
+            raise error
         ended = self.current
         ended.ended = True
         ended.join.branch_ended(ended, error)

@@ -1,8 +1,9 @@
 """What ends a run from outside: signals.
 
 While it is entered, the first signal that would have ended the process ends the run instead, so that outputs are released. Further ones
-change nothing: they neither shorten the release nor begin it anew. Signals that the process was started to ignore (``nohup``, ``&`` in a script),
-and those for which the program that runs the network has a handler of its own, stay as they are.
+change nothing: they neither shorten the release nor begin it anew. Signals that the process was started to ignore (``nohup``, ``&`` in a script) stay
+ignored. A handler that somebody else has installed is called as long as the run lasts; one that raises something ends it, and what comes
+during the release is handed to it afterwards.
 """
 
 from __future__ import annotations
@@ -11,33 +12,31 @@ import _thread
 import atexit
 import os
 import signal
+import sys
 import threading
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from types import FrameType
 from typing import Any
 
-_NAMES = (
-    "SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT", "SIGBREAK", "SIGABRT", "SIGALRM", "SIGUSR1", "SIGUSR2", "SIGVTALRM", "SIGPROF",
-    "SIGXCPU", "SIGPOLL", "SIGPWR", "SIGSTKFLT",
-)  # fmt: skip
-"""Those that end a process unless somebody handles them, and that a process can handle. SIGPIPE is not among them: Python ignores it."""
+from .exceptions import HandlerError, HangError, RunEnded, RunFailed, described
+from .signals import SIGNALS, exit_code_of, left_to_the_main_thread, name_of_signal
 
-SIGNALS: tuple[signal.Signals, ...] = tuple(signal.Signals[name] for name in _NAMES if hasattr(signal, name))
-
+_USUAL = tuple(signal.Signals[name] for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT") if hasattr(signal, name))
 _SOON = 0.1
 """Seconds after which Stopped is raised wherever a program is."""
 _AGAIN = 1.0
 """Seconds after which it is raised once more, where a program has swallowed it."""
 
 
-class Stopped(BaseException):
-    """A signal has come; raised in the main thread, and no process can catch it."""
+class Stopped(RunEnded):
+    """A signal has come; raised in the main thread. ``hanging`` is what then had to be cut off, as it did not come to an end."""
 
-    def __init__(self, number: int) -> None:
+    def __init__(self, number: int, hanging: Exception | None = None) -> None:
         super().__init__(number)
         self.signal = number
+        self.hanging = hanging
 
     @property
     def exit_code(self) -> int:
@@ -45,14 +44,12 @@ class Stopped(BaseException):
         return exit_code_of(self.signal)
 
 
-def exit_code_of(number: int) -> int:
-    """128 and the signal: 130 for Ctrl-C."""
-    return 128 + number
+class HandlerFailed(RunFailed):
+    """A handler of somebody else has raised ``cause``."""
 
-
-def name_of_signal(number: int) -> str:
-    """As people write it."""
-    return signal.Signals(number).name
+    def __init__(self, number: int, handler: Any, cause: BaseException) -> None:
+        super().__init__(HandlerError(name_of_signal(number), handler, cause))
+        self.cause = cause
 
 
 class Stopping:
@@ -63,47 +60,82 @@ class Stopping:
         """The first signal that has come; 0: none has."""
         self.call: object = None
         """The call of a driver that the main thread is in: what a driver does is not left in the middle."""
-        self.last_resort: Callable[[list[BaseException]], None] | None = None
-        """What a command does where a driver keeps the main thread for good: called with what went wrong, when the outputs are released."""
+        self.say: Callable[[str], object] | None = None
+        """How a command says something: set by a command, which consists of the run and ends with it."""
         self._raises = False
+        self._held = False
         self._heard = False
         self._since = 0.0
         self._patient = False
         self._entered = 0
         self._before: dict[int, Any] = {}
-        self._overdue: tuple[object, BaseException] | None = None
+        self._theirs: dict[int, Any] = {}
+        self._put_off: list[int] = []
+        self._overdue: tuple[Callable[[], bool], RunEnded] | None = None
         self._over: float | None = None
+        if hasattr(os, "register_at_fork"):
+            os.register_at_fork(after_in_child=self._leave_to_child)
 
     def __enter__(self) -> Stopping:
         self._entered += 1
         if self._entered == 1:
             self.call = None
-            self._raises = self._heard = False
-            self._install()
+            self._raises = self._held = self._heard = False
+        self.install()
         return self
 
     def __exit__(self, *_: object) -> None:
         self._entered -= 1
         if self._entered == 0:
             self._raises = False
-            while self._before:
-                number, handler = self._before.popitem()
-                signal.signal(number, handler)
+            self._restore()
             late, self.signal = self.signal, 0
+            put_off, self._put_off = self._put_off, []
             if late and not self._heard:
-                signal.raise_signal(late)  # It came when there was nothing left to stop: it is the caller's.
+                put_off.insert(0, late)  # It came when there was nothing left to stop: it is the caller's.
+            for number in put_off:
+                signal.raise_signal(number)
 
-    def _install(self) -> None:
+    def _restore(self) -> None:
+        self._theirs.clear()
+        while self._before:
+            number, handler = self._before.popitem()
+            signal.signal(number, handler)
+
+    def install(self) -> None:
+        """Takes over the handlers of signals: also those that modules and drivers have installed since the last time."""
         if threading.current_thread() is not threading.main_thread():
             return
         for number in SIGNALS:
             handler = signal.getsignal(number)
             if handler in (signal.SIG_DFL, signal.default_int_handler):
-                self._before[number] = handler
-                signal.signal(number, self._stop)
+                self._take_over(number, handler, self._stop)
+            elif callable(handler) and not self._is_own(handler):
+                self._take_over(number, handler, self._relay)
+                self._theirs[number] = handler
         if hasattr(signal, "SIGURG") and signal.getsignal(signal.SIGURG) is signal.SIG_DFL:
-            self._before[signal.SIGURG] = signal.SIG_DFL
-            signal.signal(signal.SIGURG, self._leave)
+            self._take_over(signal.SIGURG, signal.SIG_DFL, self._leave)
+
+    def _take_over(self, number: int, before: Any, handler: Callable[[int, FrameType | None], None]) -> None:
+        self._before.setdefault(number, before)
+        signal.signal(number, handler)
+
+    def _is_own(self, handler: Any) -> bool:
+        return getattr(handler, "__self__", None) is self
+
+    def look(self) -> None:
+        """Has taken back what somebody has taken away since; called now and then from another thread."""
+        for number in _USUAL:
+            handler = signal.getsignal(number)
+            if number in self._before and handler != signal.SIG_IGN and not self._is_own(handler):
+                self._poke()
+                return
+
+    def _leave_to_child(self) -> None:
+        """A driver has forked a child, which is none of our business: signals end it as they end any process."""
+        self._raises = False
+        self.signal = 0
+        self._restore()
 
     @contextmanager
     def raising(self, *, patiently: bool = False) -> Iterator[None]:
@@ -122,6 +154,7 @@ class Stopping:
     def hold(self) -> None:
         """From now on signals raise nothing."""
         self._raises = False
+        self._held = True
 
     def check(self) -> None:
         """Raises Stopped if a signal has come."""
@@ -138,6 +171,13 @@ class Stopping:
         """Seconds since the first signal; 0 if none has come."""
         return time.monotonic() - self._since if self.signal else 0.0
 
+    def ends_run(self, error: BaseException) -> bool:
+        """Whether ``error`` comes from outside of a program and its drivers, and ends the run: also Ctrl-C, where it is left to Python."""
+        if isinstance(error, KeyboardInterrupt):
+            handler = signal.getsignal(signal.SIGINT)
+            return callable(handler) and not self._is_own(handler)
+        return isinstance(error, RunEnded)
+
     def _stop(self, number: int, frame: FrameType | None) -> None:
         now = time.monotonic()
         if self._over is not None and now > self._over + _AGAIN:
@@ -149,13 +189,29 @@ class Stopping:
             self._raise()
         elif self._raises:
             # Not by way of ``threading``, of which this may have interrupted something that holds a lock.
-            _thread.start_new_thread(self._insist, ())
+            with left_to_the_main_thread():
+                _thread.start_new_thread(self._insist, ())
+
+    def _relay(self, number: int, frame: FrameType | None) -> None:
+        """Calls the handler of somebody else. Of several that raise something only the first does: the release is not interrupted."""
+        if self._held:
+            self._put_off.append(number)
+            return
+        handler = self._theirs[number]
+        try:
+            handler(number, frame)
+        except RunEnded:
+            raise
+        except BaseException as error:
+            if not self._held:
+                self._held = True
+                raise HandlerFailed(number, handler, error) from error
 
     def _insist(self) -> None:
         """In a thread of its own: raises Stopped in the main thread as often as needed."""
         time.sleep(_SOON)
         while self._raises:
-            signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGURG)
+            self._poke()
             time.sleep(_AGAIN)
 
     def _raise(self) -> None:
@@ -163,29 +219,65 @@ class Stopping:
         raise Stopped(self.signal)
 
     @property
+    def is_entered(self) -> bool:
+        """Whether anybody has entered it."""
+        return self._entered > 0
+
+    @property
     def can_leave_calls(self) -> bool:
-        """Whether ``leave_call`` has an effect."""
+        """Whether ``leave`` has an effect."""
         return hasattr(signal, "SIGURG") and signal.SIGURG in self._before
 
-    def leave_call(self, call: object, error: BaseException) -> None:
-        """Ends ``call`` by raising ``error`` in it, if the main thread is still in it; called from another thread."""
-        self._overdue = call, error
+    def leave(self, still: Callable[[], bool], error: RunEnded) -> None:
+        """Raises ``error`` in the main thread if what is to be left lasts ``still``; called from another thread."""
+        self._overdue = still, error
+        self._poke()
+
+    def _poke(self) -> None:
         signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGURG)
 
     def _leave(self, number: int, frame: FrameType | None) -> None:
+        if self._entered:
+            self.install()
         overdue, self._overdue = self._overdue, None
-        if overdue is not None and overdue[0] is self.call:
+        if overdue is not None and overdue[0]():
             raise overdue[1]
         if self.signal and self._raises and self.call is None:
             self._raise()
 
+    def end_by_force(self, hanging: Exception, errors: Sequence[Exception]) -> None:
+        """The main thread does not come back from what hangs; the outputs have been released from another one, which calls this.
+
+        A command ends, and so does a process that a signal should have ended. Where a driver hangs, an output may not be safe.
+        """
+        lines = [f"stopped by {name_of_signal(self.signal)}"] if self.signal else []
+        lines += [described(error) for error in (hanging, *errors)]
+        # What is written may hang as well, if the main thread is in the middle of writing.
+        writing = threading.Thread(target=self._write_out, args=(lines,), daemon=True)
+        writing.start()
+        writing.join(_AGAIN)
+        if self.say is not None or self.signal:
+            is_fine = self.signal and isinstance(hanging, HangError) and not errors
+            os._exit(exit_code_of(self.signal) if is_fine else 1)
+
+    def _write_out(self, lines: Sequence[str]) -> None:
+        for line in lines:
+            if self.say is not None:
+                self.say(line)
+            else:
+                sys.stderr.write(f"{line}\n")
+        for stream in (sys.stdout, sys.stderr):
+            with suppress(OSError, ValueError, AttributeError):
+                stream.flush()
+
     @contextmanager
-    def until_exit(self) -> Iterator[None]:
+    def until_exit(self, say: Callable[[str], object]) -> Iterator[None]:
         """Enters it around all that a process does: what comes after that changes nothing any more.
 
         Otherwise a second signal could end the process by its default while the interpreter shuts down, and the exit code would say that. What comes
         a second later still ends a process that does not: a driver may have left a thread behind.
         """
+        self.say = say
         with self:
             atexit.register(self._ignore)
             try:

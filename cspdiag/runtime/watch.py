@@ -1,4 +1,4 @@
-"""Calls of drivers: how long each may take, and what becomes of one that does not come back."""
+"""How long calls of drivers and steps of processes may take, and what becomes of one that does not come to its end."""
 
 from __future__ import annotations
 
@@ -8,13 +8,15 @@ from collections.abc import Callable
 from typing import Any, Final, NamedTuple, TypeVar
 
 from .drivers import DriverFailed
-from .exceptions import DriverError
+from .exceptions import DriverError, HangError, RunFailed
+from .places import whereabouts
+from .signals import left_to_the_main_thread, name_of_signal
 from .stopping import Stopped, stopping
 
 T = TypeVar("T")
 
 PATIENCE: Final = 2.0
-"""Seconds that a driver has for a read or a write."""
+"""Seconds that a driver has for a read or a write, and processes for a step."""
 PATIENCE_AT_CLOSE: Final = 10.0
 """Seconds that a driver has to close."""
 _LOOK: Final = 0.1
@@ -45,26 +47,40 @@ class _Present(NamedTuple):
 
 
 class Watch:
-    """Makes the calls of the scheduler's thread, and has a thread of its own that looks after them.
+    """Makes the calls of the scheduler's thread, and has a thread of its own that looks after them, and after the steps of processes.
 
-    A call beyond its limit is ended by an exception where Python can do that. If it still does not come back, ``stuck`` is called, once, from the
-    thread of the watch. ``look`` is called from there all the time.
+    What goes beyond its limit is ended by an exception where Python can do that. If it still does not come to its end, ``stuck`` is called, once, from
+    the thread of the watch. ``look`` is called from there all the time.
     """
 
-    def __init__(self, *, look: Callable[[], None], stuck: Callable[[DriverFailed], None]) -> None:
+    def __init__(self, *, look: Callable[[], None], stuck: Callable[[Exception], None]) -> None:
         self.releasing = False
         """Whether the run is over: calls then come to an end of their own, signal or not."""
+        self.turns = 0
+        """How often the scheduler has come round, where steps have a limit."""
+        self.limits_steps = False
+        """Whether processes run against the clock, or end: the next turn has to come in time."""
         self._look = look
         self._stuck = stuck
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._run, name="watch of the drivers", daemon=True)
+        self._scheduler = 0
+        self._can_leave = False
+        self._left: _Present | None = None
+        self._gives_up = 0.0
+        self._turn = 0
+        self._standing = 0
+        """At how many looks the turn was the same, outside of calls: time in which the whole process is suspended does not count."""
 
     def begin(self) -> None:
-        """From now on calls are looked after."""
-        self._thread.start()
+        """From now on calls are looked after; called by the scheduler's thread."""
+        self._scheduler = threading.get_ident()
+        self._can_leave = stopping.can_leave_calls and threading.current_thread() is threading.main_thread()
+        with left_to_the_main_thread():
+            self._thread.start()
 
     def end(self) -> None:
-        """There will be no more calls."""
+        """There is nothing more to look after."""
         self._ended.set()
 
     def call(self, what: Call, function: Callable[..., T], *given: Any) -> T:
@@ -72,30 +88,37 @@ class Watch:
         stopping.call = _Present(what, time.monotonic())
         try:
             return function(*given)
-        except (DriverFailed, Stopped, KeyboardInterrupt):
-            raise
         except BaseException as error:
+            if stopping.ends_run(error) or (self.releasing and isinstance(error, KeyboardInterrupt)):
+                raise
             raise what.failed(error) from error
         finally:
             stopping.call = None
 
     def _run(self) -> None:
-        left: _Present | None = None
-        gives_up = 0.0
         while not self._ended.wait(_LOOK):
             self._look()
+            stopping.look()
             present = stopping.call
-            if not isinstance(present, _Present) or not self._is_overdue(present):
-                continue
-            if present is not left:
-                left = present
-                gives_up = time.monotonic() + PATIENCE
-                if stopping.can_leave_calls:
-                    stops = stopping.signal and not self.releasing
-                    stopping.leave_call(present, Stopped(stopping.signal) if stops else present.call.hangs())
-            elif time.monotonic() > gives_up:
-                self._stuck(present.call.hangs())
+            hanging = self._hanging_call(present) if isinstance(present, _Present) else self._hanging_step()
+            if hanging is None and stopping.waited > 2 * PATIENCE and not self.releasing:
+                hanging = self._hang(f"within {2 * PATIENCE:g} s after {name_of_signal(stopping.signal)}")
+            if hanging is not None:
+                self._stuck(hanging)
                 return
+
+    def _hanging_call(self, present: _Present) -> Exception | None:
+        """Ends a call that takes too long; what is said of one that cannot be ended."""
+        if not self._is_overdue(present):
+            return None
+        error = present.call.hangs().error
+        if present is not self._left:
+            self._left = present
+            self._gives_up = time.monotonic() + PATIENCE
+            self._leave(lambda: stopping.call is present, error)
+        elif time.monotonic() > self._gives_up:
+            return error
+        return None
 
     def _is_overdue(self, present: _Present) -> bool:
         took = time.monotonic() - present.since
@@ -103,3 +126,27 @@ class Watch:
         if limit is not None and took > limit:
             return True
         return not self.releasing and min(took, stopping.waited) > PATIENCE
+
+    def _hanging_step(self) -> Exception | None:
+        """Ends a step that takes too long; what is said of one that cannot be ended."""
+        turn = self.turns
+        if turn != self._turn or not self.limits_steps:
+            self._turn, self._standing = turn, 0
+            return None
+        self._standing += 1
+        took = self._standing * _LOOK
+        if took <= PATIENCE:
+            return None
+        error = self._hang(f"within {PATIENCE:g} s")
+        if took > 2 * PATIENCE:
+            return error
+        self._leave(lambda: self.turns == turn and self.limits_steps and stopping.call is None, error)
+        return None
+
+    def _hang(self, when: str) -> HangError:
+        return HangError(f"{whereabouts(self._scheduler) or 'a process'} has not come to the end of its step {when}")
+
+    def _leave(self, still: Callable[[], bool], error: Exception) -> None:
+        if self._can_leave:
+            stops = stopping.signal and not self.releasing
+            stopping.leave(still, Stopped(stopping.signal, error) if stops else RunFailed(error))

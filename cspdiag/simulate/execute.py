@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from cspdiag.codegen.python_external import bodies
 from cspdiag.network.ir import Environment, Network
+from cspdiag.runtime.exceptions import kind_and_text
 from cspdiag.runtime.stopping import stopping
 from cspdiag.simulate.measure import measure
 from cspdiag.simulate.package import LoadedPackage
@@ -73,8 +74,8 @@ def simulate(
             with stopping.raising():
                 plant = package.module("environments").ENVIRONMENTS[chosen.name]() if chosen is not None else None
                 running = package.module("network").build(plant.drivers if plant is not None else {})
-        except (Exception, SystemExit) as problem:
-            if not bodies(network):
+        except BaseException as problem:
+            if not bodies(network) or stopping.ends_run(problem):
                 raise
             raise BodyError(account_of(problem)) from problem
         if probe_variables:
@@ -106,7 +107,7 @@ def account_of(problem: BaseException) -> str:
         if file.startswith("<_cspdiag_") and "/external/" in file:
             place = f"{_module(file)}:{traceback.tb_lineno}: "
         traceback = traceback.tb_next
-    return f"{place}{type(problem).__name__}: {problem}"
+    return f"{place}{kind_and_text(problem)}"
 
 
 def _module(origin: str) -> str:

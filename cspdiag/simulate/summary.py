@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from cspdiag.runtime.durations import shown
-from cspdiag.runtime.stopping import name_of_signal
+from cspdiag.runtime.signals import name_of_signal
 from cspdiag.simulate.modes import mode_groups
 
 if TYPE_CHECKING:
@@ -58,7 +58,10 @@ def _ending(run: Run) -> str:
         case "time limit":
             return f"reached the time limit {at}"
         case "stopped":
-            return f"stopped by {name_of_signal(outcome.signal)} {at}"
+            from cspdiag.runtime.exceptions import described
+
+            hanging = f": {described(outcome.error)}" if outcome.error is not None else ""
+            return f"stopped by {name_of_signal(outcome.signal)} {at}{hanging}"
         case "deadlock":
             return f"deadlock {at}"
         case _:

@@ -4,11 +4,25 @@ from __future__ import annotations
 
 import signal
 import threading
+from contextlib import suppress
 
 import pytest
 
-from cspdiag.runtime import Alternative, EventOutput, Input, Network, SampledInput, Timeout, ms, stop, wait
-from tests.runtime.support import Body
+from cspdiag.runtime import (
+    Alternative,
+    EventOutput,
+    Input,
+    Network,
+    SampledInput,
+    SampledOutput,
+    Timeout,
+    ms,
+    parallel,
+    stop,
+    wait,
+)
+from cspdiag.runtime.signals import left_to_the_main_thread
+from tests.runtime.support import Body, Scripted
 from tests.runtime.test_real_time import Device
 
 
@@ -168,6 +182,88 @@ def test_a_handler_of_the_caller_is_kept_and_outputs_are_released() -> None:
     finally:
         signal.signal(signal.SIGTERM, before)
     assert motor.written == [3.0, 0.0]
+
+
+def test_a_handler_of_the_caller_that_raises_again_and_again_does_not_interrupt_the_release() -> None:
+    class AskedError(Exception):
+        pass
+
+    calls: list[list[float]] = []
+
+    class Motor:
+        def __init__(self) -> None:
+            self.written: list[float] = []
+
+        def write(self, value: float) -> None:
+            if value == 0.0:
+                signal.raise_signal(signal.SIGTERM)
+            self.written.append(value)
+
+    motor = Motor()
+    u = EventOutput[float]("Top.u", driver=motor, safe=0.0)
+
+    def ask(*_: object) -> None:
+        calls.append([*motor.written])
+        raise AskedError
+
+    async def top() -> None:
+        await u.write(3.0)
+        with suppress(BaseException):
+            signal.raise_signal(signal.SIGTERM)
+        await wait(ms)
+
+    before = signal.signal(signal.SIGTERM, ask)
+    try:
+        with pytest.raises(AskedError):
+            Network(Body(top), [u]).run(real_time=True)
+        assert signal.getsignal(signal.SIGTERM) is ask
+    finally:
+        signal.signal(signal.SIGTERM, before)
+    assert calls == [[3.0], [3.0, 0.0]]
+
+
+def test_an_environment_that_exits_is_a_failure_of_the_environment() -> None:
+    class Bench(Scripted):
+        def advance(self, now: int) -> None:
+            if now >= 3 * ms:
+                raise SystemExit(0)
+
+    bench, motor = Bench({}), Device()
+    u = SampledOutput[float]("Top.u", period=ms, driver=motor, safe=0.0)
+
+    async def top() -> None:
+        await wait(60 * ms)
+
+    outcome = Network(Body(top), [u]).run(bench)
+    assert str(outcome.error) == "the environment Bench failed: SystemExit: 0"
+    assert (outcome.exit_code, motor.written) == (1, [0.0])
+
+
+def test_branches_that_raise_exceptions_without_a_text_fail_as_others() -> None:
+    motor = Device()
+    u = EventOutput[float]("Top.u", driver=motor, safe=0.0)
+
+    async def branch() -> None:
+        await wait(ms)
+        raise Unspeakable(5)
+
+    async def top() -> None:
+        await parallel(branch(), branch())
+
+    outcome = Network(Body(top), [u]).run()
+    assert isinstance(outcome.error, Unspeakable)
+    assert motor.written == [0.0]
+
+
+@pytest.mark.skipif(not hasattr(signal, "pthread_sigmask"), reason="signals cannot be blocked")
+def test_a_thread_that_is_started_beside_the_run_is_sent_no_signals() -> None:
+    blocked: list[int] = []
+    thread = threading.Thread(target=lambda: blocked.extend(signal.pthread_sigmask(signal.SIG_BLOCK, ())))
+    with left_to_the_main_thread():
+        thread.start()
+    thread.join()
+    assert {signal.SIGINT, signal.SIGTERM, signal.SIGRTMIN + 3} <= set(blocked)
+    assert not signal.pthread_sigmask(signal.SIG_BLOCK, ())
 
 
 class Unspeakable(Exception):  # noqa: N818

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import signal
 from typing import Any
 
 import pytest
@@ -249,7 +250,7 @@ def test_a_value_that_is_not_finite_never_reaches_a_driver(value: Any) -> None:
     assert world.written["u"] == [(0, 0.0)]
 
 
-@pytest.mark.parametrize("way", ["end", "exception", "deadlock", "time limit", "Ctrl-C"])
+@pytest.mark.parametrize("way", ["end", "exception", "deadlock", "time limit", "Ctrl-C", "KeyboardInterrupt"])
 def test_outputs_are_released_on_every_way_out(way: str) -> None:
     world = Scripted({}, ["u", "v"])
     u = SampledOutput[float]("u", period=ms, driver=world.drivers["u"], safe=0.5)
@@ -265,12 +266,14 @@ def test_outputs_are_released_on_every_way_out(way: str) -> None:
 
             await stop()
         if way == "Ctrl-C":
+            signal.raise_signal(signal.SIGINT)
+        if way == "KeyboardInterrupt":
             raise KeyboardInterrupt
         if way == "time limit":
             await wait(1000 * ms)
 
     outcome = Network(Body(top), [u, v]).run(world, until=10 * ms)
-    expected = {"end": "terminated", "exception": "failed", "Ctrl-C": "stopped"}
+    expected = {"end": "terminated", "exception": "failed", "Ctrl-C": "stopped", "KeyboardInterrupt": "failed"}
     assert outcome.ended == expected.get(way, way)
     assert world.written["u"][-1][1] == 0.5
     assert world.written["v"][-1][1] == 0.0

@@ -121,6 +121,17 @@ def is_native(process: int) -> bool:
     return False
 
 
+def signals_are_for_the_main_thread(process: int) -> bool:
+    """A signal that another thread is sent does not wake the main one, which waits for what the native program tells."""
+    masks = {
+        int(status.parent.name): int(status.read_text().partition("SigBlk:")[2].split()[0], 16)
+        for status in Path(f"/proc/{process}/task").glob("*/status")
+    }
+    return (
+        masks.pop(process) == 0 and len(masks) > 0 and all(mask >> (signal.SIGTERM - 1) & 1 for mask in masks.values())
+    )
+
+
 @pytest.mark.skipif(sys.platform != "linux", reason="it looks at /proc")
 @needs_compiler
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM, signal.SIGHUP])
@@ -136,6 +147,9 @@ def test_a_native_run_ends_with_its_parent(number: signal.Signals, tmp_path: Pat
                 time.sleep(0.02)
                 native = [child for child in children(parent.pid) if is_native(child)]
             assert native
+            while not signals_are_for_the_main_thread(parent.pid) and time.monotonic() < deadline:
+                time.sleep(0.02)
+            assert signals_are_for_the_main_thread(parent.pid)
             parent.send_signal(number)
             assert parent.wait(timeout=20) == (-number if number == signal.SIGKILL else 128 + number)
             while is_native(native[0]) and time.monotonic() < deadline:

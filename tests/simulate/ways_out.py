@@ -17,6 +17,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from cspdiag.cli.main import main
+from tests.signals import hear_signals
 
 ROOT = Path(__file__).parents[2]
 
@@ -63,6 +64,12 @@ environment Bench for Main on miss count {
 
 LAW = """
 import os
+import time
+
+
+class Mute(Exception):
+    def __str__(self):
+        raise SystemExit(0)
 
 
 class Law:
@@ -71,15 +78,35 @@ class Law:
 
     def calculate(self, *, x):
         self.steps += 1
-        if os.environ["FAULT"] == "body raises" and self.steps == 4:
-            raise RuntimeError("no such row")
-        if os.environ["FAULT"] == "body exits" and self.steps == 4:
-            raise SystemExit(0)
+        if self.steps == 4:
+            fail(os.environ["FAULT"])
         return x
+
+
+def fail(fault):
+    if fault == "body raises":
+        raise RuntimeError("no such row")
+    if fault == "body exits":
+        raise SystemExit(0)
+    if fault == "body interrupts":
+        raise KeyboardInterrupt
+    if fault == "body ends a generator":
+        raise GeneratorExit
+    if fault == "body raises without a text":
+        raise Mute
+    if fault == "body hangs":
+        time.sleep(1000)
+    while fault == "body hangs for good":
+        try:
+            while True:
+                pass
+        except BaseException:
+            pass
 """
 
 CARD = """
 import os
+import signal
 import sys
 import time
 
@@ -92,9 +119,32 @@ def log(text):
     os.close(file)
 
 
+def raise_something(number, frame):
+    raise RuntimeError("enough")
+
+
+def leave(number, frame):
+    sys.exit(0)
+
+
+if FAULT == "handler raises":
+    signal.signal(signal.SIGTERM, raise_something)
+
+
+class Mute(Exception):
+    def __str__(self):
+        raise SystemExit(0)
+
+
 def fail(how):
     if how == "raises":
         raise OSError("cable out")
+    if how == "interrupts":
+        raise KeyboardInterrupt
+    if how == "ends a generator":
+        raise GeneratorExit
+    if how == "raises without a text":
+        raise Mute
     if how == "exits":
         sys.exit(0)
     if how == "hangs":
@@ -118,9 +168,22 @@ class Device:
         log(f"{type(self).__name__} open")
         if FAULT == "open is slow":
             time.sleep(0.7)
+        if FAULT == "default is restored":
+            signal.signal(signal.SIGTERM, signal.SIG_DFL)
+        if FAULT == "handler exits":
+            signal.signal(signal.SIGTERM, leave)
+        if FAULT == "child" and isinstance(self, Card):
+            self.child = os.fork()
+            while self.child == 0:
+                time.sleep(1000)
 
     def close(self):
         log(f"{type(self).__name__} close")
+        if FAULT == "child" and isinstance(self, Card):
+            os.kill(self.child, signal.SIGTERM)
+            assert os.waitpid(self.child, 0)[1] == signal.SIGTERM
+        if FAULT.startswith("handler"):
+            time.sleep(0.3)
         if FAULT == "close raises":
             raise OSError("cable out")
 
@@ -141,6 +204,8 @@ class Card(Device):
     def write(self, port, value):
         log(f"{port} {value:g}")
         self.writes += 1
+        if FAULT.startswith("handler") and value == -1:
+            time.sleep(0.3)
         if FAULT == "safe raises" and value == -1:
             fail("raises")
         if FAULT == "safe hangs" and value == -1:
@@ -173,6 +238,7 @@ class WayOut:
     opened: tuple[str, ...] = ("Card", "Lamp")
     """Devices that had been opened, and so are to be released and closed."""
     real_time_only: bool = False
+    not_blocking_only: bool = False
 
 
 WAYS = (
@@ -181,14 +247,46 @@ WAYS = (
     WayOut("SIGHUP", 129, "stopped by SIGHUP", signals=(signal.SIGHUP,)),
     WayOut("SIGQUIT", 131, "stopped by SIGQUIT", signals=(signal.SIGQUIT,)),
     WayOut("SIGUSR1", 138, "stopped by SIGUSR1", signals=(signal.SIGUSR1,)),
+    WayOut("SIGTRAP", 133, "stopped by SIGTRAP", signals=(signal.SIGTRAP,)),
+    WayOut("SIGSYS", 159, "stopped by SIGSYS", signals=(signal.SIGSYS,)),
+    WayOut("a real-time signal", 163, "stopped by SIGRTMIN+1", signals=(signal.SIGRTMIN + 1,)),
     WayOut("SIGPIPE is ignored", 143, "stopped by SIGTERM", signals=(signal.SIGPIPE, signal.SIGTERM)),
     WayOut("two signals", 143, "stopped by SIGTERM", signals=(signal.SIGTERM, signal.SIGTERM)),
     WayOut("six signals", 130, "stopped by SIGINT", signals=(signal.SIGINT, signal.SIGTERM) * 3),
     WayOut("a signal during import", 143, "stopped by SIGTERM before", "import is slow", (signal.SIGTERM,), ()),
     WayOut("a signal during open", 143, "stopped by SIGTERM", "open is slow", (signal.SIGTERM,), ("Card",)),
     WayOut("a signal while a read hangs", 143, "stopped by SIGTERM", "read hangs", (signal.SIGTERM,)),
+    WayOut(
+        "a signal while a read hangs for good", 1, "driver Card failed to read at port Main.level: TimeoutError",
+        "read hangs for good", (signal.SIGTERM,), not_blocking_only=True,
+    ),
+    WayOut("a signal while a body hangs", 143, "stopped by SIGTERM", "body hangs", (signal.SIGTERM,)),
+    WayOut(
+        "a signal while a body hangs for good", 143, "Main.law (main.csp:11), at law.py:", "body hangs for good",
+        (signal.SIGTERM,),
+    ),
+    WayOut("a driver restores the default", 143, "stopped by SIGTERM", "default is restored", (signal.SIGTERM,)),
+    WayOut(
+        "a handler raises", 1, "the handler of SIGTERM (raise_something, card.py:", "handler raises",
+        (signal.SIGTERM,) * 6,
+    ),
+    WayOut(
+        "a handler exits", 1, "the handler of SIGTERM (leave, card.py:", "handler exits", (signal.SIGTERM,) * 6,
+    ),
+    WayOut("a child of a driver", 143, "stopped by SIGTERM", "child", (signal.SIGTERM,)),
     WayOut("a read raises", 1, "driver Card failed to read at port Main.level: OSError: cable out", "read raises"),
     WayOut("a read exits", 1, "driver Card failed to read at port Main.level: SystemExit: 0", "read exits"),
+    WayOut(
+        "a read interrupts", 1, "driver Card failed to read at port Main.level: KeyboardInterrupt", "read interrupts"
+    ),
+    WayOut(
+        "a read ends a generator", 1, "driver Card failed to read at port Main.level: GeneratorExit",
+        "read ends a generator",
+    ),
+    WayOut(
+        "a read raises without a text", 1, "driver Card failed to read at port Main.level: Mute: (its text cannot be made",
+        "read raises without a text",
+    ),
     WayOut("a read hangs", 1, "Main.level", "read hangs", real_time_only=True),
     WayOut("a read hangs for good", 1, "Main.level", "read hangs for good", real_time_only=True),
     WayOut("a write raises", 1, "driver Card failed to write at port Main.valve: OSError: cable out", "write raises"),
@@ -197,12 +295,32 @@ WAYS = (
         "a write hangs", 1, "driver Card failed to write at port Main.valve: TimeoutError", "write hangs",
         real_time_only=True,
     ),
+    WayOut(
+        "a write raises without a text", 1, "driver Card failed to write at port Main.valve: Mute: (its text cannot",
+        "write raises without a text",
+    ),
     WayOut("a text", 1, "driver Card failed to read at port Main.level: TypeError: '1.5' is no number", "text"),
     WayOut("nothing", 1, "driver Card failed to read at port Main.level: TypeError: None is no number", "nothing"),
     WayOut("a huge number", 1, "driver Card failed to read at port Main.level: OverflowError: int too large", "huge"),
     WayOut("NaN", 1, "Fault: nan is written to Main.valve", "NaN"),
     WayOut("a body raises", 1, "RuntimeError: no such row", "body raises"),
-    WayOut("a body exits", 1, "SystemExit: 0", "body exits"),
+    WayOut("a body exits", 1, "SystemExit: 0, in Main.law (main.csp:11)", "body exits"),
+    WayOut("a body interrupts", 1, "KeyboardInterrupt, in Main.law (main.csp:11)", "body interrupts"),
+    WayOut("a body ends a generator", 1, "GeneratorExit, in ", "body ends a generator"),
+    WayOut(
+        "a body raises without a text", 1, "Mute: (its text cannot be made: SystemExit), in Main.law",
+        "body raises without a text",
+    ),
+    WayOut(
+        "a body hangs", 1, "Main.law (main.csp:11), at law.py:", "body hangs", real_time_only=True,
+    ),
+    WayOut(
+        "a body hangs for good", 1, "Main.law (main.csp:11), at law.py:", "body hangs for good", real_time_only=True,
+    ),
+    WayOut(
+        "a program spins", 1, "Main (spinning.csp:28) has not come to the end of its step within 2 s", "program spins",
+        real_time_only=True,
+    ),
     WayOut(
         "a safe write raises", 1, "driver Card failed to write at port Main.valve: OSError: cable out", "safe raises",
         (signal.SIGTERM,),
@@ -238,11 +356,13 @@ class Seen:
             found.append("there is a traceback")
         if way.says not in self.text:
             found.append(f"it does not say: {way.says}")
+        if self.text.count("driver Card failed") > 1:
+            found.append("it says twice what driver Card failed to do")
         for device, port, safe in (("Card", "valve", "-1"), ("Lamp", "light", "7")):
             if device not in way.opened:
                 continue
             writes = [call for call in self.calls if call.startswith(f"{port} ")]
-            if writes.count(f"{port} {safe}") != 1 and not (way.fault == "safe hangs" and port == "valve"):
+            if writes.count(f"{port} {safe}") != 1:
                 found.append(f"{port} is released {writes.count(f'{port} {safe}')} times")
             if not writes or writes[-1] != f"{port} {safe}":
                 found.append(f"the last value of {port} is not safe")
@@ -256,11 +376,16 @@ class Seen:
 def prepare(folder: Path) -> Path:
     """The program, and its packages at both levels, in an empty folder.
 
-    It only counts missed samples, as a busy machine may let it miss some; ``strict`` does not.
+    It only counts missed samples, as a busy machine may let it miss some; ``strict`` does not. ``spinning`` takes no time and never waits.
     """
     (folder / "card.py").write_text(CARD)
     (folder / "law.py").write_text(LAW)
-    for name, text in (("main", PROGRAM), ("strict", PROGRAM.replace(" on miss count", ""))):
+    programs = {
+        "main": PROGRAM,
+        "strict": PROGRAM.replace(" on miss count", ""),
+        "spinning": PROGRAM.replace("mu law", "law ; mu wait 0 ms"),
+    }
+    for name, text in programs.items():
         program = folder / f"{name}.csp"
         program.write_text(text)
         for level in (0, 1):
@@ -317,13 +442,15 @@ def try_way(folder: Path, way: WayOut, start: str, clock: str, *, blocking: bool
     own = Path(tempfile.mkdtemp(dir=folder))
     # Of a blocking device that falls silent only a program that does not merely count is told.
     name = "strict" if blocking and way.fault.startswith("read hangs") and not way.signals else "main"
+    if way.fault == "program spins":
+        name = "spinning"
     process = started(own, start, clock, blocking=blocking, fault=way.fault, name=name)
     try:
         if way.signals:
-            needed = 1 if way.fault in ("open is slow", "import is slow") else 3 if way.fault == "read hangs" else 6
+            needed = 1 if way.fault in ("open is slow", "import is slow") else 3 if " hangs" in way.fault else 6
             wait_until(lambda: len(log_of(own)) >= needed, process)
-            if way.fault == "read hangs":
-                time.sleep(0.1)
+            if way.fault.startswith(("read hangs", "body hangs")):
+                time.sleep(0.3)
             for number in way.signals:
                 if process.poll() is None:
                     process.send_signal(number)
@@ -341,12 +468,14 @@ def try_way(folder: Path, way: WayOut, start: str, clock: str, *, blocking: bool
 
 def hunt() -> int:
     """All combinations."""
-    signal.signal(signal.SIGINT, signal.default_int_handler)
+    hear_signals()
     wrong = tried = 0
     with tempfile.TemporaryDirectory() as name:
         folder = prepare(Path(name))
         for way, start, clock, blocking in itertools.product(WAYS, STARTS, CLOCKS, (False, True)):
             if way.real_time_only and clock != "real time":
+                continue
+            if way.not_blocking_only and blocking and clock == "real time":
                 continue
             tried += 1
             seen = try_way(folder, way, start, clock, blocking=blocking)

@@ -7,7 +7,8 @@ import subprocess
 import threading
 import time
 
-from cspdiag.runtime.stopping import name_of_signal, stopping
+from cspdiag.runtime.signals import left_to_the_main_thread, name_of_signal
+from cspdiag.runtime.stopping import stopping
 
 PATIENCE = 2.0
 """Seconds that a native program has to end, once a signal has come or it has told its end."""
@@ -39,7 +40,8 @@ class Keeper:
         return KilledError(f"the native program did not end within {PATIENCE:g} s {why}, and was killed")
 
     def __enter__(self) -> Keeper:
-        self._thread.start()
+        with left_to_the_main_thread():
+            self._thread.start()
         return self
 
     def __exit__(self, *_: object) -> None:
