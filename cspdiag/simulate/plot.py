@@ -25,10 +25,22 @@ from cspdiag.simulate.plot_lanes import (
     process_lanes,
     series_lane,
 )
-from cspdiag.simulate.plot_series import Series, quantity, series_of, shortened, stairs, thinned
+from cspdiag.simulate.plot_series import (
+    DURATION,
+    WHOLE_NUMBERS,
+    Series,
+    apart,
+    quantity,
+    series_of,
+    shortened,
+    stairs,
+    thinned,
+    unit_of_time,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.axis import Axis
     from matplotlib.figure import Figure
 
     from cspdiag.simulate.result import Run
@@ -98,9 +110,14 @@ def plot(run: Run, path: Path | None) -> Figure:
                     shared.setdefault(row, axes)
                     _panel(run, axes, column, rows[row - bool(lanes)])
                 axes.tick_params(axis="x", labelbottom=row == len(heights) - 1, length=3 * (row == len(heights) - 1))
+            unit = _in_unit_of_time(axes.xaxis, run.outcome.time / 1e9)
+            if not run.outcome.time:
+                axes.set_xticks([0.0])
             assert first is not None
             first.set_title(shortened(column.group.name, 40), fontweight="bold")
-            axes.set_xlabel("time (s)" + (_THIN if column.has_unread and position == 0 else ""))
+            axes.set_xlabel(f"time ({unit})" + (_THIN if column.has_unread and position == 0 else ""))
+        for row, axes in shared.items():
+            _scale_to_the_run(axes, [figure.axes[row + at * len(heights)] for at in range(len(columns))])
         if path is not None:
             write_whole(path, _rendered(figure, path.suffix.lstrip(".") or "svg"))
     return figure
@@ -149,13 +166,12 @@ def _column(run: Run, group: ModeGroup, parts: Sequence[ModeGroup], every: Seque
         if series.is_discrete or are_events(series):
             lanes.append(series_lane(run, series))
             if series.is_event:
-                events += series.time[series.changes].tolist()
+                events += series.time.tolist() if len(series.time) <= _MOST_MARKS else []
             continue
         panels.setdefault(_panel_for(panels, series, every), []).append(series)
     if not lanes and not panels:
         lanes = process_lanes(run)
-    marks = events if len(events) <= _MOST_MARKS else []
-    return _Column(group, lanes, panels, marks, any(bool(series.unread.any()) for series in every))
+    return _Column(group, lanes, panels, events, any(bool(series.unread.any()) for series in every))
 
 
 def _panel_for(
@@ -171,8 +187,8 @@ def _panel_for(
     return unit, number + (is_full and bool(present))
 
 
-_MOST_MARKS = 40
-"""Events beyond this number are not marked behind the curves."""
+_MOST_MARKS = 20
+"""A port with more events than this does not mark them behind the curves."""
 
 
 def _panel(run: Run, axes: Axes, column: _Column, row: tuple[str, int]) -> None:
@@ -199,17 +215,54 @@ def _panel(run: Run, axes: Axes, column: _Column, row: tuple[str, int]) -> None:
                 "linestyle": (0, tuple(2.5 * part for part in dashes)),
             }
             axes.plot(*stairs(series, end, unread=True), label=None if is_read else told, **thin, **_mark(series))
+        if series.is_event:
+            again = apart(series.repeated, end)
+            axes.plot(again.time, again.value, linestyle="", marker="|", markersize=5, color=color)
     for name, line in _variables(run, column.group, unit).items() if number == 0 else ():
         color, dashes = next(styles)
         axes.plot(
             *_steps(line, end), label=shortened(name), color=color, linestyle=(0, dashes), linewidth=0.8, zorder=2.5
         )
-    axes.set_ylabel(unit)
+    if unit == DURATION:
+        axes.set_ylabel(f"{unit} ({_in_unit_of_time(axes.yaxis, max(map(abs, axes.get_ylim())))})")
+    else:
+        axes.set_ylabel(unit)
+        axes.locator_params(axis="y", integer=unit == WHOLE_NUMBERS)
     if not any(len(series.time) for series in column.panels.get(row, ())) and len(axes.lines) <= len(column.events) + 1:
         axes.set_yticks([])
     axes.grid(axis="y", linewidth=0.3, color="#bbbbbb")
     if axes.lines:
         axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1), borderaxespad=0)
+
+
+def _scale_to_the_run(axes: Axes, row: Sequence[Axes]) -> None:
+    """The safe values that outputs are handed at the end do not decide how large everything else is drawn."""
+    import numpy
+
+    lines = [line for panel in row for line in panel.lines if line.get_transform() == panel.transData]
+    corners = numpy.concatenate(
+        [numpy.asarray(line.get_xydata(), dtype=float) for line in lines] or [numpy.empty((0, 2))]
+    )
+    corners = corners[numpy.isfinite(corners).all(axis=1)]
+    during = corners[corners[:, 0] < axes.get_xlim()[1], 1]
+    if not len(during):
+        return
+    low, high = during.min(), during.max()
+    if 0 < high - low < _LEAST_PART * numpy.ptp(corners[:, 1]):
+        axes.set_ylim(low - 0.05 * (high - low), high + 0.05 * (high - low))
+
+
+_LEAST_PART = 0.2
+"""Of the height of a panel, for what happened during the run."""
+
+
+def _in_unit_of_time(axis: Axis, longest: float) -> str:
+    """Lets an axis of seconds be read in the unit that suits ``longest``, in seconds, which is what it returns."""
+    from matplotlib.ticker import FuncFormatter
+
+    unit, count = unit_of_time(longest)
+    axis.set_major_formatter(FuncFormatter(lambda seconds, _: f"{round(seconds * count, 9):g}"))
+    return unit
 
 
 def _mark(series: Series) -> dict[str, Any]:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from cspdiag.model.types import BoolType, EnumType
 from cspdiag.simulate.modes import ModeGroup
-from cspdiag.simulate.plot_series import Series, shortened, stairs
+from cspdiag.simulate.plot_series import Series, apart, shortened, stairs
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
 MODE_COLORS = ("#dbe9f6", "#a9d18e", "#e8a35c", "#d9cbe8", "#e99aa0", "#9a9a9a")
 """Different in lightness, too, for grey print."""
+LITERAL_COLORS = ("#f1f6fb", "#bcd3ea", "#8bb0d6", "#dddddd", "#b9b9b9", "#979797")
+"""No hues: a literal may be called ``green``."""
 INK = "#1f4e79"
 FAINT = "#666666"
 LANE_HEIGHT = 0.27
@@ -40,12 +42,13 @@ class Bar(NamedTuple):
 
 
 class Lane(NamedTuple):
-    """A row: bars, or the steps of a truth value, or events with what they changed to."""
+    """A row: bars, or the steps of a truth value, or events with what they brought; ``arrivals`` are when values of the former came."""
 
     name: str
     bars: Sequence[Bar] = ()
     truth: Series | None = None
     events: Sequence[tuple[float, str]] = ()
+    arrivals: Sequence[float] = ()
 
 
 def activity_lanes(run: Run, groups: Sequence[ModeGroup]) -> list[Lane]:
@@ -96,42 +99,50 @@ def _overlap(bars: Sequence[Bar]) -> bool:
     return any(one.end > other.start + 1e-12 for one, other in pairwise(ordered))
 
 
-_MOST_EVENTS = 60
-"""More changes than this are a curve, not events."""
+_MOST_LETTERS = 90
+"""What a lane has room for; numbers that change more often are a curve, not events."""
 
 
 def are_events(series: Series) -> bool:
-    """Whether the values are whole numbers that come now and then."""
+    """Whether the values are whole numbers that change so seldom that all of them can be written."""
     from cspdiag.model.types import IntType
 
-    return series.is_event and isinstance(series.type, IntType) and len(series.changes) <= _MOST_EVENTS
+    if not (series.is_event and isinstance(series.type, IntType)):
+        return False
+    return sum(len(str(series.value[position])) + 2 for position in series.changes) <= _MOST_LETTERS
 
 
 def series_lane(run: Run, series: Series) -> Lane:
     """The lane of truth values, literals or events."""
+    end = run.outcome.time / 1e9
+    arrivals = apart(series, end).time.tolist() if series.is_event else []
     if isinstance(series.type, BoolType):
-        return Lane(series.name, truth=series)
+        return Lane(series.name, truth=series, arrivals=arrivals)
     changes = series.changes.tolist()
     instants = [float(series.time[position]) for position in changes]
     if not isinstance(series.type, EnumType):
         shown = [str(series.value[position]) for position in changes]
-        return Lane(series.name, events=list(zip(instants, shown, strict=True)))
-    ends = [*instants[1:], run.outcome.time / 1e9]
+        return Lane(series.name, events=list(zip(instants, shown, strict=True)), arrivals=arrivals)
+    ends = [*instants[1:], end]
     literals = series.type.literals
     bars = [
         Bar(
-            start, end, literals[int(series.value[at])], MODE_COLORS[int(series.value[at]) % 6], bool(series.unread[at])
+            start,
+            stop,
+            literals[int(series.value[at])],
+            LITERAL_COLORS[int(series.value[at]) % 6],
+            bool(series.unread[at]),
         )
-        for at, start, end in zip(changes, instants, ends, strict=True)
+        for at, start, stop in zip(changes, instants, ends, strict=True)
     ]
-    return Lane(series.name, bars)
+    return Lane(series.name, bars, arrivals=arrivals)
 
 
 def draw_lanes(axes: Axes, lanes: Sequence[Lane], end: float, inches: float) -> None:
     """Draw lanes below each other; ``inches`` is how wide the axes are about, which says what texts have room."""
     axes.set_ylim(len(lanes), 0)
     axes.set_yticks([row + 0.5 for row in range(len(lanes))], [shortened(lane.name) for lane in lanes], fontsize=7.5)
-    axes.tick_params(axis="y", length=0)
+    axes.tick_params(axis="y", length=0, pad=6)
     for side in ("left", "bottom"):
         axes.spines[side].set_visible(False)
     letter = end / inches * 0.056
@@ -146,7 +157,7 @@ def draw_lanes(axes: Axes, lanes: Sequence[Lane], end: float, inches: float) -> 
             _draw_truth(axes, row, lane.truth, end)
         if not lane.bars and not lane.events and (lane.truth is None or not len(lane.truth.time)):
             axes.text(letter, row + 0.52, "no value", va="center", fontsize=7, color=FAINT, style="italic")
-        _draw_events(axes, row, lane.events, end, letter)
+        _draw_events(axes, row, lane, end, letter)
     if untold:
         _legend(axes, untold)
 
@@ -198,19 +209,30 @@ def _draw_truth(axes: Axes, row: int, series: Series, end: float) -> None:
             axes.fill_between(time, row + _LOW, height(value), color=MODE_COLORS[0], linewidth=0)  # type: ignore[arg-type]
 
 
-def _draw_events(axes: Axes, row: int, events: Sequence[tuple[float, str]], end: float, letter: float) -> None:
-    for position, (instant, text) in enumerate(events):
-        axes.plot([instant], [row + 0.52], marker="d", markersize=4, color=INK, clip_on=False)
-        following = events[position + 1][0] if position + 1 < len(events) else end + 6 * letter
+def _draw_events(axes: Axes, row: int, lane: Lane, end: float, letter: float) -> None:
+    """Diamonds with what they brought beside them; strokes below that where they stand close, and below levels."""
+    is_dense = any(second - first < 3 * letter for first, second in pairwise(lane.arrivals))
+    is_wide = bool(lane.events) and not is_dense
+    below = row + (0.52 if is_wide else _LOW - 0.06)
+    marker: dict[str, Any] = {"marker": "|", "markersize": 5, "markeredgewidth": 0.6, "zorder": 3}
+    if is_wide:
+        marker = {"marker": "d", "markersize": 4}
+    if lane.arrivals:  # an empty line that is not clipped would stretch the layout
+        axes.plot(lane.arrivals, [below] * len(lane.arrivals), linestyle="", color=INK, clip_on=False, **marker)
+    beside = lane.arrivals if is_wide else [instant for instant, _ in lane.events]
+    for instant, text in lane.events:
+        following = next((other for other in beside if other > instant), end + 6 * letter)
         if (len(text) + 2) * letter <= following - instant:
-            axes.text(instant + letter, row + 0.52, text, va="center", fontsize=7, color="#222222")
+            place = (instant + letter, row + 0.52) if is_wide else (instant, row + 0.4)
+            axes.text(*place, text, va="center", fontsize=7, color="#222222")
 
 
 def _legend(axes: Axes, names: dict[tuple[str, str], str]) -> None:
-    """What colours stand for; of literals of several ports with the name of the port."""
+    """What colours stand for; with the name of the port where several stand for different things."""
     from matplotlib.patches import Patch
 
-    several = len({sort for sort, _ in names}) > 1
+    words, pairs = {name for _, name in names}, {(name, color) for (_, name), color in names.items()}
+    several = not len(words) == len(set(names.values())) == len(pairs)
     told = {f"{sort}: {name}" if several else name: color for (sort, name), color in names.items()}
     patches = [Patch(facecolor=color, edgecolor=INK, linewidth=0.5, label=name) for name, color in told.items()]
     axes.legend(handles=patches[:20], loc="upper left", bbox_to_anchor=(1.01, 1), borderaxespad=0)

@@ -1,11 +1,11 @@
-"""What a plot shows of a run, as numbers: held values, what nobody read, and no more points than can be seen."""
+"""What a plot shows of a run, as numbers: held values, what nobody read, units, and no more points than can be seen."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, NamedTuple
 
-from cspdiag.model.types import BoolType, EnumType, RealType, Type
+from cspdiag.model.types import BoolType, EnumType, RealType, TimeType, Type
 from cspdiag.network.ir import ExternalPort
 from cspdiag.simulate.leaves import leaves
 
@@ -21,7 +21,7 @@ _COLUMNS = 1500
 class Series(NamedTuple):
     """The values of a port, or of an element of it, from each instant in seconds to the next; the last one to the end of the run.
 
-    ``unread`` are the values of a sampled input that nobody read. ``is_event`` tells values that come when something happens.
+    ``unread`` are the values of a sampled input that nobody read. ``is_event`` tells values that come when something happens. Durations are in seconds.
     """
 
     name: str
@@ -46,6 +46,14 @@ class Series(NamedTuple):
         different = (self.value[1:] != self.value[:-1]) | (self.unread[1:] != self.unread[:-1])
         return numpy.flatnonzero(numpy.concatenate([[True], different])) if len(self.value) else numpy.array([], int)
 
+    @property
+    def repeated(self) -> Series:
+        """The values that are the same as the one before: nothing of a held line tells that they came."""
+        import numpy
+
+        again = numpy.setdiff1d(numpy.arange(len(self.value)), self.changes)
+        return self._replace(time=self.time[again], value=self.value[again], unread=self.unread[again])
+
 
 def series_of(run: Run) -> list[Series]:
     """All ports, measured quantities before outputs; arrays and structs as their elements."""
@@ -62,6 +70,8 @@ def _of_port(run: Run, port: ExternalPort) -> Iterator[Series]:
         unread = numpy.zeros(len(signal.time), dtype=bool)
     for name, kind, _ in leaves(port.name, port.type):
         value = _part(signal.value, name[len(port.name) :])
+        if isinstance(kind, TimeType):
+            value = value * 1e-9
         yield Series(name, port.name, kind, signal.time, value, unread, port.period is None, port.direction == "out")
 
 
@@ -110,6 +120,15 @@ def thinned(time: numpy.ndarray, value: numpy.ndarray, end: float) -> tuple[nump
     return time[chosen], value[chosen]
 
 
+def apart(series: Series, end: float) -> Series:
+    """Of values that come too close to each other to be told apart, the first."""
+    import numpy
+
+    column = (series.time * (_COLUMNS / max(end, 1e-12))).astype(int)
+    kept = numpy.flatnonzero(numpy.diff(column, prepend=-1))
+    return series._replace(time=series.time[kept], value=series.value[kept], unread=series.unread[kept])
+
+
 _QUANTITIES = {
     "rad": "angle (rad)",
     "V": "voltage (V)",
@@ -130,8 +149,24 @@ def quantity(kind: Type) -> str:
     """What a vertical axis says of a type."""
     if isinstance(kind, RealType):
         text = kind.unit.text
-        return _QUANTITIES.get(text, f"({text})") if text else "dimensionless"
-    return "value"
+        return _QUANTITIES.get(text, f"({_typeset(text)})") if text else "dimensionless"
+    return DURATION if isinstance(kind, TimeType) else WHOLE_NUMBERS
+
+
+def _typeset(unit: str) -> str:
+    return unit.translate(_SIGNS).replace("^2", "²").replace("^3", "³").replace("Ohm", "Ω")
+
+
+DURATION = "duration"
+"""The quantity of values of type ``time``; its axis is labelled with the unit that suits the values."""
+WHOLE_NUMBERS = "value"
+_SIGNS = {ord("*"): "·"}
+
+
+def unit_of_time(longest: float) -> tuple[str, float]:
+    """The unit in which durations up to ``longest`` seconds are read most easily, and how many of it a second has."""
+    units = (("s", 1.0), ("ms", 1e3), ("µs", 1e6))
+    return next((unit for unit in units if longest * unit[1] >= 1), ("ns", 1e9)) if longest else units[0]
 
 
 def shortened(name: str, longest: int = 30) -> str:

@@ -11,7 +11,7 @@ import numpy
 import pytest
 
 import cspdiag
-from cspdiag.simulate.plot_series import series_of, shortened, stairs, thinned
+from cspdiag.simulate.plot_series import series_of, shortened, stairs, thinned, unit_of_time
 from cspdiag.simulate.result import Run
 from tests.simulate.test_samples import DRIVE
 
@@ -120,7 +120,83 @@ class Broken:
         return float("inf") if self.count % 30 < 10 else float(self.count)
 """
 
-PROGRAMS = {"stations": STATIONS, "drive": DRIVE, "curves": CURVES.replace("1<W> -> never", "wheels.power -> never")}
+PULSES = """
+enum Beat { tick, tock }
+
+process Beats {
+  in  reported  : time @ 50 ms
+  out heartbeat : int
+  out alive     : bool
+  out beat      : Beat
+  out weight    : double<kg>
+  out fast      : int
+  out lateness  : time @ 100 ms
+  out count     : int @ 100 ms
+  communication { var r : time }
+  composition {
+    (seq i < 20 : (heartbeat ! 1 ; alive ! true ; beat ! Beat.tock ; weight ! 2.5<kg> ; wait 100 ms))
+    || (mu (fast ! 7 ; wait 3 ms))
+    || (mu reported ? r)
+    || (seq i < 15 : (lateness ! (3 ms * (i % 4)) ; count ! i ; wait 120 ms))
+  }
+}
+
+submodel Clock {
+  out reported : time
+  state k : int = 0
+  next k = k + 1
+  reported = 1 ms * (k % 7) + 20 ms
+}
+
+environment Bench for Beats step 10 ms {
+  clock : Clock
+  clock.reported -> reported
+  heartbeat -> _
+  alive -> _
+  beat -> _
+  weight -> _
+  fast -> _
+  lateness -> _
+  count -> _
+}
+"""
+
+LIGHTS = """
+enum Light { red, amber, green }
+
+process Crossing {
+  out north : Light @ 20 ms
+  out east  : Light @ 20 ms
+  out temperature_of_the_cabinet_at_the_corner_of_the_market_place : double<W/m^2/K> @ 20 ms
+  out cars  : int
+  communication { var n : int = 0 }
+  composition {
+    (mu (cars ! 1000000000 + n ; n := n + 1 ; wait 7 ms)) ||
+    (mu (north ! Light.green ; east ! Light.red ; wait 60 ms ; north ! Light.amber ; wait 20 ms ;
+         north ! Light.red ; east ! Light.green ; wait 20 ms))
+    || (seq i < 2 : (temperature_of_the_cabinet_at_the_corner_of_the_market_place ! double(i) * 1<W/m^2/K> + 300<W/m^2/K> ;
+                     wait 40 ms))
+  }
+}
+
+environment Bench for Crossing step 10 ms {
+  north -> _
+  east -> _
+  temperature_of_the_cabinet_at_the_corner_of_the_market_place -> _
+  cars -> _
+}
+"""
+
+NOTHING = "process Nothing { composition { skip } }\n"
+
+PROGRAMS = {
+    "pulses": PULSES,
+    "lights": LIGHTS,
+    "nothing": NOTHING,
+    "stations": STATIONS,
+    "drive": DRIVE,
+    "curves": CURVES.replace("1<W> -> never", "wheels.power -> never"),
+}
 PROGRAMS["curves"] = PROGRAMS["curves"].replace(
     "  out once : double<K>\n  state", "  out once : double<K>\n  out power : double<W>\n  power = 1<W>\n  state"
 )
@@ -133,12 +209,14 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Run]:
     (folder / "broken.py").write_text(BROKEN)
     for name, text in PROGRAMS.items():
         (folder / f"{name}.csp").write_text(text)
-        found[name] = cspdiag.load(str(folder / f"{name}.csp")).run("Bench", until="5 s")
+        environment = "Bench" if "Bench" in text else None
+        found[name] = cspdiag.load(str(folder / f"{name}.csp")).run(environment, until=UNTIL.get(name, "5 s"))
     for name in ("jiwy", "emergency", "watchdog", "buffer", "cascade", "dining", "ring"):
         found[name] = cspdiag.load(str(MODELS / name / f"{name}.csp")).run(until="3 s")
     return found
 
 
+UNTIL = {"pulses": "2 s", "lights": "200 ms"}
 NAMES = [*PROGRAMS, "jiwy", "emergency", "watchdog", "buffer", "cascade", "dining", "ring"]
 
 
@@ -219,11 +297,84 @@ def test_parallel_parts_have_lanes_of_their_own(runs: dict[str, Run]) -> None:
 def test_conditions_and_literals_are_stacked(runs: dict[str, Run]) -> None:
     axes = lanes_of(drawn(runs["stations"]))
     assert [*names(axes)[-11:]] == ["button", *(f"busy[{n}]" for n in range(5)), *(f"phase[{n}]" for n in range(5))]
-    heights = [line.get_ydata() for line in axes.lines if len(line.get_ydata()) > 10]
+    heights = [line.get_ydata() for line in axes.lines if len(line.get_ydata()) > 10 and line.get_marker() == "None"]
     assert len(heights) == 5
     assert len({int(numpy.nanmin(values)) for values in heights}) == 5
     told = " ".join(text for text, _ in boxes(drawn(runs["stations"])))
     assert all(literal in told for literal in ("waiting", "clamping", "drilling", "releasing_the_work_piece"))
+
+
+def panel_of(figure: Figure, curve: str) -> Axes:
+    return next(axes for axes in figure.axes if curve in (line.get_label() for line in axes.lines))
+
+
+def marks_of(figure: Figure, port: str) -> list[float]:
+    """When a lane has marks."""
+    axes = lanes_of(figure)
+    row = names(axes).index(port)
+    marks = [line for line in axes.lines if line.get_marker() != "None" and row < line.get_ydata()[0] < row + 1]
+    return [float(instant) for line in marks for instant in line.get_xdata()]
+
+
+def test_events_that_bring_the_same_again_are_all_seen(runs: dict[str, Run]) -> None:
+    figure = drawn(runs["pulses"])
+    written = [0.1 * count for count in range(20)]
+    assert marks_of(figure, "heartbeat") == pytest.approx([*written, 2.0]), "the last one is the safe value"
+    assert marks_of(figure, "alive") == pytest.approx([*written, 2.0])
+    assert marks_of(figure, "beat") == pytest.approx([*written, 2.0])
+    fast = marks_of(figure, "fast")
+    assert len(fast) == 668
+    assert numpy.diff(fast).max() < 0.0031
+    weight = [line for line in panel_of(figure, "weight").lines if line.get_marker() == "|"]
+    assert [float(at) for line in weight for at in line.get_xdata()] == pytest.approx(written[1:])
+
+
+def test_numbers_without_room_to_be_written_are_a_curve(runs: dict[str, Run]) -> None:
+    figure = drawn(runs["lights"])
+    assert "cars" not in names(lanes_of(figure))
+    low, high = panel_of(figure, "cars").get_ylim()
+    assert 1e9 - 5 < low <= 1e9 < 1e9 + 28 <= high < 1e9 + 40
+
+
+def test_durations_have_an_axis_of_their_own_in_a_unit_that_suits_them(runs: dict[str, Run]) -> None:
+    figure = drawn(runs["pulses"])
+    axes = panel_of(figure, "reported")
+    assert axes.get_ylabel() == "duration (ms)"
+    assert [line.get_label() for line in axes.lines if not str(line.get_label()).startswith("_")] == [
+        "reported",
+        "lateness",
+    ]
+    assert {"0", "5", "10", "15", "20", "25"} <= set(names(axes))
+    assert panel_of(figure, "count").get_ylabel() == "value"
+
+
+@pytest.mark.parametrize(
+    ("longest", "unit"), [(90.0, "s"), (1.0, "s"), (0.5, "ms"), (2e-5, "µs"), (3e-8, "ns"), (0.0, "s")]
+)
+def test_the_unit_suits_the_longest_duration(longest: float, unit: str) -> None:
+    assert unit_of_time(longest)[0] == unit
+
+
+def test_a_short_run_is_shown_in_milliseconds(runs: dict[str, Run]) -> None:
+    last = drawn(runs["lights"]).axes[-1]
+    assert last.get_xlabel() == "time (ms)"
+    assert {"0", "50", "100", "150", "200"} <= {label.get_text() for label in last.get_xticklabels()}
+    assert [label.get_text() for label in drawn(runs["nothing"]).axes[-1].get_xticklabels()] == ["0"]
+
+
+def test_literals_have_no_hue_that_could_contradict_their_names(runs: dict[str, Run]) -> None:
+    bars = [patch for patch in lanes_of(drawn(runs["lights"])).patches if isinstance(patch, Rectangle)]
+    colors = {bar.get_facecolor()[:3] for bar in bars}
+    assert len(colors) >= 3
+    assert all(red <= green <= blue for red, green, blue in colors), "greys and blues"
+
+
+def test_a_safe_value_at_the_end_does_not_flatten_the_run(runs: dict[str, Run]) -> None:
+    axes = panel_of(drawn(runs["lights"]), shortened("temperature_of_the_cabinet_at_the_corner_of_the_market_place"))
+    assert runs["lights"]["temperature_of_the_cabinet_at_the_corner_of_the_market_place"][-1] == 0
+    low, high = axes.get_ylim()
+    assert (low, high) == pytest.approx((299.95, 301.05))
+    assert axes.get_ylabel() == "(W/m²/K)"
 
 
 def test_what_nobody_read_is_drawn_thin(runs: dict[str, Run]) -> None:
