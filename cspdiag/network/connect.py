@@ -133,7 +133,8 @@ class _Connector:
         known = self.elaboration.type_of(item.type, self.program.types.get(item, UNKNOWN), values)
         channel = ChannelShape(name, item, known, item.name.span)
         if isinstance(item, ast.Variable) and item.initial is not None:
-            channel.initial = lower_expression(self.program, item.initial, LoweringContext(values=dict(_known(values))))
+            channel.replicators = dict(_known(values))
+            channel.initial = lower_expression(self.program, item.initial, LoweringContext(values=channel.replicators))
         if isinstance(item, ast.Channel) and item.kind is not None:
             channel.asked = self._asked(item.kind, values)
         self.shape.channels[name] = channel

@@ -69,7 +69,7 @@ def _value(expression: Expression, lookup: Lookup) -> Any:
             raise _NoValueError
         case UnaryOperation():
             operand = value(expression.operand)
-            return -operand if expression.operator == "-" else not operand
+            return arithmetic.checked(-operand, expression.type) if expression.operator == "-" else not operand
         case BinaryOperation():
             return _binary(expression, lookup)
         case ConditionalValue():

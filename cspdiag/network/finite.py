@@ -35,14 +35,18 @@ def assured(expression: Expression) -> Expression:
 
 
 def assured_law(
-    equations: Sequence[SubmodelEquation | ExternalCall], next_values: Mapping[str, Expression], outputs: Iterable[str]
+    equations: Sequence[SubmodelEquation | ExternalCall],
+    next_values: Mapping[str, Expression],
+    outputs: Iterable[str],
+    unsure: Iterable[str] = (),
 ) -> tuple[tuple[SubmodelEquation | ExternalCall, ...], dict[str, Expression]]:
     """The equations of a law, in the order of their evaluation, and the next values of its states, with tests.
 
-    Its outputs, states, and what it hands to bodies in other languages are tested, its local values only with those.
+    Its outputs, states, and what it hands to bodies in other languages are tested, its local values only with those. ``unsure`` are signals from
+    elsewhere that may be infinite or no number.
     """
     results = frozenset(outputs)
-    untested: set[str] = set()
+    untested: set[str] = set(unsure)
     made: list[SubmodelEquation | ExternalCall] = []
     for item in equations:
         if isinstance(item, ExternalCall):

@@ -7,8 +7,8 @@ occurrences agree, through any ``time`` parameter that has the same value, or el
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from typing import assert_never
+from collections.abc import Mapping
+from typing import TypeAlias, assert_never
 
 from cspdiag.diagnostics import Report
 from cspdiag.diagnostics.record import replaced
@@ -50,6 +50,9 @@ from cspdiag.network.shapes import (
 )
 from cspdiag.network.submodel_inline import external_body
 from cspdiag.syntax import ast
+
+Arguments: TypeAlias = "dict[ast.Parameter, Expression]"
+"""What the parameters of an instance are, over the parameters of the class around it."""
 
 
 class Classes:
@@ -191,6 +194,7 @@ class _Sketch:
         )
 
     def _instance(self, instance: InstanceShape, child: Occurrence | LawOccurrence) -> InstanceOf:
+        arguments = self._arguments(instance)
         return InstanceOf(
             name=instance.name,
             doc=instance.declaration.doc,
@@ -198,32 +202,30 @@ class _Sketch:
             class_name=self.classes.class_of[child],
             array=instance.array,
             index=instance.index,
-            arguments=tuple(self._arguments(instance)),
+            arguments=tuple((parameter.name.text, value) for parameter, value in arguments.items()),
             connections=tuple(
-                self._connection(instance, port, element) for port, element, _ in instance.shape.port_elements()
+                self._connection(instance, port, element, arguments)
+                for port, element, _ in instance.shape.port_elements()
             ),
         )
 
-    def _connection(self, instance: InstanceShape, port: PortShape, element: PortElement) -> Connection:
+    def _connection(
+        self, instance: InstanceShape, port: PortShape, element: PortElement, arguments: Arguments
+    ) -> Connection:
         """The elements of a control law's arrays are ports of their own."""
         name, index = element
-        attachment = self._attachment(instance, port, element)
+        attachment = self._attachment(instance, port, element, arguments)
         if index is not None and instance.shape.is_submodel and not instance.shape.is_external:
             return Connection(port=f"{name}[{index}]", index=None, attachment=attachment)
         return Connection(port=port.name, index=index, attachment=attachment)
 
-    def _arguments(self, instance: InstanceShape) -> Iterator[tuple[str, Expression]]:
+    def _arguments(self, instance: InstanceShape) -> Arguments:
         """Over the parameters of the enclosing class; a default may use parameters before it."""
         definition = instance.shape.definition
         given = dict(arguments_of(definition.parameters, instance.declaration.arguments))
-        known: dict[ast.Node, Expression] = {}
-
-        def own_parameter(name: ast.Name | ast.Member | ast.Reference) -> Expression | None:
-            symbol = self.program.bindings.get(name)
-            return known.get(symbol) if isinstance(symbol, ast.Parameter) else None
-
+        known: Arguments = {}
         outside = LoweringContext(values=instance.replicators)
-        inside = LoweringContext(values={}, lower_name=own_parameter)
+        inside = self._inside(known)
         for parameter in definition.parameters:
             name = parameter.name.text
             if name in instance.overrides:
@@ -236,9 +238,20 @@ class _Sketch:
             else:
                 continue
             known[parameter] = value
-            yield name, value
+        return known
 
-    def _attachment(self, instance: InstanceShape, port: PortShape, element: PortElement) -> Attachment:
+    def _inside(self, arguments: Arguments) -> LoweringContext:
+        """How the parameters of an instance are lowered in terms of the class around it."""
+
+        def own_parameter(name: ast.Name | ast.Member | ast.Reference) -> Expression | None:
+            symbol = self.program.bindings.get(name)
+            return arguments.get(symbol) if isinstance(symbol, ast.Parameter) else None
+
+        return LoweringContext(values={}, lower_name=own_parameter)
+
+    def _attachment(
+        self, instance: InstanceShape, port: PortShape, element: PortElement, arguments: Arguments
+    ) -> Attachment:
         attached: Attached = instance.attachments[element]
         end = 0
         if instance.shape.is_submodel and port.direction == "in":
@@ -251,7 +264,8 @@ class _Sketch:
                 return ChannelEnd(key, end)
             case Default():
                 assert port.symbol.declaration.default is not None
-                return ConstantEnd(lower_expression(self.program, port.symbol.declaration.default, self.plain))
+                default = port.symbol.declaration.default
+                return ConstantEnd(lower_expression(self.program, default, self._inside(arguments)))
             case Discarded() | Unresolved():
                 return DiscardEnd()
             case _:

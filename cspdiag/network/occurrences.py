@@ -6,10 +6,12 @@ from collections.abc import Iterator, Mapping
 
 from cspdiag.diagnostics import Report
 from cspdiag.diagnostics.record import node
+from cspdiag.model.evaluate import evaluate
 from cspdiag.model.program import Program, Value
 from cspdiag.network.contexts import Placed
 from cspdiag.network.elaborate import Elaboration, argument_values
-from cspdiag.network.shapes import InstanceShape
+from cspdiag.network.expressions import LiteralValue
+from cspdiag.network.shapes import Default, InstanceShape
 from cspdiag.network.submodels import Flattened, flatten
 from cspdiag.syntax import ast
 
@@ -86,14 +88,33 @@ class Occurrences:
 
     def _fill(self, occurrence: Occurrence) -> None:
         placed = occurrence.placed
+        self._examine_variables(occurrence)
         for name, instance in placed.shape.instances.items():
             values = self._values(occurrence, instance)
+            self._examine_defaults(instance, values)
             if instance.shape.is_submodel:
                 law = self._law(instance, values, placed.samples.get(name))
                 if law is not None:
                     occurrence.children[name] = law
             else:
                 occurrence.children[name] = self._occurrence(placed.inside[name], values)
+
+    def _examine_variables(self, occurrence: Occurrence) -> None:
+        """Initial values are fixed before the program runs: one that overflows or is none is reported."""
+        for channel in occurrence.placed.shape.channels.values():
+            declaration = channel.declaration
+            if isinstance(declaration, ast.Variable) and not isinstance(channel.initial, LiteralValue | None):
+                assert declaration.initial is not None
+                values = {**occurrence.values, **channel.replicators}
+                evaluate(self.program, declaration.initial, values, self.report)
+
+    def _examine_defaults(self, instance: InstanceShape, values: dict[ast.Node, Value]) -> None:
+        """As ``_examine_variables``, for inputs that are left to their defaults."""
+        for port, element, _ in instance.shape.port_elements():
+            if isinstance(instance.attachments[element].target, Default):
+                default = port.symbol.declaration.default
+                assert default is not None
+                evaluate(self.program, default, values, self.report)
 
     def _values(self, occurrence: Occurrence, instance: InstanceShape) -> dict[ast.Node, Value]:
         definition = instance.shape.definition

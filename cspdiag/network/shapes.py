@@ -136,7 +136,18 @@ class ChannelShape:
     ``kind`` is inferred later; ``asked`` is the kind of the text.
     """
 
-    __slots__ = ("asked", "capacity", "declaration", "excused", "initial", "kind", "name", "span", "type")
+    __slots__ = (
+        "asked",
+        "capacity",
+        "declaration",
+        "excused",
+        "initial",
+        "kind",
+        "name",
+        "replicators",
+        "span",
+        "type",
+    )
 
     def __init__(self, name: str, declaration: ast.Variable | ast.Channel | ast.Connection, type_: Type, span: Span):
         self.name = name
@@ -149,6 +160,8 @@ class ChannelShape:
         self.kind: ChannelKind = "var"
         self.capacity: int | None = None
         self.initial: Expression | None = None
+        self.replicators: Mapping[ast.Node, Value] = {}
+        """Values of the replicators around the declaration of a variable."""
 
     @property
     def is_variable(self) -> bool:

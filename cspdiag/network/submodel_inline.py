@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import get_args
 
 from cspdiag.diagnostics import Report
+from cspdiag.model.diagnostics_equations import MissingEquation, UnconnectedInput
 from cspdiag.model.program import Program
 from cspdiag.model.types import UNKNOWN, ArrayType, Type, UnknownType
 from cspdiag.network.definitions import arguments_of
@@ -56,6 +57,20 @@ class Inlining(SubmodelSignals):
         """The instance of that name inside this one."""
         return self.inner.get(name)
 
+    def refuse_instance(self, name: str, indexes: Sequence[ast.Expression]) -> None:
+        """There is no such instance inside this one; where it is none of an array that is told."""
+        self.draft.complete = False
+        for item in self.definition.items:
+            if isinstance(item, ast.Instance) and item.name.text == name and item.size is not None and indexes:
+                count = item.size.count if isinstance(item.size, ast.Replicator) else item.size
+                self.refuse_index(indexes[-1], f"the array of instances `{name}`", self.size(count), item.name.span)
+
+    def _refuse(self, missing: MissingEquation | UnconnectedInput) -> None:
+        """An element has no equation, which may be because another one was refused."""
+        if self.draft.concrete and self.draft.complete:
+            self.report.add(missing)
+        self.draft.complete = False
+
     def run(self) -> None:
         """Add the states and equations of the definition; inputs are left to who instantiates it."""
         if len(self.draft.equations) > MOST_EQUATIONS:
@@ -77,6 +92,10 @@ class Inlining(SubmodelSignals):
             self._item(item)
         for key, instance in self.inner.items():
             instance.close(key)
+        for port, key, _ in self.ports("out"):
+            if key not in self.draft.equations:
+                element, owner = key.removeprefix(self.prefix), self.definition.name.text
+                self._refuse(MissingEquation(port.port.span, name=element, owner=owner))
 
     def close(self, name: str) -> None:
         """After the inputs were connected: defaults for the others; an external body becomes a call."""
@@ -85,7 +104,8 @@ class Inlining(SubmodelSignals):
                 continue
             default = port.declaration.default
             if default is None:
-                self.draft.complete = False
+                names, declared = (key.removeprefix(self.prefix),), port.port.span
+                self._refuse(UnconnectedInput(self.draft.owner, names=names, instance=name, declared=declared))
                 continue
             self.draft.equation(key, self.constant(default), port.port.span, kind=kind)
         if self.definition.external:
@@ -157,7 +177,7 @@ class Inlining(SubmodelSignals):
         else:
             name = target.name.text + "".join(f"[{self.index(index)}]" for index in target.indexes)
             if name not in self.inner:
-                self.draft.complete = False
+                self.refuse_instance(target.name.text, target.indexes)
                 return
             owner, port, indexes = self.inner[name], target.member.text, target.member_indexes
             symbol = owner.scope.ports.get(port)
@@ -169,7 +189,10 @@ class Inlining(SubmodelSignals):
             # Elements of an array of ports are counted through, the last index running fastest.
             flat = 0
             for index, dimension in zip(indexes, symbol.port.dimensions, strict=False):
-                flat = flat * owner.size(dimension) + self.index(index)
+                size, value = owner.size(dimension), self.index(index)
+                if not 0 <= value < size:
+                    self.refuse_index(index, f"the array of ports `{symbol.name}`", size, symbol.port.span)
+                flat = flat * size + value
             key += f"[{flat}]"
         kind = owner.declared(symbol.declaration.type, symbol.type)
         self.draft.equation(key, self.value(item.value, key), item.span, symbol.declaration.doc, kind)
@@ -186,10 +209,10 @@ class Inlining(SubmodelSignals):
         surroundings = Surroundings(path=path, environment=self.surroundings.environment)
         for name, values in self._elements_of(instance):
             context = LoweringContext(values=values, lower_name=self.lower_name, lower_call=self.lower_call)
-            arguments = {
-                parameter: lower_expression(self.program, argument, context)
-                for parameter, argument in arguments_of(definition.parameters, instance.arguments)
-            }
+            arguments = {}
+            for parameter, argument in arguments_of(definition.parameters, instance.arguments):
+                self.examine(argument, values)
+                arguments[parameter] = lower_expression(self.program, argument, context)
             self.inner[name] = nested(
                 self.program, self.draft, definition, self.report, surroundings, self.prefix + name, arguments
             )
@@ -266,6 +289,9 @@ class Inlining(SubmodelSignals):
         names = PARAMETERS[expression.function.text]
         if expression in self.program.poisoned or len(positional) != len(names):
             return None
+        for argument, value in zip(names, positional, strict=True):
+            if argument != "x":
+                self.examine(value)
         values = [lower_expression(self.program, value, self.context) for value in positional]
         if any(isinstance(part.type, UnknownType) for value in values for part in walk(value)):
             return None

@@ -110,6 +110,8 @@ def _delay(draft: Draft, use: Application, report: Report) -> Expression | None:
     length = draft.value_of(count)
     if length is None and not draft.concrete:
         length = 1
+    if length is None:
+        return None
     if not isinstance(length, int) or not 1 <= length <= LONGEST_DELAY:
         problem = f"a delay by {length} samples: it takes from 1 to {LONGEST_DELAY}"
         report.add(ValueOutOfRange(count.span or use.span, problem))

@@ -7,12 +7,14 @@ name itself, which then stands in its place.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 
 from cspdiag.diagnostics import Report, Span
 from cspdiag.diagnostics.record import node
-from cspdiag.model.program import BuiltinSymbol, PortSymbol, Program, Scope
+from cspdiag.model.evaluate import evaluate
+from cspdiag.model.program import BuiltinSymbol, PortSymbol, Program, Scope, Value
 from cspdiag.model.types import ArrayType, RealType, TimeType, Type
+from cspdiag.network.diagnostics_arrays import IndexOutOfRange
 from cspdiag.network.diagnostics_submodels import TimeOutsideEnvironment
 from cspdiag.network.expressions import (
     ArrayElements,
@@ -28,6 +30,7 @@ from cspdiag.network.submodel_draft import SECONDS, Draft
 from cspdiag.syntax import ast
 
 MOST_ELEMENTS = 20_000
+NO_VALUES: Mapping[ast.Node, Value] = {}
 
 
 @node
@@ -68,6 +71,10 @@ class SubmodelSignals:
         """The instance of that name inside this one."""
         raise NotImplementedError
 
+    def refuse_instance(self, name: str, indexes: Sequence[ast.Expression]) -> None:
+        """There is no such instance inside this one."""
+        raise NotImplementedError
+
     def lower_call(self, expression: ast.Call) -> Expression | None:
         """What a call stands for if it is not that of a function."""
         raise NotImplementedError
@@ -103,13 +110,40 @@ class SubmodelSignals:
         return known
 
     def constant(self, expression: ast.Expression) -> Expression:
-        """An expression over parameters and constants."""
+        """An expression over parameters and constants, whose value the program begins with: one that has none is reported."""
+        self.examine(expression)
         return lower_expression(self.program, expression, self.context)
+
+    def examine(self, expression: ast.Expression, replicators: Mapping[ast.Node, Value] = NO_VALUES) -> None:
+        """Report what goes wrong in an expression that is computed before the program runs, once the parameters are known."""
+        if self.draft.concrete and not isinstance(expression, ast.Number | ast.Duration | ast.Boolean):
+            evaluate(self.program, expression, {**self._values(), **replicators}, self.report)
+
+    def _values(self) -> dict[ast.Node, Value]:
+        """Values of the parameters of the definition."""
+        values: dict[ast.Node, Value] = {}
+        for parameter in self.definition.parameters:
+            argument = self.parameters.get(parameter)
+            given = self.draft.arguments.get(parameter.name.text)
+            value = given if argument is None else self.draft.value_of(argument)
+            if value is not None:
+                values[parameter] = value
+        return values
 
     def index(self, expression: ast.Expression) -> int:
         """The value of an index."""
         value = self.draft.value_of(self.constant(expression))
         return value if isinstance(value, int) else 0
+
+    def refuse_index(self, expression: ast.Expression, what: str, size: int, declared: Span) -> None:
+        """There is no such element of an array of ports or instances."""
+        self.draft.complete = False
+        if self.draft.concrete:
+            self.report.add(
+                IndexOutOfRange(
+                    span=expression.span, index=self.index(expression), what=what, size=size, declared=declared
+                )
+            )
 
     def lower_name(self, use: ast.Name | ast.Member | ast.Reference) -> Expression | None:
         """What a name in an equation stands for; None for constants, replicators and literals of enums."""
@@ -170,16 +204,16 @@ class SubmodelSignals:
         symbol = self.program.members.get(use)
         if not isinstance(symbol, PortSymbol):
             return None
-        indexes: list[int] = []
+        chosen: list[ast.Expression] = []
         instance = use.value
         while isinstance(instance, ast.Index):
-            indexes.insert(0, self.index(instance.index))
+            chosen.insert(0, instance.index)
             instance = instance.value
         if not isinstance(instance, ast.Name):
             return None
-        owner = self.instance(instance.name + "".join(f"[{index}]" for index in indexes))
+        owner = self.instance(instance.name + "".join(f"[{self.index(index)}]" for index in chosen))
         if owner is None:
-            self.draft.complete = False
+            self.refuse_instance(instance.name, chosen)
             return None
         return owner._port(symbol, use.span)
 

@@ -48,11 +48,12 @@ def complete(system: SubmodelClass, draft: Draft, report: Report) -> SubmodelCla
     _discretize(draft, report)
     # Discretization gives values to constants of a closed system.
     items = tuple(draft.equations[item.name] for item in items)
-    constants, equations = _constants_apart(items, outputs)
+    constants, equations = _constants_apart(draft, items, outputs)
     kept = _alive(draft, constants, equations, outputs)
     constants = tuple(item for item in constants if item.name in kept)
     plain = tuple(item for item in equations if not kept.isdisjoint(provides(item)))
-    equations, following = assured_law(plain, draft.next_values, outputs)
+    untested = [item.name for item in constants if draft.value_of(item.value) is None]
+    equations, following = assured_law(plain, draft.next_values, outputs, untested)
     moving = [replaced(item, value=within_domains(item.value)) for item in _while_integrating(draft, plain)]
     slopes = {name: within_domains(value) for name, value in draft.derivatives.items()}
     equations, next_values = _computed_first(draft, equations, following)
@@ -98,9 +99,12 @@ def _shown(loop: tuple[Item, ...], draft: Draft) -> AlgebraicLoop:
 
 
 def _constants_apart(
-    items: tuple[Item, ...], outputs: set[str]
+    draft: Draft, items: tuple[Item, ...], outputs: set[str]
 ) -> tuple[tuple[SubmodelEquation, ...], tuple[Item, ...]]:
-    """Equations over parameters only, and the others. An output is written at every sample, even if it never changes."""
+    """Equations over parameters only, and the others.
+
+    An output is written at every sample, even if it never changes; and what faults does so in each run of the law, not before the first.
+    """
     constants: list[SubmodelEquation] = []
     known: set[str] = set()
     equations: list[Item] = []
@@ -110,12 +114,18 @@ def _constants_apart(
             and item.name not in outputs
             and known.issuperset(reads(item))
             and not _reads_time(item.value)
+            and not _faults(draft, item.value)
         ):
             constants.append(item)
             known.add(item.name)
         else:
             equations.append(item)
     return tuple(constants), tuple(equations)
+
+
+def _faults(draft: Draft, expression: Expression) -> bool:
+    """Whether the evaluation of an expression over parameters ends in a fault."""
+    return may_fault(within_domains(expression)) and draft.value_of(expression) is None
 
 
 def _reads_time(expression: Expression) -> bool:

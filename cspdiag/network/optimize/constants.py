@@ -142,7 +142,15 @@ def _known_signals(entry: ProcessClass) -> dict[str, Known]:
         elif isinstance(part, InputRead):
             found[part.name] = None
 
-    return {name: value for name, value in found.items() if _is_known(value, states)}
+    known = {name: value for name, value in found.items() if _is_known(value, states)}
+    return {name: _behind(value, known) for name, value in known.items()}
+
+
+def _behind(value: Known, known: Mapping[str, Known]) -> Known:
+    """What a signal that stands for another one stands for in the end: the one between may be gone before it is looked at again."""
+    while isinstance(value, SignalValue) and value.name in known:
+        value = known[value.name]
+    return value
 
 
 def _is_known(value: Expression | None, states: set[str]) -> TypeGuard[Known]:

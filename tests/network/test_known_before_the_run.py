@@ -1,0 +1,126 @@
+"""What a program begins with is computed before it runs: a value that is none is an error of the program, and no fault of the run."""
+
+from __future__ import annotations
+
+import pytest
+
+from cspdiag import pipeline
+from cspdiag.diagnostics import SourceFile
+from tests.conformance.targets import REFERENCE, TARGETS
+
+LAW = """
+submodel Law(k: int8, word: int, size: double) {{
+  in  u : int8
+  out y : int8
+  {}
+}}
+submodel Inner(k: int8) {{
+  in  u : int8 = k + k
+  out y : int8
+  y = u + k
+}}
+submodel Pair(k: int8) {{
+  in  u[2] : int8
+  out y    : int8
+  y = u[0] + u[1] + k
+}}
+process Main(k: int8 = 100, word: int = 3, size: double = 1e300) {{
+  in  u : int8
+  out y : int8
+  communication {{ law : Law(k, word, size)  u -> law.u  law.y -> y }}
+  composition {{ law }}
+}}
+"""
+
+PROCESS = """
+process Inner(k: int8, word: int) {{
+  in  u : int8{}
+  out y : int8
+  communication {{ {} }}
+  composition {{ y ! k }}
+}}
+process Main(k: int8 = 100, word: int = 3, size: double = 1e300) {{
+  out y : int8
+  communication {{ inner : Inner({}, word)  inner.y -> y }}
+  composition {{ inner }}
+}}
+"""
+
+
+def found(text: str) -> list[tuple[str, str]]:
+    """The errors of a program that is compiled, with the texts that they mark."""
+    source = SourceFile(name="case.csp", text=text)
+    report = pipeline.build(source, lambda _: source).checked.report
+    return [(d.code, d.span.text) for d in report.diagnostics if d.severity == "error"]
+
+
+@pytest.mark.parametrize(
+    ("items", "code", "place"),
+    [
+        ("state s : int8 = k + k  next s = u  y = s", "E0902", "k + k"),
+        ("state s : double = size * size  next s = 0  y = if s > 0 then u else k", "E0902", "size * size"),
+        ("state s : int = 1 / (word - 3)  next s = 0  y = if s > 0 then u else k", "E0903", "1 / (word - 3)"),
+        ("y = pre(u, -k - k)", "E0902", "-k - k"),
+        ("y = delay(u, 1 / (word - 3), k)", "E0903", "1 / (word - 3)"),
+        ("inner : Inner(k)  y = inner.y", "E0902", "k + k"),
+        ("inner : Inner(k * k)  inner.u = u  y = inner.y", "E0902", "k * k"),
+        ("inner[3] : Inner(int8(1))  y = inner[word].y", "E0503", "word"),
+        ("inner[3] : Inner(int8(1))  inner[word].u = u  y = inner[0].y", "E0503", "word"),
+        ("pair : Pair(k)  pair.u[0] = u  pair.u[word] = u  y = pair.y", "E0503", "word"),
+        ("pair : Pair(k)  pair.u[0] = u  y = pair.y", "E0406", "Law"),
+    ],
+)
+def test_law(items: str, code: str, place: str) -> None:
+    assert found(LAW.format(items)) == [(code, place)]
+
+
+def test_elements_of_outputs_of_a_law() -> None:
+    text = LAW.replace("out y : int8\n  {}", "out y[2] : int8\n  {}").replace(
+        "law.y -> y", "law.y[0] -> y law.y[1] -> _"
+    )
+    assert found(text.format("y[0] = u  y[word] = u")) == [("E0503", "word")]
+    assert found(text.format("y[0] = u")) == [("E0401", "y[2]")]
+    assert found(text.format("y[0] = u  y[word - 2] = u")) == []
+
+
+@pytest.mark.parametrize(
+    ("default", "declarations", "argument", "code", "place"),
+    [
+        (" = 0", "var v : int8 = k + k", "k", "E0902", "k + k"),
+        (" = 0", "var v : double = 1 / double(word - 3)", "k", "E0903", "1 / double(word - 3)"),
+        (" = 0", "var v : int[2] = [[1, 2], [3, 4]][word]", "k", "E0904", "word"),
+        (" = 0", "for i < 3 { var v : int8 = k * int8(i) }", "k", "E0902", "k * int8(i)"),
+        (" = k + k", "var v : int8 = 0", "k", "E0902", "k + k"),
+        (" = 0", "var v : int8 = 0", "k + k", "E0902", "k + k"),
+    ],
+)
+def test_process(default: str, declarations: str, argument: str, code: str, place: str) -> None:
+    assert found(PROCESS.format(default, declarations, argument)) == [(code, place)]
+
+
+def test_default_of_a_port_may_use_parameters() -> None:
+    """It has the values of the instance, whatever the parameters of the process around it are called."""
+    text = """
+process Inner(k: int) {
+  in  u : int = 2 * k
+  out y : int
+  communication { var v : int = 0 }
+  composition { u ? v ; y ! v }
+}
+submodel Law(k: int) {
+  in  u : int = 3 * k
+  out y : int
+  y = u
+}
+process Main {
+  out y : int
+  communication { one : Inner(5)  two : Inner(k = 7)  law : Law(11)  one.y, two.y, law.y -> y }
+  composition { one ; two ; law }
+}
+environment Bench for Main { y -> _ }
+"""
+    source = SourceFile(name="case.csp", text=text)
+    network = pipeline.build(source, lambda _: source).network
+    assert network is not None
+    for target in (REFERENCE, TARGETS["specification"], TARGETS["python-O1"]):
+        assert [value for *_, value, _, _ in target.run(network, None, 10).trace] == [10, 14, 33]
