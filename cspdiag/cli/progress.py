@@ -1,10 +1,11 @@
 """The line that tells while a program runs: simulated time, speed, and the mode of each part.
 
-On a terminal it is rewritten all the time; into a file or a pipe a new one is written once in a while.
+On a terminal it is rewritten all the time, unless somebody else works there now; into a file or a pipe a new one is written once in a while.
 """
 
 from __future__ import annotations
 
+import os
 import sys
 import threading
 import time
@@ -30,6 +31,15 @@ class Running(Protocol):
     def now(self) -> int:
         """The present instant in nanoseconds."""
         ...
+
+
+def is_in_foreground() -> bool:
+    """Whether this process is one of those that the terminal of standard error is for now: a shell has not put it into the background."""
+    try:
+        return os.tcgetpgrp(sys.stderr.fileno()) == os.getpgrp()
+    except (OSError, AttributeError):
+        # It is not the terminal that controls this process, or the system knows no such thing.
+        return True
 
 
 class Progress:
@@ -65,14 +75,15 @@ class Progress:
     ) -> None:
         self._ended.set()
         self._thread.join()
-        if self._is_terminal:
+        if self._is_terminal and is_in_foreground():
             put("\r\x1b[K")
 
     def _show(self) -> None:
         while not self._ended.wait(self._interval):
-            if self._network is not None:
-                put(f"\r\x1b[K{self.line()}" if self._is_terminal else f"{self.line()}\n")
-                self.written += 1
+            if self._network is None or (self._is_terminal and not is_in_foreground()):
+                continue
+            put(f"\r\x1b[K{self.line()}" if self._is_terminal else f"{self.line()}\n")
+            self.written += 1
 
     def line(self) -> str:
         """The text of the line at this moment."""

@@ -91,10 +91,13 @@ def run(arguments: Namespace) -> int:
     if until is None and not arguments.quiet:
         _tell_of_no_end(built.network)
     from cspdiag.cli.conclude import conclude
+    from cspdiag.runtime.job_control import stay_running
     from cspdiag.runtime.signals import name_of_signal
     from cspdiag.runtime.stopping import HandlerFailed, Stopped, stopping
 
     with stopping.until_exit(lambda text: say(f"cspdiag: {text}")) if arguments.whole_process else stopping:
+        if arguments.whole_process:
+            stay_running(real_time=arguments.real_time)
         try:
             result = _simulate(arguments, built.network, until)
         except Stopped as stopped:

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple, TypeVar
 from .drivers import Driver
 from .durations import ms, ns, s, shown, us
 from .exceptions import described
+from .job_control import stay_running
 from .network import Network
 from .outcome import Outcome
 from .signals import name_of_signal
@@ -49,6 +50,7 @@ def main(name: str, load: Callable[[], Program], arguments: Sequence[str] | None
         try:
             with stopping.raising():
                 given, environment, network = _prepared(name, load, arguments)
+                stay_running(real_time=given.real_time)
         except Stopped as stopped:
             return _say(f"{name}: stopped by {name_of_signal(stopped.signal)} before it began", stopped.exit_code)
         except HandlerFailed as failed:

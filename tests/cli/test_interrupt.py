@@ -11,6 +11,8 @@ from pathlib import Path
 
 import pytest
 
+from cspdiag.cli.main import main
+
 ROOT = Path(__file__).parents[2]
 
 DRIVEN = """\
@@ -45,8 +47,12 @@ class Lamp:
 
 
 def start(folder: Path, *arguments: str) -> subprocess.Popen[str]:
+    return start_python(folder, "cspdiag", *arguments)
+
+
+def start_python(folder: Path, *arguments: str) -> subprocess.Popen[str]:
     return subprocess.Popen(
-        [sys.executable, "-m", "cspdiag", *arguments],
+        [sys.executable, "-m", *arguments],
         cwd=folder,
         env={**os.environ, "PYTHONPATH": str(ROOT)},
         stdin=subprocess.PIPE,
@@ -91,3 +97,28 @@ def test_a_run_releases_its_outputs_and_closes_its_recordings(tmp_path: Path, op
     assert (tmp_path / "last").read_text() == "0"
     assert (tmp_path / "blink.csv").read_text().startswith("time,light\n")
     assert (tmp_path / "blink.jsonl").read_text().endswith("}\n")
+
+
+SLOW_IMPORT = """\
+import pathlib, time
+pathlib.Path("importing").touch()
+time.sleep(60)
+"""
+
+
+def test_while_the_command_is_still_loaded(tmp_path: Path) -> None:
+    (tmp_path / "argparse.py").write_text(SLOW_IMPORT)
+    process = start(tmp_path, "--version")
+    wait_for(tmp_path / "importing", process)
+    assert interrupt(process) == (130, "", "")
+
+
+def test_while_a_package_is_still_loaded(tmp_path: Path) -> None:
+    (tmp_path / "blink.csp").write_text(DRIVEN)
+    (tmp_path / "lamp.py").write_text(LAMP)
+    assert main(["compile", str(tmp_path / "blink.csp"), "-o", str(tmp_path)]) == 0
+    folder = tmp_path / "blink"
+    (folder / "argparse.py").write_text(SLOW_IMPORT)
+    process = start_python(folder, "blink")
+    wait_for(folder / "importing", process)
+    assert interrupt(process) == (130, "", "")

@@ -3,20 +3,28 @@
 from __future__ import annotations
 
 import sys
+from typing import TYPE_CHECKING
 
-from .runtime.command_line import Program
-from .runtime.command_line import main as run
+if TYPE_CHECKING:
+    from .runtime.command_line import Program
 
 
 def main() -> int:
     """Run as the command line says; the exit code."""
-    return run("dining", _load)
+    try:
+        from .runtime.command_line import main as run
+
+        return run("dining", _load)
+    except KeyboardInterrupt:
+        # It came while this was loaded; a run ends by it in words.
+        return 130
 
 
 def _load() -> Program:
     """Import the program: a signal that comes meanwhile ends it in words."""
     from .environments import ENVIRONMENTS
     from .network import PORTS, build
+    from .runtime.command_line import Program
 
     return Program(build, ENVIRONMENTS, PORTS)
 
