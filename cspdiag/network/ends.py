@@ -169,21 +169,26 @@ def _nested(readers: list[tuple[object, Path]]) -> tuple[dict[object, int], int]
 
 
 def _one_by_one(readers: dict[object, list[Path]]) -> dict[object, int]:
-    """Ends for readers some of which run at several places: the first end that no parallel reader has."""
+    """Ends for readers some of which run at several places: the first end that no parallel reader has.
+
+    Two places are parallel if they are in different branches of a parallel that is around both.
+    """
     ends: dict[object, int] = {}
+    branch_of: dict[int, dict[int, int | None]] = {}
+    """By parallel and end, the branch that has the end; None if several have."""
     for identity, paths in readers.items():
-        taken = {ends[other] for other in ends if any(_parallel(path, its) for path in paths for its in readers[other])}
-        ends[identity] = next(end for end in range(len(readers)) if end not in taken)
+        around = {place for path in paths for place in path}
+        taken = {
+            end
+            for number, branch in around
+            for end, other in branch_of.get(number, {}).items()
+            if other is None or other != branch
+        }
+        ends[identity] = mine = next(end for end in range(len(readers)) if end not in taken)
+        for number, branch in around:
+            known = branch_of.setdefault(number, {})
+            known[mine] = branch if known.get(mine, branch) == branch else None
     return ends
-
-
-def _parallel(one: Path, other: Path) -> bool:
-    for (number, branch), (other_number, other_branch) in zip(one, other, strict=False):
-        if number != other_number:
-            return False
-        if branch != other_branch:
-            return True
-    return False
 
 
 def with_ends(action: Action, ends: ReadingEnds) -> Action:

@@ -71,6 +71,20 @@ environment Bench for Top {{ source : Source source.u -> x source.u -> limits[3]
 """
 
 
+def runs_of_laws(n: int) -> str:
+    """Two laws that read one variable, run one after the other again and again."""
+    return f"""submodel Law {{ in x : double out y : double y = 2 * x }}
+process Top {{
+  communication {{
+    one : Law other : Law
+    var x : double = 1 var y : double var z : double
+    x -> one.x one.y -> y x -> other.x other.y -> z
+  }}
+  composition {{ seq i < {n} : (one ; other) }}
+}}
+"""
+
+
 def compiled(text: str) -> None:
     """Check, and generate all packages, or show what is wrong."""
     built = pipeline.build(SourceFile(name="large.csp", text=text), read_source)
@@ -86,3 +100,12 @@ def test_twice_the_size_is_hardly_more_than_twice_the_work(shape: Callable[[int]
     compiled(shape(8))
     small, large = (calls(partial(compiled, shape(n))) for n in (24, 48))
     assert large <= MOST * small
+
+
+def test_reading_ends_of_laws_that_run_at_many_places() -> None:
+    def lowering(n: int) -> int:
+        checked = pipeline.check(SourceFile(name="runs.csp", text=runs_of_laws(n)), read_source)
+        return calls(partial(pipeline.compile_network, checked))
+
+    lowering(8)
+    assert lowering(400) <= MOST * lowering(200)
