@@ -45,9 +45,9 @@ def image(package: Path, trouble: str) -> Path:
     return made
 
 
-def emulated(package: Path, trouble: str) -> tuple[int, list[str]]:
+def emulated(package: Path, trouble: str, *options: str) -> tuple[int, list[str]]:
     """The status of the emulator, and what came by the serial line."""
-    command: list[str | Path] = [*MACHINE, *CLOCK, "-kernel", image(package, trouble)]
+    command: list[str | Path] = [*MACHINE, *CLOCK, *options, "-kernel", image(package, trouble)]
     completed = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
     return completed.returncode, completed.stdout.splitlines()
 
@@ -83,12 +83,47 @@ def test_a_device_slower_than_its_period_misses_samples(package: Path) -> None:
 
 @pytest.mark.parametrize(
     "trouble",
-    ["fault", "undefined instruction", "unexpected interrupt", "fault in an interrupt", "fault in a safe value"],
+    [
+        *("fault", "undefined instruction", "unexpected interrupt", "fault in an interrupt", "fault in a safe value"),
+        *("interrupt without a handler", "read overflows", "read overflows and safe value overflows"),
+    ],
 )
 def test_a_fault_of_the_processor_releases_the_outputs(package: Path, trouble: str) -> None:
     status, lines = emulated(package, trouble)
     assert status == 1
+    assert [line for line in lines[2:] if line] == BOTH
+
+
+@pytest.mark.parametrize(
+    ("trouble", "status"),
+    [
+        ("read exits", 0),
+        ("read exits and safe value exits", 0),
+        ("exit in an interrupt", 0),
+        ("read aborts", 1),
+        ("read asserts", 1),
+    ],
+)
+def test_an_end_of_the_library_releases_the_outputs(package: Path, trouble: str, status: int) -> None:
+    found, lines = emulated(package, trouble)
+    assert found == status
     assert lines[2:] == BOTH
+
+
+def test_a_watchdog_is_kicked_by_a_program_that_goes_on(package: Path) -> None:
+    _, lines = emulated(package, "polled and watchdog")
+    assert lines[2:-2] == ["lamp", *BOTH, "sampled 10", "ending 0"]
+
+
+def test_a_watchdog_that_warns_releases_the_outputs_of_one_that_hangs(package: Path) -> None:
+    status, lines = emulated(package, "read hangs and watchdog")
+    assert status == 1
+    assert lines[2:] == BOTH
+
+
+def test_a_watchdog_resets_the_board_where_a_safe_value_hangs(package: Path) -> None:
+    _, lines = emulated(package, "polled, safe value hangs and watchdog", "-no-reboot")
+    assert lines[2:] == ["lamp", *BOTH]
 
 
 def test_firmware_has_no_heap(package: Path) -> None:

@@ -1,4 +1,5 @@
-/* What a Cortex-M does after reset: memory as C expects it, then main; and after a fault of the processor: safe values at the outputs.
+/* What a Cortex-M does after reset: memory as C expects it, then main; and after a fault of the processor, exit, abort or a failed assertion:
+ * safe values at the outputs.
  *
  * Interrupts of devices have their handlers in a table of your own behind that of the processor:
  *
@@ -17,9 +18,22 @@ extern uint32_t csp_data_end[];
 extern const uint32_t csp_data_in_flash[];
 extern uint32_t csp_zero_begin[];
 extern uint32_t csp_zero_end[];
+extern uint32_t csp_stack_guard[] __attribute__((weak)); /* so much below the stack that is not to be touched; may be missing */
 
 #define CONFIGURATION (*(volatile uint32_t *)0xE000ED14U)
 #define HARD_FAULT_STATUS (*(volatile uint32_t *)0xE000ED2CU)
+#define COPROCESSORS (*(volatile uint32_t *)0xE000ED88U)
+#define FLOATING_POINT_CONTEXT (*(volatile uint32_t *)0xE000EF34U)
+#define PROTECTION_TYPE (*(volatile uint32_t *)0xE000ED90U)
+#define PROTECTION_CONTROL (*(volatile uint32_t *)0xE000ED94U)
+#define PROTECTION_REGION (*(volatile uint32_t *)0xE000ED98U)
+#define PROTECTION_BASE (*(volatile uint32_t *)0xE000ED9CU)
+#define PROTECTION_ATTRIBUTES (*(volatile uint32_t *)0xE000EDA0U)
+#define DISABLED_INTERRUPTS ((volatile uint32_t *)0xE000E180U)
+
+enum { REGIONS = 0xFF00, PROTECTS = 1, OTHERWISE_AS_USUAL = 4, NO_ACCESS = 1 << 28, OF_64_KIB = 15 << 1, IN_FORCE = 1 };
+
+enum { FLOATING_POINT = 0xF << 20, KEEPS_CONTEXT = 1, INTERRUPT_WORDS = 8, OF_HANDLER = 0x1FF };
 
 enum { TO_THREAD_FROM_ANY_LEVEL = 1, SEMIHOSTING_CALL = 0xBEAB, FRAME = 8, AT_PC = 6, AT_STATE = 7, THUMB = 1 << 24 };
 
@@ -33,9 +47,32 @@ void csp_reset(void);
 extern uint64_t csp_fault_stack[];
 uint64_t csp_fault_stack[FAULT_STACK];
 void csp_fault_entry(uint32_t *frame);
+/* What exit, abort and assert of the library end in. */
+void _exit(int status);
+void abort(void);
+void __assert_func(const char *file, int line, const char *function, const char *expression);
+
+static volatile bool successful; /* the end in an interrupt */
+
+/* Who writes below the stack faults, where the processor can see to it. */
+static void guard_stack(void)
+{
+    if ((csp_stack_guard != NULL) && ((PROTECTION_TYPE & (uint32_t)REGIONS) != 0U)) {
+        PROTECTION_REGION = 0U;
+        PROTECTION_BASE = (uint32_t)(uintptr_t)csp_stack_guard;
+        PROTECTION_ATTRIBUTES = (uint32_t)NO_ACCESS | (uint32_t)OF_64_KIB | (uint32_t)IN_FORCE;
+        PROTECTION_CONTROL = (uint32_t)PROTECTS | (uint32_t)OTHERWISE_AS_USUAL;
+        __asm__ volatile("dsb\n\tisb");
+    }
+}
 
 void csp_reset(void)
 {
+    guard_stack();
+#ifdef __ARM_FP
+    COPROCESSORS |= (uint32_t)FLOATING_POINT;
+    __asm__ volatile("dsb\n\tisb");
+#endif
     (void)memcpy(csp_data_begin, csp_data_in_flash, (size_t)((char *)csp_data_end - (char *)csp_data_begin));
     (void)memset(csp_zero_begin, 0, (size_t)((char *)csp_zero_end - (char *)csp_zero_begin));
     csp_port_exit(main() == 0);
@@ -48,20 +85,84 @@ static void after_fault(void)
     csp_port_fatal("fault of the processor");
 }
 
-/* Nothing of what ran is left: the stack begins anew, for it may be the stack that is wrong. */
-static void go_on_after_fault(void)
+static void after_exit(void)
+{
+    csp_release_outputs();
+    csp_port_exit(successful);
+}
+
+/* Nothing of what ran is left: the stack begins anew, for it may be the stack that is wrong. Interrupts of devices are off: one that nobody
+ * handles would come for ever. That of the clock goes on. */
+__attribute__((noreturn)) static void go_on_with(void (*function)(void))
 {
     uint32_t *volatile end = csp_stack_end; /* as the linker has it: no object, for the compiler */
     uint32_t *const frame = end - FRAME;
+    for (uint32_t word = 0U; word < (uint32_t)INTERRUPT_WORDS; word++) {
+        DISABLED_INTERRUPTS[word] = UINT32_MAX;
+    }
     (void)memset(frame, 0, FRAME * sizeof *frame);
-    frame[AT_PC] = (uint32_t)(uintptr_t)after_fault & ~UINT32_C(1);
+    frame[AT_PC] = (uint32_t)(uintptr_t)function & ~UINT32_C(1);
     frame[AT_STATE] = (uint32_t)THUMB;
     CONFIGURATION |= (uint32_t)TO_THREAD_FROM_ANY_LEVEL;
-    __asm__ volatile("msr msp, %0\n\t"
+    FLOATING_POINT_CONTEXT &= ~(uint32_t)KEEPS_CONTEXT; /* which would be written to the old stack */
+    __asm__ volatile("dsb\n\t"
+                     "msr control, %2\n\t" /* privileged */
+                     "msr basepri, %2\n\t"
+                     "isb\n\t"
+                     "cpsie i\n\t"
+                     "msr msp, %0\n\t"
                      "bx %1"
                      :
-                     : "r"(frame), "r"(UINT32_C(0xFFFFFFF9)) /* to thread mode, with this stack */
+                     : "r"(frame), "r"(UINT32_C(0xFFFFFFF9)), /* to thread mode, with this stack */
+                       "r"(0U)
                      : "memory");
+    __builtin_unreachable();
+}
+
+/* In the handler of an interrupt device functions could not wait for the clock. */
+void _exit(int status)
+{
+    uint32_t exception = 0U;
+    __asm__ volatile("mrs %0, ipsr" : "=r"(exception));
+    successful = status == 0;
+    if ((exception & (uint32_t)OF_HANDLER) != 0U) {
+        go_on_with(after_exit);
+    }
+    after_exit();
+    for (;;) {
+        /* The end does not come back. */
+    }
+}
+
+/* That of the library looks for handlers of signals, and takes a heap for them. */
+void abort(void)
+{
+    csp_port_write("abort\n");
+    _exit(1);
+    for (;;) {
+        /* The end does not come back. */
+    }
+}
+
+void __assert_func(const char *file, int line, const char *function, const char *expression)
+{
+    char number[12];
+    size_t at = sizeof number - 1U;
+    uint32_t rest = (uint32_t)line;
+    (void)function;
+    number[at] = '\0';
+    do {
+        at--;
+        number[at] = (char)('0' + (char)(rest % 10U));
+        rest /= 10U;
+    } while (rest > 0U);
+    csp_port_write(file);
+    csp_port_write(":");
+    csp_port_write(&number[at]);
+    csp_port_write(": not so: ");
+    csp_port_write(expression);
+    csp_port_write("\n");
+    _exit(1);
 }
 
 void csp_fault_entry(uint32_t *frame)
@@ -73,7 +174,7 @@ void csp_fault_entry(uint32_t *frame)
             return;
         }
     }
-    go_on_after_fault();
+    go_on_with(after_fault);
 }
 
 /* Also of interrupts that no handler is there for. It has a stack of its own, and hands over what the processor has put on the other. */

@@ -25,6 +25,11 @@ int _write(int file, const char *text, int length)
     return length;
 }
 
+void csp_port_write(const char *text)
+{
+    (void)fputs(text, stdout);
+}
+
 void csp_port_exit(bool successful)
 {
     (void)fflush(stdout);

@@ -1,5 +1,8 @@
 /* The machine of devices/machine.csp on the emulated board: its button is a real interrupt, that of a timer, and texts go to its serial
  * line. TROUBLE says what is wrong. */
+#include <assert.h>
+#include <stdlib.h>
+
 #include "csp_external.h"
 #include "csp_port.h"
 #include "network.h"
@@ -11,9 +14,13 @@
 #define SERIAL_DATA (*(volatile uint32_t *)0x40004000U)
 #define SERIAL_CONTROL (*(volatile uint32_t *)0x40004008U)
 #define SERIAL_DIVISOR (*(volatile uint32_t *)0x40004010U)
+#define WATCHDOG_CYCLES (*(volatile uint32_t *)0x40008000U)
+#define WATCHDOG_CONTROL (*(volatile uint32_t *)0x40008008U)
+#define WATCHDOG_RELOAD (*(volatile uint32_t *)0x4000800CU)
 #define ENABLED_INTERRUPTS (*(volatile uint32_t *)0xE000E100U)
 
-enum { OF_TIMER = 8, TIMER_RUNS = 9, CYCLES = 25000 * 21, SERIAL_SENDS = 1, NOWHERE = 0x60000000 };
+enum { WARNS_AND_RESETS = 3 }; /* an NMI, and when the time has passed again a reset */
+enum { OF_TIMER = 8, TIMER_RUNS = 9, CYCLES = 25000 * 21, SERIAL_SENDS = 1, SERIAL_INTERRUPTS = 4, OF_SERIAL = 1, NOWHERE = 0x60000000 };
 
 static int polled;
 static int sampled;
@@ -22,6 +29,12 @@ static int turns;
 static bool is(const char *name)
 {
     return strcmp(TROUBLE, name) == 0;
+}
+
+/* Whether the name is a part of it. */
+static bool has(const char *name)
+{
+    return strstr(TROUBLE, name) != NULL;
 }
 
 static void write_text(const char *text)
@@ -50,12 +63,23 @@ static void fault(void)
     *(volatile uint32_t *)NOWHERE = 1U;
 }
 
+static int overflow(int depth)
+{
+    volatile char frame[256];
+    frame[0] = (char)depth;
+    return (depth < 0) ? frame[0] : (overflow(depth + 1) + frame[0]);
+}
+
 static void on_timer(void)
 {
     TIMER_CLEAR = 1U;
     TIMER_CONTROL = 0U;
     if (is("fault in an interrupt")) {
         fault();
+    } else if (is("exit in an interrupt")) {
+        exit(0);
+    } else {
+        /* It is the button. */
     }
     network_bring_button(true);
 }
@@ -65,6 +89,7 @@ void (*const interrupts[])(void) __attribute__((section(".vectors.devices"), use
 
 void csp_port_alive(void)
 {
+    WATCHDOG_RELOAD = 1U;
     turns++;
 }
 
@@ -86,6 +111,21 @@ static bool read_level(void *device, void *value)
             fault();
         } else if (is("undefined instruction")) {
             __asm__ volatile("udf #0");
+        } else if (has("read overflows")) {
+            say("deep ", overflow(0));
+        } else if (has("read exits")) {
+            exit(0);
+        } else if (is("read aborts")) {
+            abort();
+        } else if (is("read asserts")) {
+            assert(sampled < 5);
+        } else if (has("read hangs")) {
+            for (;;) {
+            }
+        } else if (is("interrupt without a handler")) {
+            SERIAL_CONTROL = SERIAL_SENDS | SERIAL_INTERRUPTS; /* stays until somebody takes it back */
+            ENABLED_INTERRUPTS = 1U << OF_SERIAL;
+            SERIAL_DATA = (uint32_t)'\n';
         } else if (is("unexpected interrupt")) {
             *(volatile uint32_t *)0xE000ED04U = 1U << 28U; /* PendSV */
         } else {
@@ -107,6 +147,15 @@ static void write_drive(void *device, const void *value)
         write_text("released drive\n");
         if (is("fault in a safe value")) {
             fault();
+        } else if (has("safe value overflows")) {
+            say("deep ", overflow(0));
+        } else if (has("safe value hangs")) {
+            for (;;) {
+            }
+        } else if (has("safe value exits")) {
+            exit(0);
+        } else {
+            /* It is safe. */
         }
     }
 }
@@ -137,7 +186,7 @@ static void look_at_critical_sections(void)
 static void run(void)
 {
     const struct network_drivers drivers = {
-        .button = {.read = (is("polled") || is("twice")) ? read_button : NULL},
+        .button = {.read = (has("polled") || is("twice")) ? read_button : NULL},
         .level = {.read = read_level},
         .drive = {.write = write_drive},
         .lamp = {.write = write_lamp},
@@ -161,8 +210,12 @@ static void run(void)
 
 int main(void)
 {
+    if (has("watchdog")) {
+        WATCHDOG_CYCLES = CYCLES;
+        WATCHDOG_CONTROL = WARNS_AND_RESETS;
+    }
     look_at_critical_sections();
-    if (strncmp(TROUBLE, "pressed", 7U) == 0 || is("fault in an interrupt")) {
+    if (strncmp(TROUBLE, "pressed", 7U) == 0 || has("in an interrupt")) {
         ENABLED_INTERRUPTS = 1U << OF_TIMER;
     }
     run();
