@@ -180,12 +180,19 @@ class Channels:
             case ("buffer" | "overwrite", _):
                 return bool(st.buffers.get(offer.channel))
             case ("broadcast", "?"):
-                return any(me.branch in op.pending for op, _ in self.plain(st, offer.channel, "!"))
+                if any(me.branch in op.pending for op, _ in self.plain(st, offer.channel, "!")):
+                    return True
+                others = set(self.linked.ends[offer.channel]) - {me.branch}
+                return bool(self._alternatives(st, offer, me)) and self._heard(st, offer.channel) >= others
             case ("broadcast", _):
-                waiting = {thread.branch for _, thread in self.plain(st, offer.channel, "?")}
-                return waiting >= set(self.linked.ends[offer.channel])
+                return self._heard(st, offer.channel) >= set(self.linked.ends[offer.channel])
             case _:
                 return bool(self.plain(st, offer.channel, OTHER[end]) or self._alternatives(st, offer, me))
+
+    def _heard(self, st: State, channel: str) -> set[int]:
+        """The ends of a broadcast at which a reader or a guard waits."""
+        plain = {thread.branch for _, thread in self.plain(st, channel, "?")}
+        return plain | {thread.branch for _, thread, _ in self.offers(st, channel, "?")}
 
     def _alternatives(self, st: State, offer: Offer, me: Thread) -> list[tuple[Offer, Thread, int | None]]:
         end = "?" if offer.kind == "read" else "!"
@@ -204,9 +211,36 @@ class Channels:
             self.policy.passed(offer.channel, value, external=False)
             self._resolve(st, thread, other, depth, value)
             return value
+        if kind == "broadcast":
+            return self._together(st, offer, me)
         done = self.attempt(st, op, me)
         assert done.done
         return done.value
+
+    def _together(self, st: State, offer: Offer, me: Thread) -> Value | None:
+        """A broadcast that a guard has chosen: at each end first the reader that waits there, then the alternatives."""
+        channel = offer.channel
+        value = offer.value
+        if offer.kind == "read":
+            if any(me.branch in op.pending for op, _ in self.plain(st, channel, "!")):
+                return self._hear(st, Op(channel, "?", None, offer.seq), me.branch).value
+            other, thread, depth = self._alternatives(st, offer, me)[0]
+            value = other.value
+            assert value is not None
+            self._resolve(st, thread, other, depth, value)
+        assert value is not None
+        guards = sorted(self.offers(st, channel, "?"), key=lambda each: each[0].seq)
+        readers = {thread.branch: (op, thread) for op, thread in self.plain(st, channel, "?")}
+        for end in self.linked.ends[channel]:
+            self.policy.passed(channel, value, external=False)
+            if offer.kind == "read" and end == me.branch:
+                continue
+            if end in readers:
+                self.complete(st, readers[end][1], readers[end][0], value)
+            else:
+                guard, thread, depth = next(each for each in guards if each[1].branch == end)
+                self._resolve(st, thread, guard, depth, value)
+        return value
 
     def _resolve(self, st: State, thread: Thread, offer: Offer, depth: int | None, value: Value) -> None:
         """Another alternative has chosen this guard."""

@@ -73,10 +73,11 @@ class Edge:
     written: tuple[tuple[str, Value], ...] = ()  # to external outputs, also to those that are latched
     moved: frozenset[Tid] = frozenset()  # the threads that went on
     visible: tuple[tuple[str, Value], ...] = ()  # reads and writes at external ports, in their order
+    offer: bool = False  # the environment offers an event
 
     @property
     def silent(self) -> bool:
-        return not self.passes and not self.written and not any(external for _, _, external in self.made)
+        return not self.offer and not self.passes and not self.written and not any(external for _, _, external in self.made)
 
 
 @dataclass
@@ -180,7 +181,7 @@ def _events(machine: Machine, st: State) -> Iterator[tuple[State, Edge]]:
             if st.events.get(port.name) != value:
                 after = st.copy()
                 machine.clock.bring(after, port, value)
-                yield after, Edge(-1, False, (), f"{port.name} offers {value}")
+                yield after, Edge(-1, False, (), f"{port.name} offers {value}", offer=True)
 
 
 def _went_on(before: Thread, after: Thread | None) -> bool:

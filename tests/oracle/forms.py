@@ -153,8 +153,7 @@ class Forms:
     def event(self, *, timed: bool = True) -> Event:
         choice = self.rng.random()
         communication = self.communication()
-        broadcast = {channel.name for channel in self.scope.writes if channel.kind == "broadcast"}
-        if communication is not None and choice < 0.75 and communication.channel not in broadcast:
+        if communication is not None and choice < 0.75:
             return communication
         if choice < 0.93 and timed and "time" not in self.without:
             return After(self.delay())
@@ -228,7 +227,7 @@ class Forms:
         beside = uses(body, {})
         read = [channel for channel in self.scope.reads if channel.name + "?" not in beside]
         write = [channel for channel in self.scope.writes if channel.name + "!" not in beside]
-        guard = Scope(self.scope.world, self.scope.owner, [c for c in read if c.kind != "broadcast"], write, [])
+        guard = Scope(self.scope.world, self.scope.owner, read, write, [])
         event = Forms(guard, self.without).event()
         if isinstance(event, Skip):
             event = After(self.delay())
@@ -284,5 +283,4 @@ class Forms:
                 return [*before, self.alternative(1), step, *after]
 
     def _may_guard(self, step: Read | Write) -> bool:
-        kinds = {channel.name: channel.kind for channel in self.scope.writes}
-        return isinstance(step, Read) or kinds.get(step.channel) not in (None, "broadcast")
+        return isinstance(step, Read) or step.channel in {channel.name for channel in self.scope.writes}

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from random import Random
 
-from tests.oracle.forms import Forms, forever
+from tests.oracle.forms import MS, Forms, forever
 from tests.oracle.scope import MODE, PAIR, TYPES, Scope, World
 from tests.oracle.text import uses
 from tests.oracle.tree import INT, Channel, Comp, Mu, Par, Port, Program, Read, Wait, Write
@@ -27,8 +27,8 @@ def _ends(rng: Random, kind: str, count: int) -> tuple[list[int], list[int]]:
     return order[:1], order[1:2]
 
 
-def closed(seed: int, *, without: frozenset[str] = frozenset()) -> Program:
-    """A program without inputs."""
+def closed(seed: int, *, without: frozenset[str] = frozenset(), inputs: bool = False) -> Program:
+    """A program without inputs; or with some, of events and of samples."""
     rng = Random(seed)
     world = World(rng, rich=rng.random() < 0.4)
     count = rng.choice([2, 2, 3, 3, 4])
@@ -49,6 +49,12 @@ def closed(seed: int, *, without: frozenset[str] = frozenset()) -> Program:
         if rng.random() < 0.4:
             ports.append(Port(f"o{scope.owner}", False, INT))
             scope.outputs.append(ports[-1].name)
+    if inputs:
+        for scope in rng.sample(scopes, rng.choice([1, 1, 2])):
+            period = rng.choice([None, None, 2 * MS, 5 * MS])
+            domain = (0, 1) if rng.random() < 0.6 else (0,)
+            ports.append(Port(f"i{scope.owner}", True, INT, period, domain=domain, values=((0, 0), (4_500_000, 1))))
+            scope.reads += [Channel(ports[-1].name, INT, "sampled" if period else "event")] * 2
     bodies = _scripted(world, scopes, ends, without) if rng.random() < 0.6 else _free(scopes, without)
     bodies = _both_sides(bodies, world.channels, scopes)
     if rng.random() < 0.25:
@@ -58,7 +64,11 @@ def closed(seed: int, *, without: frozenset[str] = frozenset()) -> Program:
         body=Par(tuple(bodies), prioritized=rng.random() < 0.2),
         channels=tuple(world.channels),
         variables=tuple(world.variables),
-        ports=tuple(port for port in ports if any(port.name + "!" in uses(body, {}) for body in bodies)),
+        ports=tuple(
+            port
+            for port in ports
+            if any(port.name + ("?" if port.input else "!") in uses(body, {}) for body in bodies)
+        ),
         enums=(MODE,),
         structs=(PAIR,),
         exceptions=tuple(sorted(world.exceptions)),

@@ -78,6 +78,12 @@ class Machine(Parallels, Guards, Laws):
         best = min(st.threads[tid].priority for tid in st.ready)
         return [tid for tid in st.ready if st.threads[tid].priority == best]
 
+    def more_comes(self, st: State) -> bool:
+        """Whether anything that comes by itself can wake a process, or has still to be handed over."""
+        if st.latches or self.clock.dues(st):
+            return True
+        return any(end in self.linked.ports for end in self.awaited(st))
+
     def awaited(self, st: State) -> set[str]:
         """The channels and ports that somebody waits for."""
         found: set[str] = set()

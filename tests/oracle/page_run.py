@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 from tests.oracle.link import link
 from tests.oracle.machine import Machine
 from tests.oracle.policy import Unwitnessed
-from tests.oracle.state import State
 from tests.oracle.tree import Program, Value
 
 Communication = tuple[int, str, Value]
@@ -45,7 +44,7 @@ def page_run(program: Program, until: int, steps: int = 20000) -> PageRun:
             machine.run(st, candidates[0])
         else:
             instant = machine.clock.next_instant(st)
-            if instant is None or not _awaited(machine, st):
+            if instant is None or not machine.more_comes(st):
                 run.ending = "deadlock"
                 break
             if instant > until:
@@ -59,11 +58,3 @@ def page_run(program: Program, until: int, steps: int = 20000) -> PageRun:
         run.ending = "too long"
     run.time, run.missed, run.timeout = st.now, st.missed, st.timeout
     return run
-
-
-def _awaited(machine: Machine, st: State) -> bool:
-    """Whether anything that comes by itself can wake a process, or has still to be handed over."""
-    if st.latches or machine.clock.dues(st):
-        return True
-    inputs = {port.name for port in machine.linked.program.ports if port.input}
-    return any(end in inputs for end in machine.awaited(st))

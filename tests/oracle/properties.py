@@ -34,8 +34,7 @@ def deadlock_free(graph: Graph) -> Answer:
         if found:
             names = ", ".join(".".join(str(branch) for _, branch in tid) or "root" for tid in found)
             return _found(graph, index, f"{names} wait for ever at {st.now} ns")
-        idle = st.ended is None and not graph.machine.candidates(st)
-        if idle and graph.machine.clock.next_instant(st) is None:
+        if st.ended is None and not graph.machine.candidates(st) and not graph.machine.more_comes(st):
             return _found(graph, index, f"nothing happens any more from {st.now} ns on")
     answer = _none(graph)
     if answer.holds and any(_for_ever(graph)):
@@ -73,10 +72,25 @@ def livelock_free(graph: Graph) -> Answer:
 
 def terminates(graph: Graph) -> Answer:
     for index, st in enumerate(graph.states):
-        if st.ended is None and not graph.edges[index] and graph.complete:
-            return _found(graph, index, "nothing happens any more")
-    index_or_none = on_cycle([[edge.to for edge in edges] for edges in graph.edges])
+        idle = not graph.machine.candidates(st) and graph.machine.clock.next_instant(st) is None
+        if st.ended is None and idle:
+            return _found(graph, index, "nothing happens any more, but for what comes from outside")
+    index_or_none = on_cycle(_without_offers(graph))
     return _none(graph) if index_or_none is None else _found(graph, index_or_none, "goes round for ever from here")
+
+
+def _without_offers(graph: Graph) -> list[list[int]]:
+    """The steps of the program, each with the events that may have been offered before: offers alone are no run."""
+    reached: list[list[int]] = []
+    for index in range(len(graph.states)):
+        seen, todo = {index}, [index]
+        for at in todo:
+            for edge in graph.edges[at]:
+                if edge.offer and edge.to not in seen:
+                    seen.add(edge.to)
+                    todo.append(edge.to)
+        reached.append([edge.to for at in todo for edge in graph.edges[at] if not edge.offer])
+    return reached
 
 
 def schedulable(graph: Graph) -> Answer:
