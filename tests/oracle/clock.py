@@ -6,7 +6,7 @@ from tests.oracle.channels import Channels
 from tests.oracle.link import Linked
 from tests.oracle.policy import Policy
 from tests.oracle.state import Book, Choice, Delay, Joint, State, Thread, Tid
-from tests.oracle.tree import Interrupt, Port, Value
+from tests.oracle.tree import Port, Value
 from tests.oracle.values import zero
 
 
@@ -90,9 +90,9 @@ class Clock:
 
     def _sample(self, st: State, port: Port) -> None:
         st.samples[port.name] = self.policy.sample(port, st.now)
-        for (tid, name), book in sorted(st.books.items()):
-            if name == port.name:
-                st.books[tid, name] = Book(fresh=True, missed=book.missed or book.fresh, ticked=True)
+        for key, book in st.books.items():
+            if key[1] == port.name:
+                st.books[key] = Book(fresh=True, missed=book.missed or book.fresh, ticked=True)
                 st.missed = st.missed or book.fresh
         self._wake(st, port.name)
 
@@ -126,23 +126,20 @@ class Clock:
 
     # ---- external ports ----
 
-    def follow(self, st: State, me: Thread, name: str) -> None:
-        """Opens the book of a sampled input, if it is not open."""
-        if (self._keeper(me), name) not in st.books:
-            st.books[self._keeper(me), name] = Book(fresh=self._follows(st, me, name), missed=False, ticked=False)
+    def follow(self, st: State, me: Thread, name: str, number: int) -> None:
+        """Opens the books of a sampled input, if they are not open."""
+        key = (self._process(me.tid), name, number)
+        if key not in st.books:
+            st.books[key] = Book(fresh=self._follows(st, me, name), missed=False, ticked=False)
 
     def _follows(self, st: State, me: Thread, name: str) -> bool:
         """Whether the process has any book of the period of a port, in any part, opened before the latest tick."""
         period = self.linked.ports[name].period
         same = {port.name for port in self.linked.program.ports if port.input and port.period == period}
         return any(
-            book.ticked and other in same and self._process(tid) == self._process(me.tid)
-            for (tid, other), book in st.books.items()
+            book.ticked and other in same and process == self._process(me.tid)
+            for (process, other, _), book in st.books.items()
         )
-
-    def _keeper(self, me: Thread) -> Tid:
-        """Whose books a thread uses: the body of an interrupt shares those of what it stands in."""
-        return tuple(each for each in me.tid if not isinstance(self.linked.nodes[each[0]].comp, Interrupt))
 
     def _process(self, tid: Tid) -> int:
         """The process that a thread is a part of: a branch of the outermost parallel printed as one, or the outermost."""
@@ -150,29 +147,30 @@ class Clock:
 
     def close(self, st: State, process: Thread) -> None:
         """A process has ended, and its books with it."""
-        for tid, name in list(st.books):
-            if self._process(tid) == self._process(process.tid):
-                del st.books[tid, name]
+        for key in list(st.books):
+            if key[0] == self._process(process.tid):
+                del st.books[key]
 
-    def available(self, st: State, me: Thread, name: str) -> bool:
+    def available(self, st: State, me: Thread, name: str, number: int) -> bool:
         port = self.linked.ports[name]
         if port.period is None:
             return name in st.events
-        book = st.books.get((self._keeper(me), name))
+        book = st.books.get((self._process(me.tid), name, number))
         return self._follows(st, me, name) if book is None else book.fresh or book.missed
 
-    def read(self, st: State, me: Thread, name: str) -> Value:
+    def read(self, st: State, me: Thread, name: str, number: int) -> Value:
         """Takes what is available."""
         port = self.linked.ports[name]
         if port.period is None:
             value = st.events.pop(name)
         else:
-            book = st.books[self._keeper(me), name]
+            key = (self._process(me.tid), name, number)
+            book = st.books[key]
             if book.missed:
-                st.books[self._keeper(me), name] = book._replace(missed=False)
+                st.books[key] = book._replace(missed=False)
                 st.timeout = True
                 raise MissedSampleError
-            st.books[self._keeper(me), name] = book._replace(fresh=False)
+            st.books[key] = book._replace(fresh=False)
             value = st.samples[name]
         self.made.append((name, value))
         self.policy.passed(name, value, external=True)

@@ -11,20 +11,22 @@ from tests.oracle.values import evaluate
 
 
 class Guards(Core):
-    def _offer(self, st: State, index: int, guard: Guarded) -> Offer | None:
+    def _offer(self, st: State, index: int, node: Node) -> Offer | None:
         """The guard as its alternative begins, if its condition holds."""
+        guard = node.comp
+        assert isinstance(guard, Guarded)
         if guard.when is not None and not evaluate(guard.when, st.variables):
             return None
         st.seq += 1
         match guard.event:
             case Read(channel, _):
-                return Offer(index, "read", channel, None, 0, st.seq)
+                return Offer(index, "read", channel, None, 0, st.seq, self.linked.books.get((node.id, channel), 0))
             case Write(channel, value):
                 return Offer(index, "write", channel, evaluate(value, st.variables), 0, st.seq)
             case After(time):
                 return Offer(index, "after", "", None, st.now + time, st.seq)
             case Ready(channel):
-                return Offer(index, "ready", channel, None, 0, st.seq)
+                return Offer(index, "ready", channel, None, 0, st.seq, self.linked.books.get((node.id, channel), 0))
             case _:
                 return Offer(index, "skip", "", None, 0, st.seq)
 
@@ -48,7 +50,7 @@ class Guards(Core):
             case "write" if offer.channel in self.linked.ports:
                 return True
             case _ if offer.channel in self.linked.ports:
-                return self.clock.available(st, thread, offer.channel)
+                return self.clock.available(st, thread, offer.channel, offer.book)
             case _:
                 return self.channels.possible(st, offer, thread)
 
@@ -57,7 +59,7 @@ class Guards(Core):
         if not ready:
             for offer in choice.offers:
                 if self._sampled(offer):
-                    self.clock.follow(st, thread, offer.channel)
+                    self.clock.follow(st, thread, offer.channel, offer.book)
             raise MustWaitError
         node = self.linked.nodes[choice.node]
         offer = ready[0]
@@ -70,7 +72,7 @@ class Guards(Core):
         st.chosen[node.id] = offer.place
         thread.wait = None
         if self._sampled(offer):
-            self.clock.follow(st, thread, offer.channel)
+            self.clock.follow(st, thread, offer.channel, offer.book)
         value: Value | None = None
         if offer.kind in ("read", "write"):
             value = self._take(st, thread, offer)
@@ -80,7 +82,7 @@ class Guards(Core):
         if offer.channel not in self.linked.ports:
             return self.channels.take(st, offer, thread)
         if offer.kind == "read":
-            return self.clock.read(st, thread, offer.channel)
+            return self.clock.read(st, thread, offer.channel, offer.book)
         assert offer.value is not None
         self.clock.write(st, offer.channel, offer.value)
         return None

@@ -22,6 +22,7 @@ from tests.oracle.tree import (
     If,
     If3,
     Index,
+    Interrupt,
     Law,
     Lit,
     Make,
@@ -133,6 +134,7 @@ class Linked:
     variables: tuple[str, ...]
     # Of a broadcast, the branches of the outermost parallel that read it: its ends, in the order of the program.
     ends: dict[str, tuple[int, ...]]
+    books: dict[tuple[int, str], int]  # by the place that reads a sampled input, and the port
 
 
 def link(program: Program) -> Linked:
@@ -154,7 +156,52 @@ def link(program: Program) -> Linked:
         laws,
         tuple(variable.name for variable in program.variables),
         ends,
+        _books(program, root, laws),
     )
+
+
+def _books(program: Program, root: Node, laws: dict[str, Law]) -> dict[tuple[int, str], int]:
+    """For each place, in the order of the text, the first of the books of its port that no place beside it has."""
+    sampled = {port.name for port in program.ports if port.input and port.period}
+    given: dict[tuple[int, str], int] = {}
+    before: list[tuple[str, int, tuple[tuple[Node, int], ...]]] = []
+
+    def look(node: Node, path: tuple[tuple[Node, int], ...]) -> None:
+        for port in sorted(_reads(node.comp, laws) & sampled):
+            taken = {number for other, number, place in before if other == port and _beside(place, path)}
+            number = next(number for number in range(len(taken) + 1) if number not in taken)
+            given[node.id, port] = number
+            before.append((port, number, path))
+        for index, part in enumerate(node.inner):
+            look(part, (*path, (node, index)))
+
+    look(root, ())
+    return given
+
+
+def _reads(comp: Comp, laws: dict[str, Law]) -> set[str]:
+    """The channels and ports that a composition itself reads, without its parts."""
+    match comp.event if isinstance(comp, Guarded) else comp:
+        case Read(channel, _) | Ready(channel):
+            return {channel}
+        case Run(name):
+            return {source for _, _, source in laws[name].inputs}
+        case _:
+            return set()
+
+
+def _beside(one: tuple[tuple[Node, int], ...], other: tuple[tuple[Node, int], ...]) -> bool:
+    """Whether two places may run at the same time: in two branches, or in the body of an interrupt and its guard."""
+    common = 0
+    while common < min(len(one), len(other)) and one[common] == other[common]:
+        common += 1
+    if common == min(len(one), len(other)):
+        return False
+    node = one[common][0]
+    if isinstance(node.comp, Interrupt):
+        guard = one if one[common][1] == 1 else other
+        return len(guard) == common + 1
+    return isinstance(node.comp, Par)
 
 
 def _number(comp: Comp, nodes: list[Node], laws: dict[str, Law]) -> Node:

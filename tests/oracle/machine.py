@@ -192,12 +192,12 @@ class Machine(Parallels, Guards, Laws):
             case Par():
                 return self._spawn(st, thread, node)
             case Alt():
-                offers = [self._offer(st, index, guard) for index, guard in enumerate(node.comp.branches)]
+                offers = [self._offer(st, index, guard) for index, guard in enumerate(node.inner)]
                 return self._alternative(st, thread, node, tuple(offer for offer in offers if offer is not None))
             case Guarded(event, _, when):
                 if when is None and not isinstance(event, Skip | Ready | After):
                     return self._communicate(st, thread, node, "guard", event)
-                offer = self._offer(st, 0, node.comp)
+                offer = self._offer(st, 0, node)
                 return self._alternative(st, thread, node, () if offer is None else (offer,))
             case Mu():
                 thread.stack += (Frame("mu", node.id),)
@@ -214,8 +214,8 @@ class Machine(Parallels, Guards, Laws):
             case Catch():
                 thread.stack += (Frame("catch", node.id),)
                 return ("exec", node.inner[0].id)
-            case Interrupt(_, guard):
-                return self._interrupt(st, thread, node, guard)
+            case Interrupt():
+                return self._interrupt(st, thread, node)
             case _:
                 raise AssertionError(node.comp)
 

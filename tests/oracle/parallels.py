@@ -6,7 +6,7 @@ from tests.oracle.core import CANCEL, NEXT, MustWaitError
 from tests.oracle.guards import Guards
 from tests.oracle.link import Node
 from tests.oracle.state import Branches, Choice, Delay, Frame, Joint, Offer, Signal, State, Thread
-from tests.oracle.tree import Catch, Guarded, Interrupt, Par
+from tests.oracle.tree import Catch, Interrupt, Par
 
 
 class Parallels(Guards):
@@ -101,10 +101,10 @@ class Parallels(Guards):
 
     # ---- interrupts ----
 
-    def _interrupt(self, st: State, thread: Thread, node: Node, guard: Guarded) -> Signal:
+    def _interrupt(self, st: State, thread: Thread, node: Node) -> Signal:
         if thread.cancel:
             return CANCEL
-        offer = self._offer(st, 0, guard)
+        offer = self._offer(st, 0, node.inner[1])
         if offer is None:
             return ("exec", node.inner[0].id)
         self._branch(st, thread, node, 0, rank=0)

@@ -20,6 +20,7 @@ class Op(NamedTuple):
     seq: int
     done: bool = False
     pending: tuple[int, ...] = ()  # of a broadcast: the ends that have not taken it yet
+    book: int = 0  # of a sampled input: the number of its books
 
 
 class Offer(NamedTuple):
@@ -31,6 +32,7 @@ class Offer(NamedTuple):
     value: Value | None
     due: int
     seq: int
+    book: int = 0  # of a sampled input: the number of its books
 
 
 class Joint(NamedTuple):
@@ -92,8 +94,11 @@ class Thread:
         return replace(self)
 
 
+BookKey = tuple[int, str, int]  # the process, the port, and which of the books that the process keeps of it
+
+
 class Book(NamedTuple):
-    """What one thread knows of one sampled input that it follows."""
+    """What a process knows of a sampled input that it follows."""
 
     fresh: bool
     missed: bool
@@ -109,7 +114,7 @@ class State:
     buffers: dict[str, tuple[Value, ...]]
     laws: dict[str, tuple[Value, ...]]
     chosen: dict[int, int]  # which guard a fair alternative chose last
-    books: dict[tuple[Tid, str], Book]
+    books: dict[BookKey, Book]
     samples: dict[str, Value]  # of the latest tick
     offered: dict[str, Value]  # what the environment offered last
     events: dict[str, Value]  # offered and not read yet
