@@ -112,6 +112,8 @@ class Parallels(Guards):
         thread.wait = Branches(node.id, (0,), None, False)
         if self._is_ready(st, thread, offer):
             self.fire(st, thread, len(thread.stack) - 1)
+        elif self._sampled(offer):
+            self.clock.follow(st, thread, offer.channel, offer.book)
         raise MustWaitError
 
     def fire(self, st: State, thread: Thread, depth: int) -> None:
