@@ -77,7 +77,12 @@ class Edge:
 
     @property
     def silent(self) -> bool:
-        return not self.offer and not self.passes and not self.written and not any(external for _, _, external in self.made)
+        return (
+            not self.offer
+            and not self.passes
+            and not self.written
+            and not any(external for _, _, external in self.made)
+        )
 
 
 @dataclass

@@ -27,7 +27,7 @@ def _ends(rng: Random, kind: str, count: int) -> tuple[list[int], list[int]]:
     return order[:1], order[1:2]
 
 
-def closed(seed: int, *, without: frozenset[str] = frozenset(), inputs: bool = False) -> Program:
+def closed(seed: int, *, without: frozenset[str] = frozenset(), inputs: bool = False, sampled: bool = True) -> Program:
     """A program without inputs; or with some, of events and of samples."""
     rng = Random(seed)
     world = World(rng, rich=rng.random() < 0.4)
@@ -51,7 +51,7 @@ def closed(seed: int, *, without: frozenset[str] = frozenset(), inputs: bool = F
             scope.outputs.append(ports[-1].name)
     if inputs:
         for scope in rng.sample(scopes, rng.choice([1, 1, 2])):
-            period = rng.choice([None, None, 2 * MS, 5 * MS])
+            period = rng.choice([None, None, 2 * MS, 5 * MS]) if sampled else None
             domain = (0, 1) if rng.random() < 0.6 else (0,)
             ports.append(Port(f"i{scope.owner}", True, INT, period, domain=domain, values=((0, 0), (4_500_000, 1))))
             scope.reads += [Channel(ports[-1].name, INT, "sampled" if period else "event")] * 2
@@ -65,9 +65,7 @@ def closed(seed: int, *, without: frozenset[str] = frozenset(), inputs: bool = F
         channels=tuple(world.channels),
         variables=tuple(world.variables),
         ports=tuple(
-            port
-            for port in ports
-            if any(port.name + ("?" if port.input else "!") in uses(body, {}) for body in bodies)
+            port for port in ports if any(port.name + ("?" if port.input else "!") in uses(body, {}) for body in bodies)
         ),
         enums=(MODE,),
         structs=(PAIR,),

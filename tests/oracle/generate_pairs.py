@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from random import Random
 
 from tests.oracle.forms import Forms, forever
+from tests.oracle.generate import closed
 from tests.oracle.scope import MODE, PAIR, TWO, Scope, World
 from tests.oracle.shrink import tidy
 from tests.oracle.tree import (
@@ -50,11 +51,71 @@ DOMAIN = (0, 1, 2, 7)
 class Pair:
     program: Program
     specification: Program
-    holds: bool | None  # by construction
+    holds: bool | None  # by construction, as to traces
+    hidden: tuple[str, ...] = ()  # ports that only the program has
 
 
 def pair(seed: int) -> Pair:
     rng = Random(seed)
+    base, forms = _parallel(rng) if rng.random() < 0.3 else _sequential(rng)
+    one, other = base, base
+    if rng.random() < 0.5:
+        one = _narrower(rng, one)
+    if rng.random() < 0.5:
+        other = _looser(rng, other)
+    one = _otherwise(rng, one)
+    holds: bool | None = True
+    if rng.random() < 0.5:
+        world = forms.scope.world
+        changed = _changed(rng, one, forms)
+        one, holds = (
+            replace(changed, variables=tuple({v.name: v for v in (*world.variables, *one.variables)}.values())),
+            None,
+        )
+    kept = base.ports
+    hidden: tuple[Port, ...] = ()
+    if rng.random() < 0.3:
+        one, hidden = _hiding(rng, one)
+    return Pair(
+        replace(
+            tidy(one),
+            ports=(*kept, *hidden),
+            name="Main",
+            exceptions=base.exceptions,
+            structs=base.structs,
+            enums=base.enums,
+        ),
+        replace(tidy(other), ports=kept, name="Spec"),
+        holds,
+        tuple(port.name for port in hidden),
+    )
+
+
+def _hiding(rng: Random, program: Program) -> tuple[Program, tuple[Port, ...]]:
+    """With a port that is written, or read, before one of its communications."""
+    places = [at for at, part in enumerate(walk(program.body)) if isinstance(part, Write | Read)]
+    if not places:
+        return program, ()
+    reads = rng.random() < 0.4
+    port = Port("h0", reads, INT, domain=(0, 1), values=((0, 0),))
+    step: Comp = Read("h0", Target("w2", INT)) if reads else Write("h0", Lit(rng.randrange(3), INT))
+    body = _everywhere(program.body, lambda part: Seq((step, part)), rng.choice(places))
+    more = (Variable("w2", INT, 0, 0),) if reads else ()
+    return replace(program, body=body, variables=(*program.variables, *more)), (port,)
+
+
+def _parallel(rng: Random) -> tuple[Program, Forms]:
+    """Branches that communicate with each other and outside."""
+    made = closed(rng.randrange(10**9), inputs=True, sampled=False, without=frozenset({"time"}))
+    world = World(rng, variables=list(made.variables))
+    outputs = [Channel(port.name, INT, "output") for port in made.ports if not port.input]
+    scope = Scope(world, 0, [], outputs[:1], [])
+    base = replace(made, boxed=frozenset(), environment=False)
+    return base, Forms(scope, frozenset({"time"}))
+
+
+def _sequential(rng: Random) -> tuple[Program, Forms]:
+    """One process that communicates outside."""
     world = World(rng, rich=rng.random() < 0.3)
     inputs = [Channel(f"i{number}", INT, "event") for number in range(rng.choice([0, 1, 1, 2]))]
     outputs = [Channel(f"o{number}", INT, "output") for number in range(rng.choice([1, 1, 2]))]
@@ -79,25 +140,12 @@ def pair(seed: int) -> Pair:
         exceptions=tuple(sorted(world.exceptions)),
         environment=False,
     )
-    one, other = base, base
-    if rng.random() < 0.5:
-        one = _narrower(rng, one)
-    if rng.random() < 0.5:
-        other = _looser(rng, other)
-    one = _otherwise(rng, one)
-    holds: bool | None = True
-    if rng.random() < 0.5:
-        changed = _changed(rng, one, forms)
-        one, holds = (
-            replace(changed, variables=tuple({v.name: v for v in (*world.variables, *one.variables)}.values())),
-            None,
-        )
-    kept = tuple(ports)
-    return Pair(
-        replace(tidy(one), ports=kept, name="Main", exceptions=base.exceptions, structs=base.structs, enums=base.enums),
-        replace(tidy(other), ports=kept, name="Spec"),
-        holds,
-    )
+    return base, forms
+
+
+def _number(part: Comp) -> bool:
+    """Whether it writes a number."""
+    return isinstance(part, Write) and part.value.type == INT
 
 
 def _everywhere(node: Comp, change: object, number: int) -> Comp:
@@ -130,7 +178,7 @@ def _narrower(rng: Random, program: Program) -> Program:
 
 def _looser(rng: Random, program: Program) -> Program:
     """With another value that may be written instead."""
-    places = [at for at, part in enumerate(walk(program.body)) if isinstance(part, Write)]
+    places = [at for at, part in enumerate(walk(program.body)) if _number(part)]
     if not places:
         return program
 
@@ -144,7 +192,7 @@ def _looser(rng: Random, program: Program) -> Program:
 
 def _otherwise(rng: Random, program: Program) -> Program:
     """With one value that is written computed in another way."""
-    places = [at for at, part in enumerate(walk(program.body)) if isinstance(part, Write)]
+    places = [at for at, part in enumerate(walk(program.body)) if _number(part)]
     if not places or rng.random() < 0.2:
         return program
     way = rng.randrange(6)
@@ -186,9 +234,9 @@ def _changed(rng: Random, program: Program, forms: Forms) -> Program:
 
     def other(part: Comp) -> Comp:
         match rng.randrange(4):
-            case 0 if isinstance(part, Write):
+            case 0 if isinstance(part, Write) and _number(part):
                 return replace(part, value=forms.scope.number())
-            case 1 if isinstance(part, Write):
+            case 1 if isinstance(part, Write) and _number(part):
                 return Write(part.channel, Lit(rng.choice(DOMAIN), INT))
             case 2 if not isinstance(part, Mu):
                 return Seq((part, forms.step(0)))

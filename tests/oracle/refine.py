@@ -1,7 +1,8 @@
-"""Whether every sequence of communications at the ports of one program is one of another's, with exact values.
+"""Whether every sequence of communications at the ports of one program is one of another's, with exact values; and its failures.
 
 The specification may run its parallel processes communication by communication, in any order; times count in either, but
-in the sequences they do not. What the environment offers comes from the domains of the ports, at any time.
+in the sequences they do not. What the environment offers comes from the domains of the ports, at any time. Ports that the
+specification does not have are hidden.
 """
 
 from __future__ import annotations
@@ -10,30 +11,38 @@ from collections import deque
 
 from tests.oracle.explore import Graph, explore
 from tests.oracle.properties import Answer
-from tests.oracle.tree import Program
+from tests.oracle.tree import Alt, Comp, Interrupt, Par, Program, Write, walk
 
 Event = tuple[str, object]
 
 
-def refines(program: Program, specification: Program, *, limit: int = 6000) -> Answer:
-    """Trace refinement at the ports of the specification that the program has, too."""
-    common = {port.name for port in program.ports}
+def refines(program: Program, specification: Program, *, failures: bool = False, limit: int = 6000) -> Answer:
+    """Refinement at the ports of the specification: of traces, or of stable failures besides."""
+    common = {port.name for port in program.ports} & {port.name for port in specification.ports}
     theirs = explore(specification, limit=limit, fine=True)
-    ours = explore(program, limit=limit)
     if not theirs.complete:
-        return Answer(None, why="the specification is too large")
-
-    def theirs_end(index: int) -> bool:
-        return theirs.states[index].ended is not None or not theirs.edges[index]
-
+        return Answer(None)
+    ours = explore(program, limit=limit)
+    left_open = "what is refused while an output is about to be written" if failures and _mixed(specification) else ""
     first = _closure(theirs, frozenset({0}), common)
     seen = {(0, first)}
     queue: deque[tuple[int, frozenset[int], tuple[Event, ...]]] = deque([(0, first, ())])
     while queue:
         at, allowed, done = queue.popleft()
+        why = _end(ours, at, theirs, allowed, common)
+        mine = accepted(ours, at, common) if failures else None
+        if not why and mine is not None:
+            if any(theirs.states[index].ended is not None for index in allowed):
+                left_open = "whether a process at rest refuses to end"
+            elif not any(_within(theirs, index, mine, common) for index in allowed):
+                why = f"it accepts only {sorted(mine)}, and its specification more"
+        if why:
+            return Answer(False, [f"{port} {value}" for port, value in done], len(seen), why)
         for edge in ours.edges[at]:
             after, trace = allowed, done
             for event in edge.visible:
+                if event[0] not in common:
+                    continue
                 trace = (*trace, event)
                 after = _after(theirs, after, event, common)
                 if not after:
@@ -45,9 +54,46 @@ def refines(program: Program, specification: Program, *, limit: int = 6000) -> A
                 seen.add((edge.to, after))
                 queue.append((edge.to, after, trace))
                 if len(seen) > 20 * limit:
-                    return Answer(None, states=len(seen), why="too large")
-    ends = any(ours.states[at].ended == "terminated" and not any(map(theirs_end, allowed)) for at, allowed in seen)
-    return Answer(True if ours.complete and not ends else None, states=len(seen))
+                    return Answer(None, states=len(seen))
+    return Answer(True if ours.complete and not left_open else None, states=len(seen), why=left_open)
+
+
+def _end(ours: Graph, at: int, theirs: Graph, allowed: frozenset[int], common: set[str]) -> str:
+    """The program ends only where its specification ends or stops."""
+    if ours.states[at].ended != "terminated":
+        return ""
+    if any(theirs.states[index].ended is not None or _within(theirs, index, set(), common) for index in allowed):
+        return ""
+    return "it ends, where its specification goes on"
+
+
+def accepted(graph: Graph, index: int, common: set[str]) -> set[str] | None:
+    """The inputs of which a program at rest takes an event; None where it goes on by itself, or has ended."""
+    st = graph.states[index]
+    if st.ended is not None or graph.machine.candidates(st) or graph.machine.clock.dues(st) or st.latches:
+        return None
+    found = graph.machine.awaited(st) & graph.linked.ports.keys()
+    return found if found <= common else None  # what comes to hidden ports is not waited for
+
+
+def _within(graph: Graph, index: int, inputs: set[str], common: set[str]) -> bool:
+    found = accepted(graph, index, common)
+    return found is not None and found <= inputs
+
+
+def _mixed(program: Program) -> bool:
+    """Whether a program may write an output or do something else instead.
+
+    While a process writes it is not at rest, and so the page does not say what it refuses there.
+    """
+    outputs = {port.name for port in program.ports if not port.input}
+
+    def writes(part: Comp) -> bool:
+        if isinstance(part, Alt):
+            return any(isinstance(each.event, Write) and each.event.channel in outputs for each in part.branches)
+        return isinstance(part, Par | Interrupt)
+
+    return any(map(writes, walk(program.body)))
 
 
 def _closure(graph: Graph, states: frozenset[int], common: set[str]) -> frozenset[int]:
