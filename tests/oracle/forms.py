@@ -9,10 +9,12 @@ from tests.oracle.text import uses
 from tests.oracle.tree import (
     BOOL,
     INT,
+    REAL,
     After,
     Alt,
     Assign,
     Bin,
+    Call,
     Catch,
     Channel,
     Comp,
@@ -118,6 +120,8 @@ class Forms:
         return [self.assignment()]
 
     def assignment(self) -> Assign:
+        if self.scope.world.rich and self.rng.random() < 0.3:
+            return Assign(self.scope.target(REAL), self.scope.real())
         target = self.scope.target(INT)
         return Assign(target, self.scope.number())
 
@@ -210,10 +214,15 @@ class Forms:
     def faulty(self, depth: int) -> Comp:
         """Arithmetic that may fault, and who catches it."""
         scope = self.scope
-        if self.rng.random() < 0.5:
+        choice = self.rng.random()
+        steps: list[Comp]
+        if choice < 0.3:
+            root = Bin("-", scope.real(), scope.real(), REAL)
+            steps = [Assign(scope.target(REAL), Call("sqrt", (root,), REAL))]
+        elif choice < 0.6:
             made = scope.world.variable(BYTE, scope.owner, self.rng.choice([1, 40, 100]))
             ref = Ref(made.name, BYTE)
-            steps: list[Comp] = [Assign(Target(made.name, BYTE), Bin(self.rng.choice("+*"), ref, ref, BYTE))]
+            steps = [Assign(Target(made.name, BYTE), Bin(self.rng.choice("+*"), ref, ref, BYTE))]
         else:
             divisor = Ref(scope.variable(INT).name, INT)
             divided = Bin(self.rng.choice("/%"), Lit(7, INT), divisor, INT)

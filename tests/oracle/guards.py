@@ -7,7 +7,7 @@ from tests.oracle.laws import assign
 from tests.oracle.link import Node
 from tests.oracle.state import Choice, Frame, Offer, Signal, State, Thread
 from tests.oracle.tree import After, Alt, Guarded, Interrupt, Read, Ready, Value, Write
-from tests.oracle.values import evaluate
+from tests.oracle.values import evaluate, stored
 
 
 class Guards(Core):
@@ -22,7 +22,7 @@ class Guards(Core):
             case Read(channel, _):
                 return Offer(index, "read", channel, None, 0, st.seq, self.linked.books.get((node.id, channel), 0))
             case Write(channel, value):
-                return Offer(index, "write", channel, evaluate(value, st.variables), 0, st.seq)
+                return Offer(index, "write", channel, stored(evaluate(value, st.variables)), 0, st.seq)
             case After(time):
                 return Offer(index, "after", "", None, st.now + time, st.seq)
             case Ready(channel):

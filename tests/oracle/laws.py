@@ -8,7 +8,7 @@ from tests.oracle.core import CANCEL, NEXT, Core, MustWaitError
 from tests.oracle.link import Node
 from tests.oracle.state import Frame, Joint, Op, Signal, State, Thread
 from tests.oracle.tree import Event, Guarded, Read, Run, Target, Value, Write
-from tests.oracle.values import evaluate
+from tests.oracle.values import evaluate, stored
 
 
 def assign(st: State, target: Target, value: Value) -> None:
@@ -16,7 +16,7 @@ def assign(st: State, target: Target, value: Value) -> None:
         whole = st.variables[target.name]
         assert isinstance(whole, tuple)
         value = (*whole[: target.at], value, *whole[target.at + 1 :])
-    st.variables[target.name] = value
+    st.variables[target.name] = stored(value)
 
 
 class Laws(Core):
@@ -24,7 +24,7 @@ class Laws(Core):
         if isinstance(event, Read):
             return self._joint(st, thread, Frame(kind, node.id), "?", [(event.channel, None)])
         assert isinstance(event, Write)
-        value = evaluate(event.value, st.variables)
+        value = stored(evaluate(event.value, st.variables))
         return self._joint(st, thread, Frame(kind, node.id), "!", [(event.channel, value)])
 
     def _joint(
@@ -91,8 +91,8 @@ class Laws(Core):
             assert value is not None
             names[inner] = value
         names.update(zip((state for state, _, _, _ in law.states), st.laws[name], strict=True))
-        outputs = [(sink, evaluate(expr, names)) for _, _, sink, expr in law.outputs]
-        st.laws[name] = tuple(evaluate(following, names) for _, _, _, following in law.states)
+        outputs = [(sink, stored(evaluate(expr, names))) for _, _, sink, expr in law.outputs]
+        st.laws[name] = tuple(stored(evaluate(following, names)) for _, _, _, following in law.states)
         self.clock.elapse(st, self.policy.compute(law))
         written: list[tuple[str, Value | None]] = []
         for sink, value in outputs:

@@ -8,6 +8,7 @@ from random import Random
 from tests.oracle.tree import (
     BOOL,
     INT,
+    REAL,
     Array,
     Bin,
     Bool,
@@ -22,6 +23,7 @@ from tests.oracle.tree import (
     Int,
     Lit,
     Make,
+    Real,
     Ref,
     Struct,
     Target,
@@ -36,7 +38,8 @@ MODE = Enum("Mode", ("low", "mid", "high"))
 PAIR = Struct("Pair", (("a", INT), ("b", BOOL)))
 TWO = Array(INT, 2)
 BYTE = Int("int8")
-TYPES: tuple[Type, ...] = (INT, BOOL, MODE, PAIR, TWO)
+TYPES: tuple[Type, ...] = (INT, BOOL, REAL, MODE, PAIR, TWO)
+REALS = (0.0, 0.1, 0.5, 1.0, 1.5, 2.0, 3.0, 1e300)
 
 
 @dataclass
@@ -121,12 +124,38 @@ class Scope:
                 return Index(Ref(rng.choice(arrays).name, TWO), Lit(rng.randrange(2), INT), INT)
         return If3(self.condition(depth - 1), self.number(0), self.number(0), INT)
 
+    def real(self, depth: int = 2) -> Expr:
+        """Of few values as well, but rounded."""
+        rng = self.rng
+        choice = rng.random()
+        known = [variable for variable in self.own if variable.type == REAL]
+        if choice < 0.3 or not known:
+            numbers = [variable for variable in self.own if variable.type == INT]
+            if numbers and choice < 0.1:
+                return Convert(Ref(rng.choice(numbers).name, INT), REAL)
+            return Lit(rng.choice(REALS), REAL)
+        ref = Ref(rng.choice(known).name, REAL)
+        if choice < 0.5 or depth == 0:
+            return ref
+        if choice < 0.6:
+            return Call("floor", (self.real(depth - 1),), REAL)
+        if choice < 0.65:
+            return Call("sqrt", (self.real(depth - 1),), REAL)
+        if choice < 0.75:
+            return If3(self.condition(0), ref, self.real(0), REAL)
+        moved = Bin(rng.choice("+-*/"), ref, self.real(depth - 1), REAL)
+        if choice < 0.8:
+            return moved
+        return Call("limit", (moved, Lit(0.0, REAL), Lit(3.0, REAL)), REAL)
+
     def value(self, kind: Type) -> Expr:
         rng = self.rng
         known = [variable for variable in self.own if variable.type == kind]
         if known and rng.random() < 0.35:
             return Ref(rng.choice(known).name, kind)
         match kind:
+            case Real():
+                return self.real()
             case Bool():
                 return self.condition() if rng.random() < 0.5 else Lit(rng.random() < 0.5, BOOL)
             case Enum(name, literals):
@@ -142,7 +171,7 @@ class Scope:
 
     def condition(self, depth: int = 1) -> Expr:
         rng = self.rng
-        known = [variable for variable in self.own if variable.type in (INT, BOOL, MODE)]
+        known = [variable for variable in self.own if variable.type in (INT, BOOL, REAL, MODE)]
         if not known:
             return Lit(rng.random() < 0.5, BOOL)
         variable = rng.choice(known)
@@ -151,6 +180,8 @@ class Scope:
             return ref if rng.random() < 0.5 else Un("not", ref, BOOL)
         if variable.type == MODE:
             return Bin(rng.choice(["==", "!="]), ref, Lit(f"Mode.{rng.choice(MODE.literals)}", MODE), BOOL)
+        if variable.type == REAL:
+            return Bin(rng.choice(["==", "!=", "<", ">="]), ref, Lit(rng.choice((0.3, *REALS)), REAL), BOOL)
         simple = Bin(rng.choice(["==", "!=", "<", "<=", ">", ">="]), ref, Lit(rng.randrange(3), INT), BOOL)
         if depth and rng.random() < 0.15:
             return Bin(rng.choice(["and", "or"]), simple, self.condition(0), BOOL)

@@ -38,6 +38,7 @@ from tests.oracle.tree import (
     Raise,
     Read,
     Ready,
+    Real,
     Ref,
     Replicated,
     Reset,
@@ -71,6 +72,12 @@ def literal(value: Value, kind: Type) -> str:
             return "true" if value else "false"
         case Enum():
             return str(value)
+        case Real():
+            return (
+                repr(value).replace("+", "")
+                if isinstance(value, float) and value >= 0
+                else f"(-{-float(str(value))!r})"
+            )
         case Int():
             return str(value) if isinstance(value, int) and value >= 0 else f"(-{-int(str(value))})"
         case Struct(name, fields):

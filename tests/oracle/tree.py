@@ -25,6 +25,11 @@ class Bool:
 
 
 @dataclass(frozen=True)
+class Real:
+    name: str = "double"
+
+
+@dataclass(frozen=True)
 class Enum:
     name: str
     literals: tuple[str, ...]
@@ -46,12 +51,13 @@ class Array:
         return f"{self.element.name}[{self.size}]"
 
 
-Type = Int | Bool | Enum | Struct | Array
+Type = Int | Bool | Real | Enum | Struct | Array
 INT = Int("int")
+REAL = Real()
 BOOL = Bool()
 
-# Values: int, bool, an enumeration's literal as `Mode.idle`, structs and arrays as tuples.
-Value = int | bool | str | tuple["Value", ...]
+# Values: int, bool, float, an enumeration's literal as `Mode.idle`, structs and arrays as tuples.
+Value = int | bool | float | str | tuple["Value", ...]
 
 # ---- expressions ----
 
@@ -100,7 +106,7 @@ class Un:
 
 @dataclass(frozen=True)
 class Call:
-    name: str  # min, max, limit
+    name: str  # min, max, limit, floor, sqrt
     arguments: tuple[Expr, ...]
     type: Type
 
@@ -108,7 +114,7 @@ class Call:
 @dataclass(frozen=True)
 class Convert:
     of: Expr
-    type: Int
+    type: Int | Real
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
 from tests.oracle.tree import (
@@ -18,6 +19,7 @@ from tests.oracle.tree import (
     Int,
     Lit,
     Make,
+    Real,
     Ref,
     Struct,
     Type,
@@ -27,10 +29,20 @@ from tests.oracle.tree import (
 
 
 class FaultError(Exception):
-    """Overflow, a value out of range or a division by zero."""
+    """Overflow, a value out of range, a division by zero, a function outside its domain."""
 
 
-def within(value: int, kind: Type) -> int:
+def stored(value: Value) -> Value:
+    """A value that is stored or written, where a real has to be a finite number."""
+    for part in value if isinstance(value, tuple) else (value,):
+        if isinstance(part, float) and not math.isfinite(part):
+            raise FaultError("infinite or no number")
+    return value
+
+
+def within(value: int | float, kind: Type) -> int | float:
+    if isinstance(value, float):
+        return value
     assert isinstance(kind, Int)
     low, high = kind.bounds
     if not low <= value <= high:
@@ -38,12 +50,53 @@ def within(value: int, kind: Type) -> int:
     return value
 
 
-def _number(value: Value) -> int:
-    assert isinstance(value, int)
+def _number(value: Value) -> int | float:
+    assert isinstance(value, int | float)
     return value
 
 
-def _arithmetic(op: str, a: int, b: int) -> int:
+def _converted(value: int | float, kind: Type) -> int | float:
+    if isinstance(kind, Real):
+        return float(value)
+    if not math.isfinite(value):
+        raise FaultError(f"{value} is no {kind.name}")
+    return within(int(value), kind)
+
+
+def _called(name: str, numbers: list[int | float]) -> int | float:
+    first = numbers[0]
+    match name:
+        case "limit":
+            return numbers[1] if first < numbers[1] else numbers[2] if first > numbers[2] else first
+        case "min":
+            return min(numbers)
+        case "max":
+            return max(numbers)
+        case "floor":
+            return float(math.floor(first)) if math.isfinite(first) else first
+        case _:
+            if first < 0:
+                raise FaultError("the square root of a negative number")
+            return math.sqrt(first)
+
+
+def _real(op: str, a: float, b: float) -> float:
+    match op:
+        case "+":
+            return a + b
+        case "-":
+            return a - b
+        case "*":
+            return a * b
+        case _:
+            if b == 0:
+                raise FaultError("division by zero")
+            return a / b
+
+
+def _arithmetic(op: str, a: int | float, b: int | float) -> int | float:
+    if isinstance(a, float) or isinstance(b, float):
+        return _real(op, float(a), float(b))
     match op:
         case "+":
             return a + b
@@ -70,8 +123,9 @@ def evaluate(expr: Expr, variables: Mapping[str, Value]) -> Value:
             return whole[position]
         case Index(of, at):
             whole = evaluate(of, variables)
-            index = _number(evaluate(at, variables))
+            index = evaluate(at, variables)
             assert isinstance(whole, tuple)
+            assert isinstance(index, int)
             if not 0 <= index < len(whole):
                 raise FaultError("index out of range")
             return whole[index]
@@ -84,11 +138,9 @@ def evaluate(expr: Expr, variables: Mapping[str, Value]) -> Value:
             return within(abs(number) if op == "abs" else -number, kind)
         case Call(name, arguments, _):
             numbers = [_number(evaluate(argument, variables)) for argument in arguments]
-            if name == "limit":
-                return min(max(numbers[0], numbers[1]), numbers[2])
-            return min(numbers) if name == "min" else max(numbers)
+            return _called(name, numbers)
         case Convert(of, kind):
-            return within(_number(evaluate(of, variables)), kind)
+            return _converted(_number(evaluate(of, variables)), kind)
         case If3(condition, yes, no, _):
             return evaluate(yes if evaluate(condition, variables) else no, variables)
         case Make(inner, _):
@@ -128,6 +180,8 @@ def zero(kind: Type) -> Value:
             return 0
         case Bool():
             return False
+        case Real():
+            return 0.0
         case Enum(name, literals):
             return f"{name}.{literals[0]}"
         case Struct(_, fields):
