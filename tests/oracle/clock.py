@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import lcm
+
 from tests.oracle.channels import Channels
 from tests.oracle.link import Linked
 from tests.oracle.policy import Policy
@@ -28,6 +30,8 @@ class Clock:
         self.written: list[tuple[str, Value]] = []  # to external outputs, since somebody cleared it
         self.grid = program.step if events else None
         self.cycle = [*self.periods, *([self.grid] if self.grid else [])]
+        self.whole = lcm(*self.cycle) if self.cycle else 1
+        self.last = max((begin for port in program.ports for begin, _ in port.values), default=0)
 
     def start(self, st: State) -> None:
         for port in self.linked.program.ports:
@@ -154,6 +158,10 @@ class Clock:
     def available(self, st: State, me: Thread, name: str, number: int) -> bool:
         port = self.linked.ports[name]
         if port.period is None:
+            if name not in st.events:
+                value = self.policy.before(port)
+                if value is not None:
+                    self.bring(st, port, value)
             return name in st.events
         book = st.books.get((self._process(me.tid), name, number))
         return self._follows(st, me, name) if book is None else book.fresh or book.missed

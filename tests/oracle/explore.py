@@ -5,8 +5,7 @@ from __future__ import annotations
 import time
 from collections import deque
 from collections.abc import Hashable, Iterator
-from dataclasses import dataclass, field, replace
-from math import lcm
+from dataclasses import dataclass, field
 
 from tests.oracle.link import Linked, link
 from tests.oracle.machine import Machine
@@ -26,6 +25,7 @@ class Chooser:
         self.prefix: list[int] = []
         self.arity: list[int] = []
         self.made: list[tuple[str, Value, bool]] = []
+        self.anytime = False
 
     def begin(self, prefix: list[int]) -> None:
         self.prefix, self.arity, self.made = prefix, [], []
@@ -53,6 +53,13 @@ class Chooser:
         chosen = self.choose(len(others) + 1)
         return others[chosen - 1] if chosen else None
 
+    def before(self, port: Port) -> Value | None:
+        """It comes when it is looked for, or when somebody waits for it: when else makes no difference."""
+        if not self.anytime:
+            return None
+        chosen = self.choose(len(port.domain) + 1)
+        return port.domain[chosen - 1] if chosen else None
+
     def passed(self, channel: str, value: Value, external: bool) -> None:
         self.made.append((channel, value, external))
 
@@ -64,7 +71,7 @@ class Chooser:
                 yield [*done[:position], other]
 
 
-@dataclass(frozen=True)
+@dataclass(slots=True)
 class Edge:
     to: int
     passes: bool  # time goes on
@@ -73,12 +80,12 @@ class Edge:
     written: tuple[tuple[str, Value], ...] = ()  # to external outputs, also to those that are latched
     moved: frozenset[Tid] = frozenset()  # the threads that went on
     visible: tuple[tuple[str, Value], ...] = ()  # reads and writes at external ports, in their order
-    offer: bool = False  # the environment offers an event
+    outside: bool = False  # the environment offers an event, or time goes on; nobody ran
 
     @property
     def silent(self) -> bool:
         return (
-            not self.offer
+            not self.outside
             and not self.passes
             and not self.written
             and not any(external for _, _, external in self.made)
@@ -110,7 +117,7 @@ def explore(
     wcet: bool = False,
     general: bool = True,
     limit: int = 4000,
-    seconds: float = 1.5,
+    seconds: float = 1,
     fine: bool = False,
 ) -> Graph:
     """The states that can be reached, at most `limit` of them.
@@ -124,7 +131,7 @@ def explore(
     graph = Graph(linked, machine)
     known: dict[Hashable, int] = {}
     queue: deque[int] = deque()
-    end = time.monotonic() + seconds
+    end = time.process_time() + seconds
 
     def add(st: State, parent: tuple[int, Edge] | None) -> int:
         place = key(linked, machine, st, free, general)
@@ -138,12 +145,13 @@ def explore(
 
     add(machine.start(), None)
     while queue:
-        if len(graph.states) > limit or time.monotonic() > end:
+        if len(graph.states) > limit or time.process_time() > end:
             graph.complete = False
             break
         index = queue.popleft()
         for st, edge in _successors(machine, chooser, graph.states[index], free):
-            graph.edges[index].append(replace(edge, to=add(st, (index, edge))))
+            edge.to = add(st, (index, edge))
+            graph.edges[index].append(edge)
     return graph
 
 
@@ -151,8 +159,9 @@ def _successors(machine: Machine, chooser: Chooser, st: State, free: bool) -> It
     """The states that follow, with edges whose end is not known yet."""
     if st.ended is not None:
         return
-    if free and machine.clock.grid is None:
-        yield from _events(machine, st)
+    chooser.anytime = free and machine.clock.grid is None
+    if chooser.anytime:
+        yield from _events(machine, st, machine.awaited(st) & machine.linked.ports.keys())
     candidates = machine.candidates(st)
     instant = None if candidates else machine.clock.next_instant(st)
     if not candidates and instant is None:
@@ -176,17 +185,19 @@ def _successors(machine: Machine, chooser: Chooser, st: State, free: bool) -> It
             made = tuple(chooser.made)
             what += "".join(f", {channel} {value}" for channel, value, _ in made)
             moved = frozenset(tid for tid, thread in st.threads.items() if _went_on(thread, after.threads.get(tid)))
-            yield after, Edge(-1, after.now > st.now, made, what, tuple(machine.written), moved, tuple(machine.visible))
+            passes = after.now > st.now
+            written, visible = tuple(machine.written), tuple(machine.visible)
+            yield after, Edge(-1, passes, made, what, written, moved, visible, outside=tid is None)
 
 
-def _events(machine: Machine, st: State) -> Iterator[tuple[State, Edge]]:
+def _events(machine: Machine, st: State, awaited: set[str]) -> Iterator[tuple[State, Edge]]:
     """Where the environment has no grid, any event may come at any time."""
     for port in machine.linked.program.ports:
-        for value in port.domain if port.input and port.period is None else ():
+        for value in port.domain if port.input and port.period is None and port.name in awaited else ():
             if st.events.get(port.name) != value:
                 after = st.copy()
                 machine.clock.bring(after, port, value)
-                yield after, Edge(-1, False, (), f"{port.name} offers {value}", offer=True)
+                yield after, Edge(-1, False, (), f"{port.name} offers {value}", outside=True)
 
 
 def _went_on(before: Thread, after: Thread | None) -> bool:
@@ -235,9 +246,7 @@ def key(linked: Linked, machine: Machine, st: State, free: bool, general: bool) 
         )
         for tid, thread in sorted(st.threads.items())
     )
-    cycle = lcm(*machine.clock.cycle) if machine.clock.cycle else 1
-    absolute = not general and any(len(port.values) > 1 for port in linked.program.ports)
-    last = max((begin for port in linked.program.ports for begin, _ in port.values), default=0)
+    clock = machine.clock
     return (
         threads,
         frozenset(st.ready) if free else tuple(st.ready),
@@ -247,12 +256,12 @@ def key(linked: Linked, machine: Machine, st: State, free: bool, general: bool) 
         None if free else tuple(sorted(st.chosen.items())),
         tuple(sorted(st.books.items())),
         tuple(sorted(st.samples.items())),
-        tuple(sorted(st.offered.items())) if machine.clock.grid else None,
+        tuple(sorted(st.offered.items())) if clock.grid else None,
         tuple(sorted(st.events.items())),
         tuple(sorted(st.latches.items())),
         st.running,
-        st.now % cycle,
-        min(st.now, last + cycle) if absolute else 0,
+        st.now % clock.whole,
+        0 if general else min(st.now, clock.last + clock.whole),
         st.missed,
         st.timeout,
     )

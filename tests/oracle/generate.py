@@ -11,7 +11,7 @@ from random import Random
 from tests.oracle.forms import MS, Forms, forever
 from tests.oracle.scope import MODE, PAIR, TYPES, Scope, World
 from tests.oracle.text import uses
-from tests.oracle.tree import INT, Channel, Comp, Mu, Par, Port, Program, Read, Wait, Write
+from tests.oracle.tree import BOOL, INT, Channel, Comp, Mu, Par, Port, Program, Read, Wait, Write
 
 KINDS = ("sync", "sync", "sync", "any", "buffer", "overwrite", "broadcast")
 
@@ -52,9 +52,14 @@ def closed(seed: int, *, without: frozenset[str] = frozenset(), inputs: bool = F
     if inputs:
         for scope in rng.sample(scopes, rng.choice([1, 1, 2])):
             period = rng.choice([None, None, 2 * MS, 5 * MS]) if sampled else None
-            domain = (0, 1) if rng.random() < 0.6 else (0,)
-            ports.append(Port(f"i{scope.owner}", True, INT, period, domain=domain, values=((0, 0), (4_500_000, 1))))
-            scope.reads += [Channel(ports[-1].name, INT, "sampled" if period else "event")] * 2
+            kind, domain, values = INT, (-1, 0, 1, 2), (0, 1)
+            if rng.random() < 0.6:
+                kind, domain, values = BOOL, (False, True), (False, True)
+            port = Port(
+                f"i{scope.owner}", True, kind, period, domain=domain, values=((0, values[0]), (4_500_000, values[1]))
+            )
+            ports.append(port)
+            scope.reads += [Channel(port.name, kind, "sampled" if period else "event")] * 2
     bodies = _scripted(world, scopes, ends, without) if rng.random() < 0.6 else _free(scopes, without)
     bodies = _both_sides(bodies, world.channels, scopes)
     if rng.random() < 0.25:

@@ -27,6 +27,10 @@ class Policy(Protocol):
         """A new value that the environment offers at an instant of its grid."""
         ...
 
+    def before(self, port: Port) -> Value | None:
+        """An event that came just before a process looks for it."""
+        ...
+
     def passed(self, channel: str, value: Value, external: bool) -> None:
         """A communication was made."""
         ...
@@ -59,6 +63,9 @@ class Unwitnessed:
     def event(self, port: Port, now: int, last: Value) -> Value | None:
         value = from_table(port, now)
         return None if value == last else value
+
+    def before(self, port: Port) -> Value | None:
+        return None
 
     def passed(self, channel: str, value: Value, external: bool) -> None:
         pass

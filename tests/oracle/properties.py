@@ -72,24 +72,23 @@ def livelock_free(graph: Graph) -> Answer:
 
 def terminates(graph: Graph) -> Answer:
     for index, st in enumerate(graph.states):
-        idle = not graph.machine.candidates(st) and graph.machine.clock.next_instant(st) is None
-        if st.ended is None and idle:
-            return _found(graph, index, "nothing happens any more, but for what comes from outside")
-    index_or_none = on_cycle(_without_offers(graph))
+        if st.ended is None and not graph.machine.candidates(st) and not graph.machine.more_comes(st):
+            return _found(graph, index, "nothing happens any more")
+    index_or_none = on_cycle(_own_steps(graph))
     return _none(graph) if index_or_none is None else _found(graph, index_or_none, "goes round for ever from here")
 
 
-def _without_offers(graph: Graph) -> list[list[int]]:
-    """The steps of the program, each with the events that may have been offered before: offers alone are no run."""
+def _own_steps(graph: Graph) -> list[list[int]]:
+    """The steps of the program, each with what came from outside before: who waits for that gets it at last."""
     reached: list[list[int]] = []
     for index in range(len(graph.states)):
         seen, todo = {index}, [index]
         for at in todo:
             for edge in graph.edges[at]:
-                if edge.offer and edge.to not in seen:
+                if edge.outside and edge.to not in seen:
                     seen.add(edge.to)
                     todo.append(edge.to)
-        reached.append([edge.to for at in todo for edge in graph.edges[at] if not edge.offer])
+        reached.append([edge.to for at in todo for edge in graph.edges[at] if not edge.outside])
     return reached
 
 

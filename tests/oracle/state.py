@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import NamedTuple
 
 from tests.oracle.tree import Value
@@ -91,7 +91,7 @@ class Thread:
     cancel: bool = False  # to end at its next place
 
     def copy(self) -> Thread:
-        return replace(self)
+        return Thread(self.tid, self.priority, self.branch, self.stack, self.signal, self.wait, self.cancel)
 
 
 BookKey = tuple[int, str, int]  # the process, the port, and which of the books that the process keeps of it
