@@ -120,6 +120,7 @@ def _emit_transitions(arguments: Namespace) -> int:
 
 def _generate(arguments: Namespace) -> int:
     from cspdiag.cli.output import write_package
+    from cspdiag.network.lower import is_taken_by_python
 
     if arguments.target not in TARGETS:
         raise UsageError(f"unknown target {arguments.target!r} (there are: {', '.join(TARGETS)})")
@@ -135,6 +136,11 @@ def _generate(arguments: Namespace) -> int:
     except target_errors() as problem:
         raise NoResultError(str(problem)) from None
     write_package(folder, files, force=arguments.force)
+    renamed = network.name.removesuffix("_")
+    if renamed != network.name and is_taken_by_python(renamed):
+        say(
+            f"`{renamed}` is a name of Python's own, so the package is called `{network.name}`; it has its name from the file"
+        )
     say(f"wrote {folder}")
     if arguments.target == "c":
         from cspdiag.simulate.native.memory import report_or_reason

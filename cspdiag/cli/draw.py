@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from cspdiag.cli.failure import FINE, UNSUCCESSFUL, NoResultError, UsageError
 from cspdiag.cli.terminal import say, show_diagnostics, write_out
-from cspdiag.cli.written import require_file, require_folder
+from cspdiag.cli.written import require_different, require_file, require_folder
 from cspdiag.pipeline import check
 from cspdiag.sources import STANDARD_INPUT, read_source
 
@@ -89,6 +89,7 @@ def run(arguments: Namespace) -> int:
     """Draw what was asked for; a program with errors is drawn only to show them."""
     _find_file(arguments)
     _refuse_senseless(arguments)
+    require_different({"the program": arguments.file, "--book": arguments.book, "-o": arguments.output})
     if arguments.diagram != "composition":
         from cspdiag.draw.layout import engine
 

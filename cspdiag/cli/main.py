@@ -8,10 +8,10 @@ from __future__ import annotations
 import gc
 import os
 import sys
-from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
+from argparse import Action, ArgumentParser, Namespace, RawDescriptionHelpFormatter
 from collections.abc import Sequence
 from importlib import import_module
-from typing import NoReturn, Protocol, cast
+from typing import Any, NoReturn, Protocol, cast
 
 from cspdiag import __version__
 from cspdiag.cli.failure import (
@@ -58,7 +58,26 @@ class Verb(Protocol):
         """Carry the verb out and return the exit code; raises UsageError and OSError for exit code 2."""
 
 
+class _StoreOnce(Action):
+    """Stores the value of an option; a second one that differs is refused, as one of them would be lost without a word."""
+
+    _first: object = None
+
+    def __call__(
+        self, parser: ArgumentParser, namespace: Namespace, values: object, option_string: str | None = None
+    ) -> None:
+        if self._first is not None and self._first != values:
+            parser.error(f"{option_string or self.metavar} is given twice: {self._first} and {values}")
+        self._first = values
+        setattr(namespace, self.dest, values)
+
+
 class _Parser(ArgumentParser):
+    def __init__(self, **options: Any) -> None:
+        super().__init__(**options)
+        for name in (None, "store"):
+            self.register("action", name, _StoreOnce)
+
     def error(self, message: str) -> NoReturn:
         raise UsageError(f"{message} (try {self.prog} --help)")
 

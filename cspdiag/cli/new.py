@@ -5,6 +5,7 @@ from __future__ import annotations
 import keyword
 import os
 import re
+import sys
 from argparse import ArgumentParser, Namespace
 
 from cspdiag.cli.failure import FINE, UsageError
@@ -39,10 +40,9 @@ def run(arguments: Namespace) -> int:
 
 def project(name: str) -> dict[str, str]:
     """The files of a new project by path. Raises UsageError for a name that cannot become a package."""
-    if keyword.iskeyword(name):
-        raise UsageError(
-            f"{name!r} cannot name a project: it is a word of Python, and the generated package has its name"
-        )
+    if keyword.iskeyword(name) or name.lower() in sys.stdlib_module_names:
+        kind = "word of Python" if keyword.iskeyword(name) else "module of Python's library"
+        raise UsageError(f"{name!r} cannot name a project: it is a {kind}, and the generated package has its name")
     if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_-]*", name):
         raise UsageError(f"{name!r} cannot name a project (letters, digits, - and _, beginning with a letter)")
     file_name = name.replace("-", "_").lower()

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from cspdiag.cli.failure import UNSUCCESSFUL, NoResultError, UsageError
 from cspdiag.cli.terminal import say, show_diagnostics
-from cspdiag.cli.written import require_file
+from cspdiag.cli.written import require_different, require_file
 from cspdiag.sources import read_source
 
 if TYPE_CHECKING:
@@ -72,6 +72,9 @@ def run(arguments: Namespace) -> int:
         return run_replay(arguments)
     for option, endings in _ENDINGS.items():
         require_file(f"--{option}", getattr(arguments, option), endings)
+    outputs = (*_ENDINGS, "draw-deadlock")
+    named = {f"--{option}": getattr(arguments, option.replace("-", "_")) for option in outputs}
+    require_different({"the program": arguments.file, **named})
     if arguments.plot is not None:
         _require_matplotlib()
     if arguments.draw_deadlock is not None:

@@ -13,7 +13,7 @@ from cspdiag.cli.diagnostic_formats import FORMATS, told_diagnostics
 from cspdiag.cli.failure import FINE, UNSUCCESSFUL, NoResultError, UsageError
 from cspdiag.cli.output import replace_text
 from cspdiag.cli.terminal import put, say, wants_colour, write_out
-from cspdiag.cli.written import require_file
+from cspdiag.cli.written import require_different, require_file
 
 if TYPE_CHECKING:
     from cspdiag.analyses.verification.answer import Answer
@@ -87,6 +87,7 @@ def run(arguments: Namespace) -> int:
     from cspdiag.cli.verify_cache import Cache, Printed
 
     require_file("--trace-out", arguments.trace_out)
+    require_different({"the program": arguments.file, "--trace-out": arguments.trace_out, "--draw": arguments.draw})
     if arguments.draw is not None:
         from cspdiag.cli.deadlock_picture import check_picture
 

@@ -13,7 +13,7 @@ from cspdiag.cli.failure import FINE, UNSUCCESSFUL, UsageError
 from cspdiag.cli.output import replace_text
 from cspdiag.cli.terminal import put, say, show_diagnostics, write_out
 from cspdiag.cli.verify import refused, told
-from cspdiag.cli.written import require_file
+from cspdiag.cli.written import require_different, require_file
 from cspdiag.diagnostics.snippet import printable
 from cspdiag.sources import read_source
 
@@ -42,6 +42,7 @@ def run_timing(arguments: Namespace) -> int:
 def _check_options(arguments: Namespace) -> None:
     """Refuse before the work what could not be done after it."""
     require_file("--gantt", arguments.gantt, (".svg",))
+    require_different({"the program": arguments.file, "--wcet-from": arguments.wcet_from, "--gantt": arguments.gantt})
     spin = arguments.engine if arguments.engine != "cspdiag" else None
     unused = {
         "--method": arguments.method,

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from cspdiag.cli.failure import UsageError, described
+from cspdiag.sources import STANDARD_INPUT
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -36,6 +37,22 @@ def require_file(option: str, path: str | Path | None, endings: Sequence[str] = 
             raise UsageError(f"{option} {name}: permission denied")
         return
     _try_folder(option, name, os.path.dirname(os.path.realpath(name)))
+
+
+def require_different(named: Mapping[str, str | Path | None]) -> None:
+    """Refuse two names of one file, by what named them: what is written later would replace what is read or written before."""
+    known: dict[str, str] = {}
+    for option, path in named.items():
+        if path is None or os.fspath(path) == STANDARD_INPUT or _is_no_file(path):
+            continue
+        other = known.setdefault(os.path.realpath(path), option)
+        if other != option:
+            raise UsageError(f"{other} and {option} name one file: {path}")
+
+
+def _is_no_file(path: str | Path) -> bool:
+    """Whether it is a device or a pipe, which takes one thing after the other."""
+    return os.path.exists(path) and not os.path.isfile(path)
 
 
 def require_folder(option: str, path: str) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterable, Mapping
 from keyword import iskeyword
 
@@ -252,4 +253,9 @@ def _package_name(program: Program, process: ast.ProcessDefinition) -> str:
     if not name or name[0].isdigit():
         name = process.name.text
     name = name.lower()
-    return f"{name}_" if iskeyword(name) else name
+    return f"{name}_" if is_taken_by_python(name) else name
+
+
+def is_taken_by_python(name: str) -> bool:
+    """Whether no package can have this name: a word of Python, or a module of its library, which would be found in place of the package or the other way about."""
+    return iskeyword(name) or name in sys.stdlib_module_names

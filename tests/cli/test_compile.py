@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -178,3 +179,41 @@ def test_a_hand_written_module_goes_into_the_package(cspdiag: Command, tmp_path:
     missing = cspdiag("compile", program, "-o", tmp_path / "out")
     assert missing.code == 2
     assert "twice.py" in missing.err
+
+
+@pytest.mark.parametrize("name", ["math", "typing", "time", "asyncio", "json", "Signal", "class"])
+def test_a_package_has_no_name_of_pythons_own(cspdiag: Command, tmp_path: Path, name: str) -> None:
+    """``python -m math`` would find another module, and generated code would find itself instead of ``typing``."""
+    path = tmp_path / f"{name}.csp"
+    path.write_text("process Main { out y : int\n composition { y ! 1 } }\n")
+    result = cspdiag("compile", path, "-o", tmp_path)
+    package = f"{name.lower()}_"
+    assert result.err.splitlines() == [
+        f"`{name.lower()}` is a name of Python's own, so the package is called `{package}`; it has its name from the file",
+        f"wrote {tmp_path / package}",
+    ]
+    if name in {"typing", "Signal"}:
+        run = subprocess.run(
+            [sys.executable, "-m", package], cwd=tmp_path / package, capture_output=True, text=True, check=False
+        )
+        assert run.stderr == f"{package} has no environment; build its network with drivers for y\n"
+        assert not (tmp_path / package / name.lower()).exists()
+
+
+def test_a_header_of_c_is_not_displaced(cspdiag: Command, tmp_path: Path) -> None:
+    """The folder of a C package is searched for ``<math.h>`` too."""
+    names = ["Math", "String", "Limits", "Stdio", "Time", "Signal", "Errno", "Fcntl", "Unistd", "Stdint", "Pthread"]
+    laws = "".join(f"submodel {name} {{ in x : double\n out y : double\n y = x }}\n" for name in names)
+    boxes = "".join(f"b{name} : {name}\n x -> b{name}.x\n b{name}.y -> _\n" for name in names)
+    order = " ; ".join(f"b{name}" for name in names)
+    text = f"process Main {{ in x : double @ 1 ms\n communication {{ {boxes} }}\n composition {{ mu ({order}) }} }}"
+    (tmp_path / "main.csp").write_text(laws + text)
+    assert cspdiag("compile", "--target", "c", tmp_path / "main.csp", "-o", tmp_path / "out").code == 0
+    package = tmp_path / "out" / "main"
+    included = {
+        header
+        for path in package.rglob("*.[ch]")
+        for header in re.findall(r"#include <([a-z0-9]+\.h)>", path.read_text())
+    }
+    assert {"math.h", "stdint.h"} <= included
+    assert not included & {path.name for path in package.rglob("*.h")}

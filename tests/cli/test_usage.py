@@ -145,3 +145,56 @@ def test_a_terminal_without_the_characters_still_shows_the_message(good: Path) -
         )
         assert result.returncode == 1
         assert b"E01" in result.stdout + result.stderr
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["run", "x.csp", "--record", "a.csv", "--record", "b.csv"],
+        ["run", "x.csp", "--plot", "a.svg", "--plot", "b.svg"],
+        ["run", "x.csp", "--for", "1s", "--for", "2s"],
+        ["verify", "x.csp", "--trace-out", "a", "--trace-out=b"],
+        ["verify", "x.csp", "--process", "A", "--process", "B"],
+        ["compile", "x.csp", "-o", "a", "--output", "b"],
+        ["draw", "x.csp", "-o", "a.svg", "-o", "b.svg"],
+        ["check", "x.csp", "--format", "json", "--format", "sarif"],
+        ["margins", "x.csp", "--loop", "a", "--loop", "b"],
+    ],
+    ids=" ".join,
+)
+def test_no_option_is_lost(cspdiag: Command, arguments: list[str]) -> None:
+    """What was given first would have been dropped without a word."""
+    result = cspdiag(*arguments)
+    assert result.code == 2
+    assert "is given twice: " in result.err
+    assert one_line(result.err)
+
+
+def test_an_option_may_say_the_same_twice(cspdiag: Command, good: Path) -> None:
+    assert cspdiag("check", good, "--format", "json", "--format=json").code == 0
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["run", "x.csp", "--plot", "a.svg", "--draw-deadlock", "b/../a.svg"],
+        ["run", "x.svg", "--plot", "x.svg"],
+        ["verify", "x.csp", "--trace-out", "x.csp"],
+        ["verify", "x.csp", "--trace-out", "a.svg", "--draw", "a.svg"],
+        ["draw", "x.csp", "--book", "link.csp"],
+    ],
+    ids=" ".join,
+)
+def test_no_file_is_written_twice_or_over_the_program(
+    cspdiag: Command, good: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: list[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("b").mkdir()
+    for name in ("x.csp", "x.svg"):
+        Path(name).write_text(good.read_text())
+    Path("link.csp").symlink_to("x.csp")
+    result = cspdiag(*arguments)
+    assert result.code == 2
+    assert "name one file: " in result.err
+    assert one_line(result.err)
+    assert Path(arguments[1]).read_text() == good.read_text()

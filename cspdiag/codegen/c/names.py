@@ -77,6 +77,12 @@ class Names:
         return self._names.fresh(wanted, lambda count: f"{wanted.rstrip('_')}_{count}")
 
 
+HEADERS = _words(
+    "assert complex ctype errno fenv float inttypes iso646 limits locale math setjmp signal stdalign stdarg stdatomic stdbool stddef stdint stdio "
+    "stdlib stdnoreturn string tgmath threads time uchar wchar wctype dirent fcntl poll pthread sched semaphore strings termios unistd"
+)
+"""Headers of the language and of POSIX: the folder of the package is searched first, so that a header of ours would stand in for one of these."""
+
 FILES = (
     "types",
     "constants",
@@ -105,7 +111,7 @@ class PackageNames:
     def __init__(self, network: Network) -> None:
         self.package = network.name
         self._folder = network.source.rpartition("/")[0]
-        self._names = Names((*FILES, *_OF_NETWORK))
+        self._names = Names((*FILES, *HEADERS, *_OF_NETWORK))
         self.types: Mapping[str, str] = {
             name: self._fresh(name) for name in (*(e.name for e in network.enums), *(e.name for e in network.structs))
         }
