@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from typing import assert_never
-
 from cspdiag.diagnostics import Report
 from cspdiag.model.types import UnknownType
 from cspdiag.network.actions import (
     Action,
-    AfterEvent,
     AssignValue,
     Branch,
     Choice,
@@ -20,7 +17,6 @@ from cspdiag.network.actions import (
     ReadyEvent,
     Repeat,
     RunInstance,
-    SkipEvent,
     WhileLoop,
 )
 from cspdiag.network.contexts import Placed
@@ -29,16 +25,10 @@ from cspdiag.network.diagnostics_runs import EndlessLoop, InstanceNeverRun, NoCo
 from cspdiag.network.ends import all_actions
 from cspdiag.network.expression_walk import walk
 from cspdiag.network.expressions import Expression, LiteralValue
+from cspdiag.network.possible import is_always_ready, overtaken
 from cspdiag.network.relations import UsesByKey, end_key, run_key, variables_read
 from cspdiag.network.shapes import InstanceShape, Key, Shape, attached_key
-from cspdiag.network.waiting import (
-    Waiting,
-    is_open,
-    known_duration,
-    read_may_wait,
-    sample_period,
-    write_may_wait,
-)
+from cspdiag.network.waiting import Waiting, is_open
 from cspdiag.syntax import ast
 
 
@@ -148,34 +138,23 @@ def _check_branches(placed: Placed, choice: Choice, report: Report) -> None:
                 report.add(SamePortTwice(span=branch.event.span, port=end[1], first=first, writes=end[0] == "!"))
             else:
                 seen[end] = branch
-        if branch.condition is None and _is_always_ready(placed, branch.event):
+        if branch.condition is None and is_always_ready(placed, branch.event):
             always = branch
 
 
 def _check_time_outs(placed: Placed, choice: Choice, report: Report) -> None:
-    """A time-out beside the samples of an input, or beside a branch that is always ready, must come before them to be chosen at all."""
-    sooner: tuple[int, Branch, Key | None] | None = None
-    for branch in choice.branches:
-        if branch.condition is not None:
-            continue
-        if _is_always_ready(placed, branch.event):
-            sooner = (0, branch, None)
-        elif isinstance(branch.event, ReadyEvent | InputEvent):
-            key = end_key(branch.event.source)
-            period = sample_period(placed, key)
-            if period and (sooner is None or period < sooner[0]):
-                sooner = (period, branch, key)
-    if sooner is None:
-        return
-    period, other, port = sooner
-    for branch in choice.branches:
-        waits = known_duration(placed, branch.event.duration) if isinstance(branch.event, AfterEvent) else 0
-        behind = choice.prioritized and other.span.start < branch.span.start
+    """A time-out beside samples, a shorter one or a branch that is always ready must come before them to be chosen at all."""
+    for found in overtaken(placed, choice):
+        is_behind = choice.prioritized and found.by.span.start < found.branch.span.start
         # Behind one that is always ready nothing has a turn, and that is said already.
-        if (waits > period and (period or not behind)) or (period and waits == period and behind):
+        if found.period or not is_behind:
             report.add(
                 TimeOutNeverElapses(
-                    span=branch.event.span, waits=waits, port=port, period=period, earlier=other.event.span
+                    span=found.branch.event.span,
+                    waits=found.waits,
+                    port=found.port,
+                    period=found.period,
+                    earlier=found.by.event.span,
                 )
             )
 
@@ -192,19 +171,3 @@ def _end_of(event: Event) -> tuple[str, Key] | None:
     if isinstance(event, ReadyEvent | InputEvent):
         return "?", end_key(event.source)
     return ("!", end_key(event.sink)) if isinstance(event, OutputEvent) else None
-
-
-def _is_always_ready(placed: Placed, event: Event) -> bool:
-    match event:
-        case SkipEvent():
-            return True
-        case ReadyEvent() | InputEvent():
-            key = end_key(event.source)
-            return not is_open(placed, key) and not read_may_wait(placed, key)
-        case OutputEvent():
-            key = end_key(event.sink)
-            return not is_open(placed, key) and not write_may_wait(placed, key)
-        case AfterEvent():
-            return False
-        case _:
-            assert_never(event)

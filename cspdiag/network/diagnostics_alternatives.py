@@ -274,7 +274,7 @@ class SamePortTwice(Diagnostic):
 class TimeOutNeverElapses(Diagnostic):
     """A time-out stands beside a branch that is always chosen before it elapses.
 
-    `after 50 ms` counts from the beginning of the alternative. Where a sample comes every 10 ms, the alternative chooses it long before, and
+    `after 50 ms` counts from the beginning of the alternative, and so does a shorter `after` beside it. Where a sample comes every 10 ms, the alternative chooses it long before, and
     begins again, with a new time-out, when a loop comes back to it. What is to happen every so often beside the samples is counted in samples, or belongs to a
     process in parallel.
 
@@ -321,25 +321,30 @@ class TimeOutNeverElapses(Diagnostic):
 
     waits: int
     port: str | None
-    """The sampled input that is read before; None where a branch is always ready."""
+    """The sampled input that is read before; None where a branch is always ready, or another time-out shorter."""
     period: int
+    """Within how long the other branch is ready."""
     earlier: Span
 
     @property
     def message(self) -> str:
+        if self.port is None and self.period:
+            return f"these {duration(self.waits)} never elapse: another time-out of this alternative is over after {duration(self.period)}"
         if self.port is None:
             return f"these {duration(self.waits)} never elapse: another branch is ready at once"
         return f"these {duration(self.waits)} never elapse: a sample of `{self.port}` comes every {duration(self.period)}, and is read before"
 
     @property
     def help(self) -> str | None:
+        if self.port is None and self.period:
+            return "leave one of the two away, or put a `when` before the shorter one"
         if self.port is None:
             return "a time-out is for an alternative that waits: leave one of the two away"
         return f"count samples of `{self.port}` instead, or let a process in parallel `wait {duration(self.waits)}`"
 
     @property
     def labels(self) -> tuple[Label, ...]:
-        return (Label(self.earlier, "always ready" if self.port is None else f"chosen within {duration(self.period)}"),)
+        return (Label(self.earlier, f"chosen within {duration(self.period)}" if self.period else "always ready"),)
 
 
 @record

@@ -31,7 +31,7 @@ from cspdiag.network.actions import (
 )
 from cspdiag.network.constant_value import constant_value
 from cspdiag.network.contexts import NetKind, Placed, port_facts
-from cspdiag.network.expressions import Expression
+from cspdiag.network.expressions import Expression, Value
 from cspdiag.network.relations import end_key
 from cspdiag.network.shapes import UNKNOWN_PERIOD, InstanceShape, Key, attached_key
 from cspdiag.syntax import ast
@@ -61,10 +61,15 @@ def sample_period(placed: Placed, key: Key) -> int:
     return period if kind == "sampled" and period is not None and period != UNKNOWN_PERIOD else 0
 
 
+def constant_in(placed: Placed, expression: Expression) -> Value | None:
+    """The value of an expression of constants and of the parameters of a process; None where it depends on more."""
+    values = {node.name.text: value for node, value in placed.shape.values.items() if isinstance(node, ast.Parameter)}
+    return constant_value(expression, lambda name: values.get(name.name))
+
+
 def known_duration(placed: Placed, expression: Expression) -> int:
     """The nanoseconds of a delay; 0 where they are not known here."""
-    values = {node.name.text: value for node, value in placed.shape.values.items() if isinstance(node, ast.Parameter)}
-    value = constant_value(expression, lambda name: values.get(name.name))
+    value = constant_in(placed, expression)
     return value if isinstance(value, int) and value > 0 else 0
 
 

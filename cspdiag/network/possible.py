@@ -1,0 +1,94 @@
+"""Which ways an alternative or a condition can take at all: what is always ready, never holds, or comes too late."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import assert_never
+
+from cspdiag.diagnostics.record import record
+from cspdiag.network.actions import AfterEvent, Branch, Choice, Event, InputEvent, OutputEvent, ReadyEvent, SkipEvent
+from cspdiag.network.contexts import Placed
+from cspdiag.network.expressions import Expression
+from cspdiag.network.relations import end_key
+from cspdiag.network.shapes import Key
+from cspdiag.network.waiting import constant_in, is_open, known_duration, read_may_wait, sample_period, write_may_wait
+
+
+@record
+class Overtaken:
+    """A time-out of ``waits`` nanoseconds, and the guard ``by`` that is ready within ``period`` of them: a sample of ``port``, another time-out, or at once."""
+
+    branch: Branch
+    waits: int
+    by: Branch
+    port: Key | None
+    period: int
+
+
+def decided(placed: Placed, condition: Expression | None) -> bool | None:
+    """Whether a condition always holds, or never; None where that depends on more than constants."""
+    if condition is None:
+        return True
+    value = constant_in(placed, condition)
+    return value if isinstance(value, bool) else None
+
+
+def is_always_ready(placed: Placed, event: Event) -> bool:
+    """Whether a guard is ready whenever it counts."""
+    match event:
+        case SkipEvent():
+            return True
+        case ReadyEvent() | InputEvent():
+            key = end_key(event.source)
+            return not is_open(placed, key) and not read_may_wait(placed, key)
+        case OutputEvent():
+            key = end_key(event.sink)
+            return not is_open(placed, key) and not write_may_wait(placed, key)
+        case AfterEvent():
+            return False
+        case _:
+            assert_never(event)
+
+
+def overtaken(placed: Placed, choice: Choice) -> Iterator[Overtaken]:
+    """The time-outs beside samples of an input, another time-out, or a branch that is always ready, which come before them."""
+    soonest: tuple[int, Branch, Key | None] | None = None
+    for branch in choice.branches:
+        found = _ready_within(placed, branch) if decided(placed, branch.condition) else None
+        if found is not None and (soonest is None or found[0] < soonest[0]):
+            soonest = found[0], branch, found[1]
+    if soonest is None:
+        return
+    period, other, port = soonest
+    for branch in choice.branches:
+        waits = known_duration(placed, branch.event.duration) if isinstance(branch.event, AfterEvent) else 0
+        is_behind = choice.prioritized and other.span.start < branch.span.start
+        if branch is not other and (waits > period or (period and waits == period and is_behind)):
+            yield Overtaken(branch, waits, other, port, period)
+
+
+def _ready_within(placed: Placed, branch: Branch) -> tuple[int, Key | None] | None:
+    """Within how many nanoseconds a guard is ready for certain, and the input of which it is a sample."""
+    event = branch.event
+    if is_always_ready(placed, event):
+        return 0, None
+    if isinstance(event, ReadyEvent | InputEvent):
+        key = end_key(event.source)
+        period = sample_period(placed, key)
+        return (period, key) if period else None
+    waits = known_duration(placed, event.duration) if isinstance(event, AfterEvent) else 0
+    return (waits, None) if waits else None
+
+
+def possible_branches(placed: Placed, choice: Choice) -> tuple[Branch, ...]:
+    """The branches that can be chosen."""
+    late = {found.branch.span for found in overtaken(placed, choice)}
+    possible: list[Branch] = []
+    for branch in choice.branches:
+        holds = decided(placed, branch.condition)
+        if holds is False or branch.span in late:
+            continue
+        possible.append(branch)
+        if holds and choice.prioritized and is_always_ready(placed, branch.event):
+            break
+    return tuple(possible)
