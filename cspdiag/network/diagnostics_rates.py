@@ -122,7 +122,8 @@ class SamplesMissed(Diagnostic):
 
     From the first read of a sampled input on, and until the process ends, each sample is taken before the next one comes. One that is overwritten
     before is a missed deadline: the next read raises `Timeout`. So a process that follows samples must not wait for anything else that takes a period
-    or longer: a delay, an input that is sampled more slowly, or an event, which may come at any time or never.
+    or longer: a delay, an input that is sampled more slowly, or an event, which may come at any time or never. Shorter delays add up, where each turn of a loop waits longer
+    than the samples take that it reads; and what follows an event beside the samples begins, at the worst, when the next sample comes. Every way is looked at that can be taken.
 
     An alternative waits for whatever comes first, and keeps the slower value in a variable. What belongs to one mode only stands in a
     process of its own: it follows the samples while it runs, and begins with the next one when it runs again. And what
@@ -187,12 +188,17 @@ class SamplesMissed(Diagnostic):
     earlier: Span
     event: str | None
     """The event that is waited for, if any."""
+    beside: str | None
+    """The event that may come just before the next sample, if any."""
     waits: int
     """The least time that passes, in nanoseconds."""
     slower: str | None
     """The input of which the samples are waited for, in a loop."""
     reads: int
-    """How many samples of ``port`` a turn of the loop takes at most."""
+    """How many samples of ``port`` are taken meanwhile, the one that is late included; of a turn of a loop, all."""
+
+    turns: bool
+    """Whether that is one turn of a loop, and not once."""
 
     is_certain: bool
     """Whether samples are missed, not only if the loop has many turns."""
@@ -202,13 +208,15 @@ class SamplesMissed(Diagnostic):
         every = f"`{self.port}`, which comes every {duration(self.period)}"
         if self.event is not None:
             return f"between two reads of {every}, this {self.meanwhile}: if that takes longer, samples are missed"
+        if self.beside is not None:
+            return f"between two reads of {every}, this {self.meanwhile}: if that comes late in a period, samples are missed"
         taken = "one sample" if self.reads == 1 else f"{self.reads} samples"
+        if not self.turns:
+            if self.reads == 1:
+                return f"between two reads of {every}, this {self.meanwhile}: samples are missed"
+            return f"this {self.meanwhile} and takes {taken} of {every}: more are missed"
         turn = f"each turn of the loop {self.meanwhile}"
-        if self.slower is not None:
-            return f"{turn} and takes {taken} of {every}: {self._missed}"
-        if self.waits >= 2 * self.period and self.reads == 1:
-            return f"between two reads of {every}, this {self.meanwhile}: samples are missed"
-        if self.waits > self.reads * self.period:
+        if self.slower is not None or self.waits > self.reads * self.period:
             return f"{turn} and takes {taken} of {every}: {self._missed}"
         return f"{turn} and takes {taken} of {every}: as soon as anything else takes time, samples are missed"
 
@@ -217,6 +225,8 @@ class SamplesMissed(Diagnostic):
         """What is done between two reads."""
         if self.event is not None:
             return f"waits for the event `{self.event}`"
+        if self.beside is not None:
+            return f"waits {duration(self.waits)} after the event `{self.beside}`"
         return f"waits {duration(self.waits)}" + ("" if self.slower is None else f" for `{self.slower}`")
 
     @property

@@ -14,24 +14,41 @@ _LOOKED_AT = 64
 
 @record
 class Gap:
-    """What certainly lies between two reads: nanoseconds of waiting, and an event that is waited for, with the place of what takes most."""
+    """What certainly lies between two reads: nanoseconds of waiting, and an event that is waited for, with the place of what takes most.
+
+    ``credit`` is how much of it the samples take that are read meanwhile, one period each; it is negative after an event ``beside`` the samples, which
+    may come when the next one is due.
+    """
 
     duration: int = 0
     event: Key | None = None
     cause: Span | None = None
+    credit: int = 0
+    beside: Key | None = None
 
     def then(self, later: Gap) -> Gap:
         """One after the other."""
         if later is NOTHING:
             return self
         is_first = self.event is not None or (self.duration >= later.duration and later.event is None)
-        cause = self.cause if is_first else later.cause
-        return Gap(self.duration + later.duration, self.event or later.event, cause or later.cause)
+        cause = (self.cause or later.cause) if is_first else (later.cause or self.cause)
+        return Gap(
+            self.duration + later.duration,
+            self.event or later.event,
+            cause,
+            self.credit + later.credit,
+            self.beside or later.beside,
+        )
+
+    @property
+    def late(self) -> int:
+        """How long ago the last sample came that was read, if it was read as it came."""
+        return self.duration - self.credit
 
     @property
     def rank(self) -> tuple[bool, int]:
         """Waiting for an event takes longer than any time."""
-        return self.event is not None, self.duration
+        return self.event is not None, self.late
 
 
 NOTHING = Gap()

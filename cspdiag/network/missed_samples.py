@@ -1,18 +1,18 @@
 """Processes that must miss samples: what they do between two reads of a sampled input takes longer than the samples come.
 
 From its first read on, and until the process ends, each sample of an input is taken before the next one comes. So a sequential part
-is summed up by what lies before its first read of each input, after its last, and between. Times are the least that is certain: what
-nobody knows (a partner, computing) takes no time. What parallel branches both read has books of its own in each, and is left alone.
+is summed up by what lies before its reads of each input, after them, and between (``sample_reads``). Ways are those that may be taken: whatever conditions come to,
+and events whenever they like, but only one between two reads. Times are the least that is certain: what nobody knows (a partner, computing) takes no time, and a loop
+without reads one turn. What parallel branches both read has books of its own in each, and is left alone.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from functools import reduce
 from typing import assert_never
 
 from cspdiag.diagnostics import Report, Span
-from cspdiag.diagnostics.record import node, replaced
+from cspdiag.diagnostics.record import replaced
 from cspdiag.network.actions import (
     Action,
     AfterEvent,
@@ -25,7 +25,6 @@ from cspdiag.network.actions import (
     InputEvent,
     InterruptOn,
     OptimizedStep,
-    OutputEvent,
     ParallelSteps,
     RaiseException,
     ReadValue,
@@ -34,7 +33,6 @@ from cspdiag.network.actions import (
     ResetInstance,
     RunInstance,
     SequentialSteps,
-    SkipEvent,
     SkipStep,
     StopStep,
     WaitStep,
@@ -42,42 +40,33 @@ from cspdiag.network.actions import (
     WriteValue,
 )
 from cspdiag.network.contexts import Placed
-from cspdiag.network.diagnostics_rates import SamplesMissed
+from cspdiag.network.findings_of_samples import Findings
 from cspdiag.network.gaps import NOTHING, Elapsed, Gap, either, then
+from cspdiag.network.possible import decided, is_always_ready, possible_branches
 from cspdiag.network.relations import end_key
+from cspdiag.network.sample_reads import (
+    INSTANT,
+    MANY,
+    NEVER_ENDS,
+    Book,
+    Part,
+    Reads,
+    any_way,
+    beside,
+    earlier,
+    endless,
+    joined,
+    later,
+    not_read,
+    one_of,
+    one_of_exits,
+    one_read,
+    part,
+    repeated,
+    within,
+)
 from cspdiag.network.shapes import InstanceShape, Key
 from cspdiag.network.waiting import inputs_of, known_duration, sample_period
-
-_MANY = 1 << 40
-"""More reads than anybody counts: those of a loop inside."""
-
-
-@node
-class Reads:
-    """The reads of one sampled input in a part: None is what no way through it does.
-
-    ``before`` lies before the first read, ``after`` after the last, ``past`` on a way without one; ``least`` and ``most`` count reads.
-    """
-
-    before: Gap | None
-    past: Gap | None
-    after: Gap | None
-    least: int
-    most: int
-    span: Span
-
-
-@node
-class Part:
-    """What a part of a composition takes: ``time`` on a way through it, None where there is none; ``wait`` on every way."""
-
-    time: Gap | None
-    wait: int
-    reads: Mapping[Key, Reads]
-
-
-_INSTANT = Part(time=NOTHING, wait=0, reads={})
-_NEVER_ENDS = Part(time=None, wait=0, reads={})
 
 
 class MissedSamples:
@@ -101,11 +90,9 @@ class _Sequence:
     def __init__(self, placed: Placed, known: Mapping[Placed, Part], report: Report) -> None:
         self.placed = placed
         self.known = known
-        self.report = report
+        self.findings = Findings(placed, report)
         self.ready: frozenset[Key] = frozenset()
         """Events that a guard has found ready, so that what follows it reads them without waiting."""
-        self.tolerated = False
-        """Whether a missed sample is caught here."""
 
     def part(self, action: Action) -> Part:
         match action:
@@ -115,34 +102,41 @@ class _Sequence:
             case ReadValue():
                 return self._read((end_key(action.source),), action.span)
             case WriteValue() | AssignValue() | SkipStep() | ResetInstance():
-                return _INSTANT
+                return INSTANT
             case WaitStep():
                 waits = known_duration(self.placed, action.duration)
-                return Part(time=Gap(waits, None, action.span) if waits else NOTHING, wait=waits, reads={})
-            case StopStep() | RaiseException():
-                return _NEVER_ENDS
+                return part(Gap(waits, None, action.span)) if waits else INSTANT
+            case StopStep():
+                return NEVER_ENDS
+            case RaiseException():
+                return part(None, exits={action.exception: INSTANT})
             case SequentialSteps():
                 return self._sequence(map(self.part, action.steps))
             case ParallelSteps():
-                return _beside([self.part(step) for step in action.steps])
+                return beside((step.span.start, self.part(step)) for step in action.steps)
             case Choice():
                 return self._choice(action)
             case Repeat():
                 body = self.part(action.body)
-                self._check_turns(body, is_endless=action.until is None)
-                return _endless(body) if action.until is None else _repeated(body)
+                ends = action.until is not None and decided(self.placed, action.until)
+                if ends:
+                    return body
+                self.findings.check_turns(body, is_endless=action.until is None)
+                return endless(body) if action.until is None else repeated(body)
             case WhileLoop():
+                if decided(self.placed, action.condition) is False:
+                    return INSTANT
                 body = self.part(action.body)
-                self._check_turns(body, is_endless=False)
-                return _either([_INSTANT, _repeated(body)])
+                self.findings.check_turns(body, is_endless=False)
+                return one_of([INSTANT, repeated(body)])
             case IfElse():
-                return _either([self.part(action.then), self.part(action.otherwise)])
+                holds = decided(self.placed, action.condition)
+                ways = [action.then] * (holds is not False) + [action.otherwise] * (holds is not True)
+                return one_of([self.part(way) for way in ways])
             case CatchException():
                 return self._catch(action)
             case InterruptOn():
-                body = self.part(action.body)
-                left = self._sequence((_abandoned(body), self._branch(action.branch, ())))
-                return _either([body, left])
+                return self._interrupt(action)
             case Group():
                 return self.part(action.body)
             case OptimizedStep():
@@ -158,22 +152,15 @@ class _Sequence:
         keys = list(keys)
         event = next((key for key in keys if self._is_event(key)), None)
         time = NOTHING if event is None else Gap(0, event, span)
-        reads = {
-            key: Reads(before=NOTHING, past=None, after=time, least=1, most=1, span=span)
-            for key in keys
-            if self._period(key)
-        }
-        return Part(time=time, wait=0, reads=reads)
+        return part(time, {(key, 0): one_read(self._period(key), time, span) for key in keys if self._period(key)})
 
     def _process(self, action: RunInstance) -> Part:
         """A process keeps books of its own; here it takes time, and may wait for events."""
         inside = self.known.get(self.placed.inside[action.instance])
         if inside is None:
-            return _INSTANT
-        time = inside.time
-        if time is not None and time is not NOTHING:
-            time = replaced(time, cause=action.span)
-        return Part(time=time, wait=inside.wait, reads={})
+            return INSTANT
+        exits = {name: part(_caused(found.time, action.span)) for name, found in inside.exits.items()}
+        return part(_caused(inside.time, action.span), exits=exits)
 
     def _is_event(self, key: Key) -> bool:
         return self.placed.facts[key][0] == "event" and key not in self.ready
@@ -182,217 +169,195 @@ class _Sequence:
         return sample_period(self.placed, key)
 
     def _choice(self, action: Choice) -> Part:
-        """An alternative among nothing but events waits for one of them; else a branch is chosen, for all that is certain, at once."""
-        sources = [
-            end_key(branch.event.source)
-            for branch in action.branches
-            if isinstance(branch.event, InputEvent | ReadyEvent)
-        ]
-        guarded = [key for key in sources if self._period(key)]
-        chosen = _either([self._branch(branch, guarded) for branch in action.branches])
-        if len(sources) < len(action.branches) or not all(map(self._is_event, sources)):
+        """One of the branches that are possible, after what is waited for before it can be chosen."""
+        branches = possible_branches(self.placed, action)
+        events = [branch for branch in branches if self._event_of(branch) is not None]
+        time_outs = [branch for branch in branches if isinstance(branch.event, AfterEvent)]
+        if branches and len(events) == len(branches):
+            waits = Gap(0, self._event_of(events[0]), events[0].event.span)
+            return self._sequence((part(waits), one_of([self._branch(branch, NOTHING, {}) for branch in branches])))
+        # Until which moment an event may come: a sample or a time-out is chosen then.
+        until = NOTHING
+        if len(events) + len(time_outs) == len(branches):
+            until = min(filter(None, map(self._time_out, time_outs)), key=lambda gap: gap.duration, default=NOTHING)
+        samples = self._samples(branches)
+        is_waiting = not any(is_always_ready(self.placed, branch.event) for branch in branches)
+        is_certain = is_waiting and not (time_outs and samples)
+        was_tolerated = self.findings.tolerated
+        self.findings.tolerated = was_tolerated or (bool(samples) and not is_certain)
+        parts = []
+        for branch in branches:
+            instead = {}
+            for key, sample in samples.items():
+                is_first = action.prioritized and branch.span.start < sample.span.start
+                is_last = action.prioritized and not is_first
+                instead[key, 0] = self._instead_of(key, branch, waits=is_waiting, is_first=is_first, is_last=is_last)
+            parts.append(self._branch(branch, until if branch in events else NOTHING, instead))
+        self.findings.tolerated = was_tolerated
+        chosen = one_of(parts)
+        if is_certain:
             return chosen
-        waits = Gap(0, sources[0], action.branches[0].event.span)
-        return self._sequence((Part(time=waits, wait=0, reads={}), chosen))
+        # Whether a sample comes before a time-out, or is there already, depends on how late one is, of which only a bound is known.
+        some_way = {(key, 0): any_way((key, 0), parts, branch.event.span) for key, branch in samples.items()}
+        return replaced(chosen, reads={**chosen.reads, **some_way})
 
-    def _branch(self, branch: Branch, guarded: Iterable[Key]) -> Part:
-        """What follows when a branch is chosen; a time-out passes only while there is no sample of an input that guards another."""
-        match branch.event:
-            case InputEvent() | ReadyEvent() as event:
-                key = end_key(event.source)
-                was_ready, self.ready = self.ready, self.ready | {key}
-                following = self.part(branch.body)
-                self.ready = was_ready
-                if isinstance(event, ReadyEvent) or not self._period(key):
-                    return following
-                taken = Reads(before=NOTHING, past=None, after=NOTHING, least=1, most=1, span=event.span)
-                return self._sequence((Part(time=NOTHING, wait=0, reads={key: taken}), following))
-            case AfterEvent(duration=duration, span=span):
-                passed = known_duration(self.placed, duration)
-                nothing = Reads(before=None, past=NOTHING, after=None, least=0, most=0, span=span)
-                time = Gap(passed, None, span) if passed else NOTHING
-                delay = Part(time=time, wait=passed, reads=dict.fromkeys(guarded, nothing))
-                return self._sequence((delay, self.part(branch.body)))
-            case OutputEvent() | SkipEvent():
-                return self.part(branch.body)
-            case _:
-                assert_never(branch.event)
+    def _event_of(self, branch: Branch) -> Key | None:
+        """The event that a guard waits for."""
+        if not isinstance(branch.event, InputEvent | ReadyEvent):
+            return None
+        key = end_key(branch.event.source)
+        return key if self._is_event(key) else None
+
+    def _samples(self, branches: Iterable[Branch]) -> dict[Key, Branch]:
+        """The sampled inputs that guards wait for."""
+        guarded = {
+            end_key(branch.event.source): branch
+            for branch in branches
+            if isinstance(branch.event, InputEvent | ReadyEvent)
+        }
+        return {key: branch for key, branch in guarded.items() if self._period(key)}
+
+    def _time_out(self, branch: Branch) -> Gap | None:
+        assert isinstance(branch.event, AfterEvent)
+        waits = known_duration(self.placed, branch.event.duration)
+        return Gap(waits, None, branch.event.span) if waits else None
+
+    def _branch(self, branch: Branch, until: Gap, instead: Mapping[Book, Reads]) -> Part:
+        """What follows when a branch is chosen, ``until`` a moment at the latest, ``instead`` of samples."""
+        event = branch.event
+        if isinstance(event, InputEvent | ReadyEvent):
+            key = end_key(event.source)
+            was_ready, self.ready = self.ready, self.ready | {key}
+            following = self.part(branch.body)
+            self.ready = was_ready
+            if self._period(key):
+                taken = part(NOTHING, {(key, 0): one_read(self._period(key), NOTHING, event.span)})
+                return following if isinstance(event, ReadyEvent) else self._sequence((taken, following))
+        else:
+            following = self.part(branch.body)
+        time = self._time_out(branch) or NOTHING if isinstance(event, AfterEvent) else until
+        return self._sequence((part(time, instead), following))
+
+    def _instead_of(self, sample: Key, chosen: Branch, *, waits: bool, is_first: bool, is_last: bool) -> Reads:
+        """What becomes of a sample where something else is chosen: an event comes when it likes, up to the next sample.
+
+        One that ``is_first`` is chosen also where the sample is there already, one that ``is_last`` only before.
+        """
+        event = self._event_of(chosen) if waits else None
+        span = chosen.event.span
+        held = NOTHING if event is None else Gap(0, None, span, -self._period(sample) + is_last, event)
+        return not_read(held, NOTHING if is_first else None, span)
+
+    def _interrupt(self, action: InterruptOn) -> Part:
+        body, branch = self.part(action.body), action.branch
+        if decided(self.placed, branch.condition) is False:
+            return body
+        is_time_out = isinstance(branch.event, AfterEvent)
+        handler = self.part(branch.body) if is_time_out else self._branch(branch, NOTHING, {})
+        if body.time is NOTHING and not body.reads:
+            return body
+        event = self._event_of(branch)
+        if event is not None:
+            return one_of([body, self._sequence((self._abandoned(body, event, branch.event.span), handler))])
+        limit = (self._time_out(branch) if is_time_out else None) or NOTHING
+        left = self._sequence((self._cut_off(body, limit), handler))
+        if not is_time_out:
+            return one_of([body, left])
+        if limit is NOTHING or body.time is None or body.time.event is not None:
+            return one_of([within(body, limit), left])
+        return (
+            body
+            if body.time.duration < limit.duration
+            else replaced(left, exits=one_of_exits((body.exits, left.exits)))
+        )
+
+    def _abandoned(self, body: Part, event: Key, span: Span) -> Part:
+        """A body that an event ends: when it likes, at the latest with the next sample that the body waits for."""
+        time = Gap(0, event, span) if body.time is None else body.time
+        reads = {}
+        for book, found in body.reads.items():
+            held = Gap(0, None, span, -self._period(book[0]), event)
+            again = found.most > 1 and found.before is not None
+            past = NOTHING if body.time is None or found.before is not None else body.time
+            reads[book] = replaced(
+                found, past=past, after=held if again else None, least=0, drift=None, held=held, pending=None
+            )
+        return part(time, reads)
+
+    def _cut_off(self, body: Part, limit: Gap) -> Part:
+        """A body that is left somewhere, after no more than ``limit``: nothing certain lies behind its reads."""
+        is_longer = body.time is None or body.time.rank >= limit.rank
+        reads = {}
+        for book, found in body.reads.items():
+            is_read = found.before is not None and found.before.rank <= limit.rank
+            waits = found.past is None and is_read
+            reads[book] = replaced(
+                found,
+                before=found.before if is_read else None,
+                past=None if waits and limit is not NOTHING else limit if is_longer else found.past,
+                after=NOTHING if is_read or found.after is not None else None,
+                least=0,
+                drift=None,
+                held=limit if waits and limit.duration < self._period(book[0]) else None,
+                pending=None,
+            )
+        return part(limit if is_longer else body.time, reads)
 
     def _catch(self, action: CatchException) -> Part:
-        was_tolerated = self.tolerated
-        self.tolerated = was_tolerated or action.exception == "Timeout"
+        was_tolerated = self.findings.tolerated
+        self.findings.tolerated = was_tolerated or action.exception == "Timeout"
         body = self.part(action.body)
-        self.tolerated = was_tolerated
+        self.findings.tolerated = was_tolerated
+        handler = self.part(action.handler)
         if action.exception == "Timeout":
-            caught = {key: replaced(found, before=None, most=_MANY) for key, found in body.reads.items()}
+            caught = {
+                key: replaced(found, before=None, most=MANY, drift=None, pending=None)
+                for key, found in body.reads.items()
+            }
             body = replaced(body, reads=caught)
-        return _either([body, self._sequence((_abandoned(body), self.part(action.handler)))])
+            return one_of([body, self._sequence((self._cut_off(body, NOTHING), handler))])
+        raised = body.exits.get(action.exception)
+        others = {name: found for name, found in body.exits.items() if name != action.exception}
+        body = replaced(body, exits=others)
+        return body if raised is None else one_of([body, self._sequence((raised, handler))])
 
     def _sequence(self, parts: Iterable[Part]) -> Part:
         """One after another, with a look at what lies between the reads of each input."""
         elapsed = Elapsed()
-        wait = 0
-        reads: dict[Key, Reads] = {}
-        since: dict[Key, int] = {}
-        for part in parts:
-            for key, other in part.reads.items():
+        reads: dict[Book, Reads] = {}
+        since: dict[Book, int] = {}
+        exits: list[Mapping[str, Part]] = []
+        for each in parts:
+            if each.exits and (first := elapsed.since(0)) is not None:
+                so_far = part(first, _until_now(reads, since, elapsed))
+                exits.append({name: self._then(so_far, found) for name, found in each.exits.items()})
+            for key, other in each.reads.items():
                 one = reads.get(key)
                 if one is not None:
-                    one = _later(one, elapsed.since(since[key]))
-                    reads[key] = self._joined(key, one, other)
+                    reads[key] = self._joined(key, later(one, elapsed.since(since[key])), other)
                 elif (before := elapsed.since(0)) is not None:
-                    reads[key] = replaced(other, before=then(before, other.before), past=then(before, other.past))
-            elapsed.add(part.time)
-            since.update(dict.fromkeys(part.reads, elapsed.position))
-            wait += part.wait
-        reads = {key: _later(found, elapsed.since(since[key])) for key, found in reads.items()}
-        return Part(time=elapsed.since(0), wait=wait, reads=reads)
+                    reads[key] = earlier(other, before)
+            elapsed.add(each.time)
+            since.update(dict.fromkeys(each.reads, elapsed.position))
+        return part(elapsed.since(0), _until_now(reads, since, elapsed), one_of_exits(exits))
 
-    def _joined(self, key: Key, one: Reads, other: Reads) -> Reads:
-        if one.after is not None and other.before is not None:
-            self._check(key, one.after.then(other.before), one, other)
-        return Reads(
-            before=either(one.before, then(one.past, other.before)),
-            past=then(one.past, other.past),
-            after=either(other.after, then(one.after, other.past)),
-            least=one.least + other.least,
-            most=one.most + other.most,
-            span=other.span,
-        )
+    def _then(self, one: Part, other: Part) -> Part:
+        return other if one is INSTANT else self._sequence((one, other))
 
-    def _check(self, key: Key, between: Gap, one: Reads, other: Reads) -> bool:
-        """Report a gap in which a sample is certainly overwritten, or may be while an event is waited for."""
-        period = self._period(key)
-        if self.tolerated or between.cause is None or (between.event is None and between.duration < 2 * period):
-            return False
-        self.report.add(
-            SamplesMissed(
-                span=between.cause,
-                port=key,
-                period=period,
-                read=other.span,
-                earlier=one.span,
-                event=between.event,
-                waits=between.duration,
-                slower=None,
-                reads=1,
-                is_certain=True,
-            )
-        )
-        return True
-
-    def _check_turns(self, body: Part, *, is_endless: bool) -> None:
-        """What one turn of a loop leaves to the next, and whether it takes as many samples as come in it."""
-        slowest = max(((found.least * self._period(key), key) for key, found in body.reads.items()), default=(0, ""))
-        for key, found in body.reads.items():
-            if found.before is None or found.after is None:
-                continue
-            # Between two reads there may also be a turn without one.
-            between = found.after.then(found.past or NOTHING).then(found.before)
-            if self._check(key, between, found, found):
-                # What one input misses in a turn, others may miss too: it is one mistake.
-                return
-            if not 0 < found.most < _MANY:
-                continue
-            taken = found.most * self._period(key)
-            if self.tolerated or not taken:
-                continue
-            if slowest[0] > taken:
-                slower = body.reads[slowest[1]]
-                self._report_turns(key, found, slower.span, slowest[1], slowest[0], is_endless)
-                return
-            if body.wait >= taken and body.time is not None and (cause := _cause(body, found)) is not None:
-                self._report_turns(key, found, cause, None, body.wait, is_endless)
-                return
-
-    def _report_turns(
-        self, key: Key, found: Reads, cause: Span, slower: Key | None, waits: int, is_endless: bool
-    ) -> None:
-        self.report.add(
-            SamplesMissed(
-                span=cause,
-                port=key,
-                period=self._period(key),
-                read=found.span,
-                earlier=found.span,
-                event=None,
-                waits=waits,
-                slower=slower,
-                reads=found.most,
-                is_certain=is_endless,
-            )
-        )
+    def _joined(self, book: Book, one: Reads, other: Reads) -> Reads:
+        is_said = self.findings.check(book, then(one.after, other.before), one, other)
+        held = then(one.held, other.before)
+        pending = either(one.pending, held if held is not None and held.late >= 2 * self._period(book[0]) else None)
+        if one.after is not None:
+            is_said = is_said or self.findings.check(book, other.pending, one, other)
+        else:
+            pending = either(pending, other.pending)
+        return joined(one, other, None if is_said else pending)
 
 
-def _cause(body: Part, found: Reads) -> Span | None:
-    return next((gap.cause for gap in (found.after, found.before, body.time) if gap is not None and gap.cause), None)
+def _caused(time: Gap | None, span: Span) -> Gap | None:
+    return time if time is None or time is NOTHING else replaced(time, cause=span)
 
 
-def _later(found: Reads, time: Gap | None) -> Reads:
-    """The reads of a part after which something took time, None where there is no way through that."""
-    if time is NOTHING:
-        return found
-    return replaced(found, past=then(found.past, time), after=then(found.after, time))
-
-
-def _either(parts: list[Part]) -> Part:
-    """One of them."""
-    if len(parts) == 1:
-        return parts[0]
-    slowest = sorted(parts, key=lambda part: (-1, 0) if part.time is None else part.time.rank, reverse=True)
-    by_key: dict[Key, list[Reads]] = {}
-    for part in parts:
-        for key, found in part.reads.items():
-            by_key.setdefault(key, []).append(found)
-    reads: dict[Key, Reads] = {}
-    for key, known in by_key.items():
-        without = next((part.time for part in slowest if key not in part.reads), None)
-        reads[key] = Reads(
-            before=reduce(either, (one.before for one in known)),
-            past=reduce(either, (one.past for one in known), without),
-            after=reduce(either, (one.after for one in known)),
-            least=0 if len(known) < len(parts) else min(one.least for one in known),
-            most=max(one.most for one in known),
-            span=known[0].span,
-        )
-    return Part(time=slowest[0].time, wait=min(part.wait for part in parts), reads=reads)
-
-
-def _beside(parts: list[Part]) -> Part:
-    """All at once: it takes as long as any; an input that several read has books in each, about which nothing is said."""
-    ends = all(part.time is not None for part in parts)
-    reads: dict[Key, Reads] = {}
-    for part in parts:
-        for key, found in part.reads.items():
-            if key in reads or not ends:
-                found = Reads(before=None, past=None, after=None, least=0, most=_MANY, span=found.span)
-            reads[key] = found
-    time = reduce(either, (part.time for part in parts)) if ends else None
-    return Part(time=time, wait=max(part.wait for part in parts), reads=reads)
-
-
-def _repeated(body: Part) -> Part:
-    """One turn or more."""
-    reads = {key: replaced(found, most=_MANY) if found.most else found for key, found in body.reads.items()}
-    return replaced(body, reads=reads)
-
-
-def _endless(body: Part) -> Part:
-    reads = {key: replaced(found, past=None, after=None) for key, found in body.reads.items()}
-    return Part(time=None, wait=body.wait, reads=reads)
-
-
-def _abandoned(body: Part) -> Part:
-    """Left somewhere: nothing certain lies behind the last read, or before the place."""
-    reads = {
-        key: Reads(
-            before=found.before,
-            past=NOTHING,
-            after=None if found.before is None and found.after is None else NOTHING,
-            least=0,
-            most=found.most,
-            span=found.span,
-        )
-        for key, found in body.reads.items()
-    }
-    return Part(time=NOTHING, wait=0, reads=reads)
+def _until_now(reads: Mapping[Book, Reads], since: Mapping[Book, int], elapsed: Elapsed) -> dict[Book, Reads]:
+    return {key: later(found, elapsed.since(since[key])) for key, found in reads.items()}

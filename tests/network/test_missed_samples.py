@@ -8,6 +8,8 @@ from __future__ import annotations
 import random
 import sys
 
+import pytest
+
 from cspdiag import pipeline
 from cspdiag.diagnostics.span import SourceFile
 from cspdiag.network.diagnostics_rates import SamplesMissed
@@ -84,6 +86,81 @@ def test_samples_that_are_said_to_be_missed_are() -> None:
     said, so, wrong = hunt(range(60))
     assert wrong == []
     assert said > 0.8 * so > 20
+
+
+FRAME = """exception Hot
+process Main {{
+  in  e : int
+  in  x : double @ 10 ms
+  out q : int
+  communication {{
+    var n : int    = 0
+    var v : double = 0
+  }}
+  composition {{ {composition} }}
+}}
+"""
+
+IN_AN_ALTERNATIVE = "mu (e ? n -> q ! n []> x ? v -> {part}) until n > 1000"
+
+IN_TIME = [
+    "((mu (x ? v)) interrupt after 400 ms -> q ! 1)",
+    "(wait 30 ms interrupt after 4 ms -> skip)",
+    "(after 5 ms -> skip [] after 25 ms -> skip)",
+    "(if false then wait 20 ms)",
+    "(while false do wait 20 ms)",
+    "(skip -> skip []> skip -> wait 20 ms)",
+    "(skip -> skip []> e ? n -> wait 20 ms)",
+    "(when false & e ? n -> skip [] after 2 ms -> skip)",
+    "(wait 4 ms ; wait 5 ms)",
+    "((x ? v ; raise Hot) catch Hot -> wait 4 ms)",
+]
+
+TOO_LATE = [
+    ("wait 12 ms", "each turn of the loop waits 12 ms and takes one sample"),
+    ("(wait 4 ms ; wait 7 ms)", "each turn of the loop waits 11 ms"),
+    ("(seq i < 3 : wait 5 ms)", "each turn of the loop waits 15 ms"),
+    ("(after 15 ms -> skip [] e ? n -> skip)", "each turn of the loop waits 15 ms"),
+    ("(if n > 3 then wait 20 ms)", "between two reads of `x`, which comes every 10 ms, this waits 20 ms"),
+    ("(wait 30 ms interrupt after 24 ms -> skip)", "this waits 24 ms"),
+    ("((mu (x ? v)) interrupt after 400 ms -> wait 20 ms)", "this waits 20 ms"),
+    ("e ? n", "this waits for the event `e`"),
+]
+
+LOOPS = [
+    ("mu ((x ? v ; raise Hot) catch Hot -> wait 30 ms)", "this waits 30 ms: samples are missed"),
+    ("mu (x ? v ; (stop interrupt e ? n -> skip))", "this waits for the event `e`"),
+    ("mu (x ? v || wait 30 ms)", "each turn of the loop waits 30 ms"),
+    ("mu (e ? n -> wait 12 ms []> x ? v -> skip)", "waits 12 ms after the event `e`: if that comes late in a period"),
+    ("mu (e ? n -> wait 8 ms []> x ? v -> skip)", None),
+    ("x ? v ; wait 15 ms ; x ? v ; wait 15 ms ; mu x ? v", "this waits 30 ms and takes 2 samples of `x`"),
+    ("x ? v ; wait 15 ms ; x ? v ; wait 3 ms ; mu x ? v", None),
+]
+
+
+def said(composition: str) -> list[str]:
+    source = SourceFile(name="loop.csp", text=FRAME.format(composition=composition))
+    checked = pipeline.build(source, read_source).checked
+    assert not checked.report.has_errors
+    return [item.message for item in checked.report.diagnostics if isinstance(item, SamplesMissed)]
+
+
+@pytest.mark.parametrize("part", IN_TIME)
+def test_what_ends_within_a_period_or_cannot_be_reached_is_no_delay(part: str) -> None:
+    assert said(IN_AN_ALTERNATIVE.format(part=part)) == []
+
+
+@pytest.mark.parametrize(("part", "message"), TOO_LATE)
+def test_what_takes_a_period_on_some_way_is_one(part: str, message: str) -> None:
+    (found,) = said(IN_AN_ALTERNATIVE.format(part=part))
+    assert message in found
+
+
+@pytest.mark.parametrize(("composition", "message"), LOOPS)
+def test_delays_are_added_up_along_a_way(composition: str, message: str | None) -> None:
+    found = said(composition)
+    assert len(found) == (message is not None)
+    assert all(str(message) in each for each in found)
 
 
 def test_what_has_elapsed_is_what_the_steps_add_up_to() -> None:
