@@ -63,7 +63,7 @@ from cspdiag.network.actions import (
     WriteValue,
 )
 from cspdiag.network.expressions import Expression
-from cspdiag.network.faults import is_known_at_start, may_fault
+from cspdiag.network.faults import is_known_at_start, may_fault, variables_in
 from cspdiag.network.ranges import cannot_fault
 from cspdiag.network.walk import parts
 
@@ -94,6 +94,8 @@ class Composition:
     initial: Printer
     """For expressions in the constructor."""
     imports: Imports
+    unwritten: frozenset[str] = frozenset()
+    """Variables that may be read before they were written, which is a fault."""
     alternatives: list[Line] = field(default_factory=list)
     methods: list[Method] = field(default_factory=list)
 
@@ -133,8 +135,8 @@ class Composition:
                 raise AssertionError("made by the optimizer, for another target")
         assert_never(action)
 
-    def awaitable(self, action: Action, hint: str | None = None) -> Code:
-        """An action as something that can be awaited, for use beside others; ``hint`` names a coroutine made for it."""
+    def awaitable(self, action: Action) -> Code:
+        """An action as something that can be awaited."""
         match action:
             case RunInstance(instance=instance):
                 return Atom(self.members.instance(instance))
@@ -152,16 +154,25 @@ class Composition:
             case Group(label=label, body=body):
                 return self._group(label, body)
             case _:
-                return self._coroutine(action, hint or branch_name(action))
+                raise AssertionError("takes statements")
 
     def _later(self, action: Action, hint: str | None = None) -> Code:
-        """As ``awaitable``, for what begins later than it is made: what it writes is then computed when it runs."""
+        """As ``awaitable``, for what begins later than it is made: what it writes is then computed when it runs.
+
+        What takes a coroutine is a method that makes it, so that none is there before it begins.
+        """
         match action:
-            case WriteValue(value=value) | WaitStep(duration=value) if not cannot_fault(value):
+            case WriteValue(value=value) | WaitStep(duration=value) if not self._is_known(value):
                 return self._coroutine(action, hint or branch_name(action))
-            case InterruptOn() if self._checked_place(action) is not None:
+            case InterruptOn(branch=branch) if branch.condition is not None or self._checked_place(action) is not None:
                 return self._coroutine(action, hint or branch_name(action))
-        return self.awaitable(action, hint)
+            case RunInstance() | WriteValue() | WaitStep() | StopStep() | ParallelSteps() | InterruptOn() | Group():
+                return self.awaitable(action)
+        return self._coroutine(action, hint or branch_name(action))
+
+    def _is_known(self, value: Expression) -> bool:
+        """Whether a value may be computed before its place is reached."""
+        return cannot_fault(value) and self.unwritten.isdisjoint(variables_in(value))
 
     def _branches(self, steps: Sequence[Action]) -> Iterable[Argument]:
         alike = self._alike(steps)
@@ -189,7 +200,8 @@ class Composition:
             return None
         name = self.members.names.fresh(f"_{branch_name(steps[0])}")
         self.methods.append(Method(name, body, f"{index}: int"))
-        each = Comprehension(call(f"self.{name}", Atom(index)), f"for {index} in range({len(steps)})", "()")
+        made = call(self.imports.standard("functools", "partial"), Atom(f"self.{name}"), Atom(index))
+        each = Comprehension(made, f"for {index} in range({len(steps)})", "()")
         return Argument(each, starred=True)
 
     def _whole_array(self, steps: Sequence[Action], start: int) -> tuple[str, int] | None:
@@ -211,7 +223,7 @@ class Composition:
         position = len(self.methods)
         self.methods.append(Method(name, ()))
         self.methods[position] = Method(name, self.statements(action))
-        return call(f"self.{name}")
+        return Atom(f"self.{name}")
 
     def _repeat(self, action: Repeat, until: Expression | None) -> Block:
         statements = self.statements(action.body)
@@ -253,7 +265,7 @@ class Composition:
                 return (run(Prefix("await ", written), self._place(event)),)
             case AfterEvent(duration=duration):
                 waited = call(self.imports.runtime("wait"), self.printer.print(duration))
-                return (run(Prefix("await ", waited)),)
+                return (run(Prefix("await ", waited), self._place_of_fault(duration, event)),)
             case SkipEvent():
                 return ()
         raise AssertionError("a ready guard needs an alternative")
@@ -378,6 +390,8 @@ class Composition:
         interrupting = Call(self.imports.runtime("interrupt"), tuple(arguments))
         if branch.condition is None:
             return interrupting
+        if any(interrupted.flat == f"self.{method.name}" for method in self.methods):
+            interrupted = call(interrupted.flat)
         return Parenthesized(Conditional(interrupting, at_least(self.printer.print(branch.condition), OR), interrupted))
 
     def _read(self, step: Step, source: End, target: Target) -> Line:
@@ -399,10 +413,13 @@ class Composition:
 
     def _place_of_fault(self, expression: Expression, action: Step) -> str | None:
         """The place of an expression of an action, if it can fault."""
-        if not may_fault(expression):
+        if not self._may_fault(expression):
             return None
         span = expression.span or action.span
         return self.imports.names.place(span.file, span.line)
+
+    def _may_fault(self, expression: Expression) -> bool:
+        return may_fault(expression) or not self.unwritten.isdisjoint(variables_in(expression))
 
     def _checked_place(self, action: Action) -> str | None:
         """The place of what waits in this very statement, rather than in a process or coroutine that it runs."""
@@ -419,7 +436,11 @@ class Composition:
                     getattr(branch.event, "value", None),
                     getattr(branch.event, "duration", None),
                 )
-                return self._place(action) if any(value is not None and may_fault(value) for value in values) else None
+                return (
+                    self._place(action)
+                    if any(value is not None and self._may_fault(value) for value in values)
+                    else None
+                )
             case ParallelSteps(steps=steps) if any(isinstance(step, WriteValue) for step in steps):
                 return self._place(action)
         return None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from functools import lru_cache
 
 from cspdiag.codegen.python_actions import Composition
 from cspdiag.codegen.python_code import Argument, Atom, Call, Code, Comprehension
@@ -26,6 +27,7 @@ from cspdiag.network.ir import (
     Network,
     ProcessClass,
 )
+from cspdiag.network.unwritten import may_be_unwritten
 from cspdiag.network.walk import parts
 
 _CHANNEL_CLASSES = {
@@ -36,6 +38,11 @@ _CHANNEL_CLASSES = {
     "buffer": "Buffer",
     "overwrite": "Overwriting",
 }
+
+
+@lru_cache(maxsize=1)
+def _unwritten(network: Network) -> dict[str, frozenset[str]]:
+    return may_be_unwritten(network)
 
 
 def process_module(
@@ -58,7 +65,8 @@ class _ProcessWriter:
         running = Printer(self.imports, parameter=self._parameter, variable=self._variable)
         self.initial = initial
         self.instances = Instances(network, self.members, initial, self.imports, modules)
-        self.composition = Composition(self.members, running, initial, self.imports)
+        unwritten = _unwritten(network)[process.name]
+        self.composition = Composition(self.members, running, initial, self.imports, unwritten)
 
     def module(self) -> ClassModule:
         process = self.process

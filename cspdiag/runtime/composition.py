@@ -6,10 +6,10 @@ before, whatever happened; the first exception of a branch cancels the other bra
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Coroutine, Generator
+from collections.abc import Awaitable, Callable, Coroutine, Generator
 from contextlib import suppress
 from functools import partial
-from inspect import iscoroutine, isfunction
+from inspect import iscoroutine, isfunction, ismethod
 from types import coroutine
 from typing import Any, TypeAlias, TypeVar, cast
 
@@ -21,8 +21,8 @@ from .scheduler import Join, Party, Task, Waits, scheduler
 
 T = TypeVar("T")
 
-Body: TypeAlias = "Awaitable[object] | Branch"
-"""What can run beside others."""
+Body: TypeAlias = "Awaitable[object] | Branch | Callable[[], Awaitable[object]]"
+"""What can run beside others; a method that makes a coroutine is called where that begins, so that none is left behind if something fails before."""
 
 
 class Branches:
@@ -163,9 +163,17 @@ async def _awaited(body: Awaitable[T]) -> T:
 
 def task_for(body: Body, join: Join, parent: Task | None) -> Task:
     """What executes ``body``."""
-    if isinstance(body, Routine | partial) or isfunction(body):
+    if not _is_method(body) and (isinstance(body, Routine | partial) or isfunction(body)):
         return routine_task(body, join, parent)
-    return Task(as_coroutine(cast("Awaitable[object]", body)), join, parent)
+    return Task(_begun(body), join, parent)
+
+
+def _begun(body: Body) -> Coroutine[Any, Any, object]:
+    return as_coroutine(cast("Awaitable[object]", cast("Any", body)() if _is_method(body) else body))
+
+
+def _is_method(body: Body) -> bool:
+    return ismethod(body.func if isinstance(body, partial) else body)
 
 
 def as_coroutine(body: Awaitable[T]) -> Coroutine[Any, Any, T]:
@@ -213,16 +221,18 @@ def _parent_of(bodies: tuple[Body, ...]) -> Task:
     return task
 
 
-async def group(label: str, body: Awaitable[T]) -> T:
+@coroutine
+def group(label: str, body: Body) -> Generator[Any, Any, None]:
     """Runs ``body`` under a label, for traces and progress."""
     watcher = scheduler.watcher
     if watcher is None:
-        return await body
+        yield from _begun(body)
+        return
     process = scheduler.current.process
     path = label if process is None else f"{process.name}.{label}"
     watcher.group_started(scheduler.now, path)
     try:
-        return await body
+        yield from _begun(body)
     finally:
         watcher.group_ended(scheduler.now, path)
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Awaitable, Callable, Generator
 from inspect import iscoroutine
 from types import coroutine
-from typing import Any
+from typing import Any, cast
 
 from .alternative import Alternative
 from .choice import Choice, Guard, Input, Output, Ready, waits_of_guard
 from .composition import Body, Branches
 from .exceptions import Cancelled
-from .routine import CheckedTask, RoutineTask
+from .routine import Branch, CheckedTask, RoutineTask
 from .scheduler import Party, Task, Waits, scheduler
 
 
@@ -66,7 +66,7 @@ class _Body(Branches):
         """What executes the body: optimized code of it asks if it was cancelled, also below a process whose code does not."""
         task = super()._task_for(body)
         if isinstance(task, RoutineTask) and not isinstance(task, CheckedTask) and not isinstance(body, Awaitable):
-            return CheckedTask(body, self, self._parent)
+            return CheckedTask(cast("Branch", body), self, self._parent)
         return task
 
     def branch_ended(self, branch: Task, error: BaseException | None) -> None:
@@ -83,9 +83,7 @@ class _Body(Branches):
 
 
 @coroutine
-def interrupt(
-    body: Awaitable[object], guard: Guard, handler: Callable[[], Awaitable[object]]
-) -> Generator[None, None, None]:
+def interrupt(body: Body, guard: Guard, handler: Callable[[], Awaitable[object]]) -> Generator[None, None, None]:
     """Runs ``body``; once ``guard`` is ready, abandons it at its next communication, and then runs ``handler``; see ``interrupted``."""
     taken = yield from interrupted(body, guard)
     if taken:

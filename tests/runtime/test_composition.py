@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Awaitable, Callable
+from functools import partial
 
 import pytest
 
@@ -15,6 +16,7 @@ from cspdiag.runtime import (
     Channel,
     Fault,
     Input,
+    Network,
     Output,
     Process,
     ProcessError,
@@ -455,3 +457,31 @@ def test_a_deeply_nested_program_runs() -> None:
         await nested(5000)
 
     finish(top)
+
+
+def test_methods_become_coroutines_where_they_begin() -> None:
+    """What is never begun is no coroutine that nobody awaits: the tests take such a one for an error."""
+    log: list[str] = []
+
+    class Top(Process):
+        async def one(self) -> None:
+            log.append("one")
+            await wait(ms)
+
+        async def two(self, number: int) -> None:
+            log.append(f"two {number}")
+            await wait(2 * ms)
+
+        async def go_on(self) -> None:
+            log.append("go on")
+
+        async def run(self) -> None:
+            await parallel(self.one, partial(self.two, 1), group("third", self.one))
+            await interrupt(self.one, After(3 * ms), self.go_on)
+            await interrupt(group("fourth", partial(self.two, 2)), After(ms), self.go_on)
+            with contextlib.suppress(OverheatedError):
+                await parallel(fails(), interrupt(group("never", self.one), After(ms), self.go_on))
+            await parallel(self.one, interrupt(parallel(self.one, stop()), After(9 * ms), self.go_on))
+
+    assert Network(Top("Top")).run(until=5 * ms).ended == "time limit"
+    assert log == ["one", "two 1", "one", "one", "two 2", "go on", "one", "one"]

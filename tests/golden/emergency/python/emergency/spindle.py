@@ -50,8 +50,7 @@ class Spindle(Process):
             if self.button.value == Button.start:
                 break
         await self.brake.write(False)  # emergency.csp:35
-        # emergency.csp:36
-        await interrupt(self._repeat_law(), self.interruption, self._interrupted)
+        await interrupt(self._repeat_law, self.interruption, self._interrupted)  # emergency.csp:36
         while True:
             self.speed.value = await self.feedback.read()  # emergency.csp:37
             if self.speed.value < 1.0:

@@ -62,7 +62,7 @@ class Align(Process):
 
     async def run(self) -> None:
         try:
-            await interrupt(self._repeat_velocity(), After(self.patience), self._interrupted)
+            await interrupt(self._repeat_velocity, After(self.patience), self._interrupted)
         except Timeout:
             self.failed.value = True  # jiwy.csp:39
         await self.control.write(0.0)  # jiwy.csp:40
@@ -72,7 +72,7 @@ class Align(Process):
     async def _repeat_velocity(self) -> None:
         while True:
             await self.velocity
-            if self.stop.value:
+            if self.stop.value:  # jiwy.csp:39
                 break
 
     async def _interrupted(self) -> None:

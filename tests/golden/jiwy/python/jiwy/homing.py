@@ -67,7 +67,7 @@ class Homing(Process):
 
     async def run(self) -> None:
         try:
-            await interrupt(self._repeat_servo(), After(self.patience), self._go_on)
+            await interrupt(self._repeat_servo, After(self.patience), self._go_on)
         except Timeout:
             self.failed.value = True  # jiwy.csp:97
         await self.control.write(0.0)  # jiwy.csp:98
@@ -77,7 +77,7 @@ class Homing(Process):
     async def _repeat_servo(self) -> None:
         while True:
             await self.servo
-            if self.stop.value:
+            if self.stop.value:  # jiwy.csp:97
                 break
 
     async def _go_on(self) -> None:
