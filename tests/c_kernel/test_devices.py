@@ -47,14 +47,14 @@ OF_ITS_OWN = [signal.SIGKILL, signal.SIGSTOP, signal.SIGUSR1]
 STOPPING = sorted(signal.valid_signals() - {*CRASHES, *HARMLESS, *OF_ITS_OWN})
 
 
-def built(folder: Path, program: Path, main: Path) -> Path:
+def built(folder: Path, program: Path, main: Path, *options: str) -> Path:
     """A program with the devices of a test, for POSIX."""
     for path, text in pipeline.generate(network_of(read(str(program))), read, "c").items():
         (folder / path).parent.mkdir(parents=True, exist_ok=True)
         (folder / path).write_text(text)
     hosted = ("csp_port_", "csp_simulation", "csp_stream", "main_")
     sources = [file for file in sorted(folder.rglob("*.c")) if not file.name.startswith(hosted)]
-    flags = (*STRICT, "-O1", "-DCSP_TRACE=0", f"-I{folder}", f"-I{folder / 'support'}")
+    flags = (*STRICT, "-O1", *options, "-DCSP_TRACE=0", f"-I{folder}", f"-I{folder / 'support'}")
     port = SUPPORT / "csp_port_posix.c"
     run("gcc", *flags, *sources, port, main, "-lm", "-pthread", "-o", folder / "program")
     return folder / "program"
@@ -289,3 +289,13 @@ def test_the_hook_is_called_in_each_turn(machine: Path) -> None:
 
 def test_critical_sections_nest(machine: Path) -> None:
     assert ended(machine, "critical").lines == ["masked in between 1", "masked behind 0"]
+
+
+def test_threads_share_nothing_unsynchronized(tmp_path: Path) -> None:
+    need("gcc")
+    sanitized = built(tmp_path, DEVICES / "machine.csp", DEVICES / "machine.c", "-g", "-fsanitize=thread")
+    for trouble, status in (("pressed by a thread", 0), ("another thread exits", 7)):
+        found = ended(sanitized, trouble)
+        assert found.status == status, found.errors
+        assert found.releases == BOTH
+        assert "ThreadSanitizer" not in found.errors

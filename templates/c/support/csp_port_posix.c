@@ -17,6 +17,7 @@
 #include <unistd.h>
 
 #include "csp_program.h"
+#include "csp_shared.h"
 #include "csp_signals.h"
 
 #define NANOSECONDS INT64_C(1000000000)
@@ -58,28 +59,17 @@ static int64_t clock_now(void)
     return ((int64_t)present.tv_sec * NANOSECONDS) + (int64_t)present.tv_nsec;
 }
 
+/* Once, and for good: a thread that is about to write would write to whatever is opened instead. */
 static void open_wakes(void)
 {
-    if (pipe(wakes) != 0) {
-        wakes[0] = -1;
-        wakes[1] = -1;
+    int ends[2] = {-1, -1};
+    if ((CSP_LOAD(wakes[1]) >= 0) || (pipe(ends) != 0)) {
         return;
     }
     for (uint32_t end = 0U; end < 2U; end++) {
-        (void)fcntl(wakes[end], F_SETFL, O_NONBLOCK);
-        (void)fcntl(wakes[end], F_SETFD, FD_CLOEXEC);
-    }
-}
-
-static void close_wakes(void)
-{
-    const int ends[2] = {wakes[0], wakes[1]};
-    wakes[0] = -1;
-    wakes[1] = -1;
-    for (uint32_t end = 0U; end < 2U; end++) {
-        if (ends[end] >= 0) {
-            (void)close(ends[end]);
-        }
+        (void)fcntl(ends[end], F_SETFL, O_NONBLOCK);
+        (void)fcntl(ends[end], F_SETFD, FD_CLOEXEC);
+        CSP_STORE(wakes[end], ends[end]);
     }
 }
 
@@ -132,8 +122,9 @@ void csp_port_wait_until(int64_t instant)
 void csp_port_wake(void)
 {
     const char wake = 1;
-    if (wakes[1] >= 0) {
-        const ssize_t written = write(wakes[1], &wake, sizeof wake);
+    const int end = CSP_LOAD(wakes[1]);
+    if (end >= 0) {
+        const ssize_t written = write(end, &wake, sizeof wake);
         (void)written;
     }
 }
@@ -186,7 +177,6 @@ void csp_port_finish(const struct csp_program *program)
         (void)fprintf(stderr, "  missed samples: %s\n", text);
     }
     csp_signals_end();
-    close_wakes();
 }
 
 /* Handlers of signals, and other threads, are the interrupt handlers here. */

@@ -40,7 +40,7 @@ static struct timespec asked_at;
 static volatile bool leaving; /* another thread ends the process, when the outputs are released */
 
 static pthread_t watcher;
-static bool watched;
+static volatile bool watched;
 static volatile bool patient; /* a run that does not go on hangs */
 static volatile bool hangs;
 static volatile bool forced; /* the run, to let go */
@@ -130,7 +130,7 @@ static void release(void)
     if (!in_owner()) {
         CSP_STORE(leaving, true);
         csp_request_stop();
-        for (uint32_t looks = 0U; csp_is_driving() && (watched || (looks < (CSP_GRACE * (uint32_t)LOOKS))); looks++) {
+        for (uint32_t looks = 0U; csp_is_driving() && (CSP_LOAD(watched) || (looks < (CSP_GRACE * (uint32_t)LOOKS))); looks++) {
             wait_a_look();
         }
     }
@@ -260,15 +260,16 @@ static void begin_watch(void)
     (void)pthread_attr_setstacksize(&attributes, THREAD_STACK);
     (void)sigfillset(&all);
     (void)pthread_sigmask(SIG_BLOCK, &all, &before); /* which the thread inherits */
-    watched = pthread_create(&watcher, &attributes, watch, NULL) == 0;
+    const bool created = pthread_create(&watcher, &attributes, watch, NULL) == 0;
+    CSP_STORE(watched, created);
     (void)pthread_sigmask(SIG_SETMASK, &before, NULL);
     (void)pthread_attr_destroy(&attributes);
 }
 
 static void end_watch(void)
 {
-    if (watched) {
-        watched = false;
+    if (CSP_LOAD(watched)) {
+        CSP_STORE(watched, false);
         (void)pthread_cancel(watcher);
         (void)pthread_join(watcher, NULL);
     }
@@ -278,7 +279,7 @@ void csp_signals_watch(int priority)
 {
     struct sched_param parameter;
     parameter.sched_priority = priority;
-    if (watched) {
+    if (CSP_LOAD(watched)) {
         (void)pthread_setschedparam(watcher, SCHED_FIFO, &parameter); /* where that is allowed */
     }
     CSP_STORE(patient, true);
@@ -357,7 +358,7 @@ static void in_child(void)
         csp_forget_outputs();
         give_back_signals();
         begun = 0U;
-        watched = false;
+        CSP_STORE(watched, false);
     }
 }
 

@@ -11,6 +11,7 @@
 
 #include "csp_internal.h"
 #include "csp_port.h"
+#include "csp_shared.h"
 #include "csp_signals.h"
 #include "network.h"
 
@@ -79,7 +80,7 @@ static int overflow(int depth)
 
 static void *make_trouble(void *nothing)
 {
-    while (sampled < 5) {
+    while (CSP_LOAD(sampled) < 5) {
         pass(1);
     }
     if (has("exits")) {
@@ -136,7 +137,7 @@ static bool read_button(void *device, void *value)
 static bool read_level(void *device, void *value)
 {
     (void)device;
-    sampled++;
+    (void)CSP_COUNT(sampled);
     *(double *)value = 3.0;
     if (sampled == 5) {
         say("drives", 5);
@@ -230,7 +231,7 @@ static csp_ending run(bool built)
         drivers.button.read = NULL;
     }
     polled = 0;
-    sampled = 0;
+    CSP_STORE(sampled, 0);
     if (built) {
         network_initialize(&drivers);
         if (!is("slow")) { /* the machine of a test may be late */
@@ -268,8 +269,10 @@ int main(int count, char **arguments)
     }
     if (is("pressed by a thread")) {
         (void)pthread_create(&thread, NULL, press_later, NULL);
+        (void)pthread_detach(thread);
     } else if (has("another thread")) {
         (void)pthread_create(&thread, NULL, make_trouble, NULL);
+        (void)pthread_detach(thread);
     } else {
         /* It is alone. */
     }
