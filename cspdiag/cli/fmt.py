@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import os
 import re
 import sys
 from argparse import ArgumentParser, Namespace
 
-from cspdiag.cli.failure import FINE, UNSUCCESSFUL
+from cspdiag.cli.failure import FINE, UNSUCCESSFUL, UsageError
 from cspdiag.cli.output import replace_text
 from cspdiag.cli.terminal import say, show_diagnostics, write_out
 from cspdiag.diagnostics.report import Report
@@ -30,6 +31,11 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 def run(arguments: Namespace) -> int:
     """Format every file; one with syntax errors is left as it is."""
+    changes_files = not arguments.check and not arguments.diff
+    for name in arguments.files:
+        if changes_files and name != STANDARD_INPUT and os.path.exists(name) and not os.path.isfile(name):
+            kind = "a directory" if os.path.isdir(name) else "no file that could be replaced; `fmt -` reads and prints"
+            raise UsageError(f"{name}: is {kind}")
     report = Report()
     changed: list[SourceFile] = []
     for source in [read_source(name) for name in dict.fromkeys(arguments.files)]:

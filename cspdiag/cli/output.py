@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping
-from contextlib import suppress
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager, suppress
 from hashlib import sha256
 
 from cspdiag.cli.failure import UsageError
@@ -27,25 +27,23 @@ def write_package(folder: str, files: Mapping[str, str], *, force: bool) -> None
 
     All files are written beside the folder first and then moved to their places. Files of an earlier generation that are no
     longer generated are removed; files that were never generated stay. Raises UsageError, having written nothing, where
-    a file was changed or put there by hand, unless ``force``, and where the folder or one in it is a symbolic link, so that files would be
-    written or removed elsewhere; OSError where a file cannot be written.
+    a file was changed or put there by hand, unless ``force``, where the folder or one in it is a symbolic link, so that files would be
+    written or removed elsewhere, and where something else is in the way; OSError where a file cannot be written.
     """
     folder = folder.rstrip(os.sep)
     recorded = _recorded(folder, force=force)
+    complete = {**files, MANIFEST: _manifest(files)}
     _refuse_links(folder, (*files, *recorded))
+    _refuse_obstacles(folder, complete)
     if not force:
         _refuse_changes(folder, files, recorded)
-    complete = {**files, MANIFEST: _manifest(files)}
-    staging = _new_staging(folder)
-    try:
+    with _staging(folder) as staging:
         for path, text in complete.items():
             _write(os.path.join(staging, path), text)
         for path in complete:
             target = os.path.join(folder, path)
             os.makedirs(os.path.dirname(target), exist_ok=True)
             os.replace(os.path.join(staging, path), target)
-    finally:
-        _remove_tree(staging)
     for path in recorded.keys() - files.keys():
         with suppress(OSError):
             os.unlink(os.path.join(folder, path))
@@ -58,11 +56,22 @@ def write_new_folder(folder: str, files: Mapping[str, str]) -> None:
     """
     if os.path.lexists(folder) and (os.path.islink(folder) or not os.path.isdir(folder) or os.listdir(folder)):
         raise UsageError(f"{folder} exists already")
-    staging = _new_staging(folder)
-    try:
+    with _staging(folder) as staging:
         for path, text in files.items():
             _write(os.path.join(staging, path), text)
         os.replace(staging, folder)
+
+
+@contextmanager
+def _staging(folder: str) -> Iterator[str]:
+    """A new folder beside ``folder``, which is removed in the end. An OSError speaks of the file in ``folder`` that was meant."""
+    staging = _new_staging(folder)
+    try:
+        yield staging
+    except OSError as problem:
+        name = os.fspath(problem.filename or folder)
+        meant = folder + name[len(staging) :] if name.startswith(staging) else name
+        raise OSError(problem.errno, problem.strerror, meant) from None
     finally:
         _remove_tree(staging)
 
@@ -86,6 +95,17 @@ def _refuse_links(folder: str, paths: Iterable[str]) -> None:
         place = os.path.join(folder, parent) if parent else folder
         if os.path.islink(place):
             raise UsageError(f"{place} is a symbolic link: remove it, nothing is written or removed through it")
+
+
+def _refuse_obstacles(folder: str, paths: Iterable[str]) -> None:
+    """Nothing is written where only a part could be: a folder has the name of a file, or the other way about."""
+    for path in paths:
+        place = os.path.join(folder, path)
+        if os.path.isdir(place) and not os.path.islink(place):
+            raise UsageError(f"{place} is in the way: it is a folder, and a file has this name")
+        while (place := os.path.dirname(place)) and len(place) > len(folder):
+            if os.path.lexists(place) and not os.path.isdir(place):
+                raise UsageError(f"{place} is in the way: it is no folder")
 
 
 def _write(path: str, text: str) -> None:
@@ -115,13 +135,13 @@ def _manifest(files: Mapping[str, str]) -> str:
 def _recorded(folder: str, *, force: bool) -> dict[str, str]:
     """What the manifest has. Raises UsageError for one that cspdiag has not written; with ``force`` that is none."""
     place = os.path.join(folder, MANIFEST)
-    try:
-        with open(place, encoding="utf-8") as file:
-            pairs = [line.rstrip("\n").partition("  ") for line in file]
-    except FileNotFoundError:
+    if not os.path.lexists(place):
         return {}
-    except UnicodeDecodeError:
-        pairs = [("", "", "")]
+    pairs = [("", "", "")]
+    with suppress(UnicodeDecodeError):
+        if os.path.isfile(place):
+            with open(place, encoding="utf-8") as file:
+                pairs = [line.rstrip("\n").partition("  ") for line in file]
     foreign = next((path for _, _, path in pairs if not _is_inside(path)), None)
     if foreign is None and not os.path.islink(place):
         return {path: digest for digest, _, path in pairs}
@@ -146,10 +166,11 @@ def _refuse_changes(folder: str, files: Mapping[str, str], recorded: Mapping[str
 
 
 def _is_hand_made(folder: str, path: str, files: Mapping[str, str], recorded: Mapping[str, str]) -> bool:
-    try:
-        with open(os.path.join(folder, path), "rb") as file:
-            data = file.read()
-    except (FileNotFoundError, NotADirectoryError):
-        return False
+    place = os.path.join(folder, path)
+    if not os.path.isfile(place):
+        # A device or a pipe is not opened: nobody may ever write to it. A link that leads nowhere was made by hand too.
+        return os.path.lexists(place)
+    with open(place, "rb") as file:
+        data = file.read()
     known = {recorded.get(path), _digest(files[path]) if path in files else None}
     return sha256(data).hexdigest() not in known

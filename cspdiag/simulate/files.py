@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import io
 import json
 import os
@@ -21,11 +22,11 @@ def write_whole(path: Path, data: bytes) -> None:
     """Write a file whole or not at all, by way of a temporary one beside it.
 
     A symbolic link keeps pointing where it points, a file keeps its permissions; a device or a pipe is written to as it is. Raises OSError as
-    the file system does, with the name that was given.
+    the file system does, with the name that was given, and for a pipe from which nobody reads.
     """
     real = os.path.realpath(path)
     if os.path.exists(path) and not os.path.isfile(path):
-        path.write_bytes(data)
+        _write_through(path, data)
         return
     temporary = f"{real}.{os.getpid()}.tmp"
     try:
@@ -41,6 +42,20 @@ def write_whole(path: Path, data: bytes) -> None:
                 raise
     except OSError as problem:
         raise OSError(problem.errno, problem.strerror, str(path)) from None
+
+
+def _write_through(path: Path, data: bytes) -> None:
+    """Write to a device or a pipe; to wait for somebody who reads from a pipe could take for ever."""
+    waits_not = getattr(os, "O_NONBLOCK", 0)
+    try:
+        number = os.open(path, os.O_WRONLY | waits_not)
+    except OSError as problem:
+        if problem.errno == errno.ENXIO:
+            raise OSError(problem.errno, "nobody reads from it", str(path)) from None
+        raise
+    os.set_blocking(number, True)
+    with os.fdopen(number, "wb") as file:
+        file.write(data)
 
 
 def readable(value: object, kind: Type | None) -> object:

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
@@ -73,3 +74,13 @@ def test_a_link_stays_one_and_what_it_points_to_is_formatted(cspdiag: Command, u
     assert cspdiag("fmt", link).code == 0
     assert link.is_symlink()
     assert ugly.read_text() == pretty
+
+
+def test_only_files_are_replaced(cspdiag: Command, tmp_path: Path) -> None:
+    """A pipe would be read to its end, and then written to."""
+    os.mkfifo(tmp_path / "pipe.csp")
+    result = cspdiag("fmt", tmp_path / "pipe.csp")
+    assert (result.code, result.err) == (
+        2,
+        f"cspdiag: {tmp_path / 'pipe.csp'}: is no file that could be replaced; `fmt -` reads and prints\n",
+    )

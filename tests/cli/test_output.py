@@ -197,3 +197,58 @@ def test_a_file_that_is_in_the_way_of_writing_stays(tmp_path: Path) -> None:
     with pytest.raises(FileExistsError):
         replace_text(str(tmp_path / "program.csp"), "text\n")
     assert other.read_text() == "of somebody else\n"
+
+
+@pytest.mark.parametrize("path", [MANIFEST, "README.md", "arm/network.py"])
+def test_a_pipe_in_the_place_of_a_file_is_not_opened(tmp_path: Path, path: str) -> None:
+    """Whoever opens it waits for somebody who writes, for ever."""
+    folder = tmp_path / "arm"
+    write_package(str(folder), FILES, force=False)
+    (folder / path).unlink()
+    os.mkfifo(folder / path)
+    with pytest.raises(UsageError, match=f"{path}.*--force"):
+        write_package(str(folder), FILES, force=False)
+    assert (folder / path).is_fifo()
+    write_package(str(folder), FILES, force=True)
+    assert contents(folder) == FILES
+
+
+@pytest.mark.parametrize("force", [False, True])
+@pytest.mark.parametrize(("obstacle", "is_folder"), [("README.md", True), (MANIFEST, True), ("arm", False)])
+def test_what_is_in_the_way_is_named_and_nothing_written(
+    tmp_path: Path, obstacle: str, is_folder: bool, force: bool
+) -> None:
+    folder = tmp_path / "arm"
+    folder.mkdir()
+    if is_folder:
+        (folder / obstacle).mkdir()
+    else:
+        (folder / obstacle).write_text("mine\n")
+    with pytest.raises(UsageError) as refused:
+        write_package(str(folder), FILES, force=force)
+    if force or obstacle != MANIFEST:
+        assert str(refused.value).startswith(f"{folder / obstacle} is in the way: it is ")
+    assert [path.name for path in folder.iterdir()] == [obstacle]
+    assert [path.name for path in tmp_path.iterdir()] == ["arm"]
+
+
+def test_a_failure_names_the_file_that_was_meant(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(path: str, text: str) -> None:
+        raise OSError(28, "No space left on device", path)
+
+    monkeypatch.setattr(output, "_write", full)
+    for write in (
+        lambda: write_package(str(tmp_path / "arm"), FILES, force=False),
+        lambda: write_new_folder(str(tmp_path / "arm"), FILES),
+    ):
+        with pytest.raises(OSError, match="No space left") as failed:
+            write()
+        assert failed.value.filename == str(tmp_path / "arm" / "README.md")
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_pipe_that_nobody_reads_is_refused(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "out.csv")
+    with pytest.raises(OSError, match="nobody reads from it") as refused:
+        replace_text(str(tmp_path / "out.csv"), "time\n")
+    assert refused.value.filename == str(tmp_path / "out.csv")
