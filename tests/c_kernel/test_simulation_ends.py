@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import subprocess
 import sys
@@ -29,6 +30,9 @@ environment Bench for Pulse step 1 ms {
 }
 """
 
+STOPPED = bytes([10, 4])
+"""How the last 24 bytes of the stream of a run that was stopped begin: the kind of record, and ``csp_ending``."""
+
 PARENT = """
 import os, subprocess, sys
 subprocess.Popen([*sys.argv[1:], "--parent", str(os.getpid())])
@@ -48,7 +52,9 @@ def simulation() -> Path:
     return Build(files, sources, ("-O1", "-DCSP_TRACE=1")).executable()
 
 
-@pytest.mark.parametrize("number", ["SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT", "SIGPIPE"])
+@pytest.mark.parametrize(
+    "number", ["SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT", "SIGPIPE", "SIGALRM", "SIGUSR1", "SIGXCPU"]
+)
 def test_a_signal_ends_it(simulation: Path, number: str) -> None:
     sent = signal.Signals[number]
     with subprocess.Popen([simulation, "--observe", "ports"], stdout=subprocess.PIPE) as process:
@@ -57,6 +63,30 @@ def test_a_signal_ends_it(simulation: Path, number: str) -> None:
         process.send_signal(sent)
         process.stdout.read()
     assert process.returncode == 128 + sent
+
+
+def test_what_ends_it_for_its_parent_is_not_ignored(simulation: Path) -> None:
+    """A parent that a script has started in the background hands ignored signals down."""
+    command = ["sh", "-c", f"trap '' TERM INT; exec {simulation} --observe ports --parent {os.getpid()}"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE) as process:
+        assert process.stdout is not None
+        process.stdout.read(1)
+        process.send_signal(signal.SIGTERM)
+        process.stdout.read()
+    assert process.returncode == 128 + signal.SIGTERM
+
+
+def test_two_signals_at_once_are_as_one(simulation: Path) -> None:
+    """It says its end and its status is that of one of them, whichever was handed over first."""
+    for _ in range(5):
+        with subprocess.Popen([simulation, "--observe", "ports"], stdout=subprocess.PIPE) as process:
+            assert process.stdout is not None
+            process.stdout.read(1)
+            process.send_signal(signal.SIGTERM)
+            process.send_signal(signal.SIGINT)
+            told = process.stdout.read()
+        assert process.returncode in (128 + signal.SIGTERM, 128 + signal.SIGINT)
+        assert told[-24:-22] == STOPPED
 
 
 def test_it_ends_when_nobody_reads_any_longer(simulation: Path) -> None:

@@ -56,7 +56,7 @@ class Keeper:
         while not self._ended.wait(_LOOK):
             if stopping.signal and not self.signal:
                 self.signal = stopping.take()
-                self._program.send_signal(signal.SIGINT)
+                self._program.send_signal(signal.SIGTERM)  # The one that it never ignores.
                 self._until = time.monotonic() + PATIENCE
             if self._until is not None and time.monotonic() > self._until and self._program.poll() is None:
                 self.killed = True

@@ -287,6 +287,8 @@ void csp_signals_watch(int priority)
 
 void csp_signals_end_with_parent(long number)
 {
+    handle(SIGTERM, stop, SA_RESTART);
+    ours[SIGTERM] = true;
     CSP_STORE(parent, (uint32_t)number);
 }
 

@@ -31,7 +31,8 @@ void csp_signals_end(void);
  * released, and the program ends with status 1. */
 void csp_signals_watch(int priority);
 
-/* The program ends as by SIGTERM when the process of this number is no longer its parent. */
+/* The program ends as by SIGTERM when the process of this number is no longer its parent, which asks it to end by SIGTERM, even if that was
+ * ignored. */
 void csp_signals_end_with_parent(long parent);
 
 /* The status to end the program with: 0 if it ended by itself or at its time limit; 128 and the number of the signal that stopped it, as

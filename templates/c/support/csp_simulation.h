@@ -26,7 +26,7 @@ typedef struct csp_names {
  *
  *     --environment NAME    the scenario
  *     --for NANOSECONDS     ends at this time
- *     --parent NUMBER       ends when the process of this number is no longer its parent
+ *     --parent NUMBER       ends when the process of this number is no longer its parent, and by its SIGTERM
  *     --observe all|ports|none    writes what happens to standard output, in the records of csp_stream.h (with CSP_TRACE)
  *
  * The exit status: 0 if the program ended by itself or at its time limit, 1 if it failed or stands still, 2 for a wrong option; stopped by
