@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from cspdiag.diagnostics.diagnostic import Diagnostic
 
 if TYPE_CHECKING:
+    from cspdiag.network.diagnostics_rates import SamplesMissed
     from cspdiag.simulate.result import Run
-
-_PLACE = re.compile(r"in (?P<path>\S+) \((?P<file>[^()]*):(?P<line>[0-9]+)\)")
 
 
 def told_of_timeout(result: Run, diagnostics: Sequence[Diagnostic]) -> str | None:
@@ -19,31 +17,29 @@ def told_of_timeout(result: Run, diagnostics: Sequence[Diagnostic]) -> str | Non
 
     ``diagnostics`` are those of the program: where one of them has said what takes too long between two reads, that is said again.
     """
-    from cspdiag.runtime.exceptions import Timeout, described
+    from cspdiag.runtime.exceptions import Timeout
 
     error = result.outcome.error
-    place = _PLACE.search(described(error)) if isinstance(error, Timeout) else None
+    place = error.place if isinstance(error, Timeout) else None
     if place is None:
         return None
     from cspdiag.network.diagnostics_rates import SamplesMissed
 
     for found in diagnostics:
-        if isinstance(found, SamplesMissed) and _is_at(found, place):
+        if isinstance(found, SamplesMissed) and _is_at(found, place.statement):
             where = f"{_base(found.span.source.name)}:{found.span.line}"
-            return f"  between two reads of `{found.port}` it {found.meanwhile} ({where}, W0707)\n  {found.help}"
+            return f"  {found.account} ({where}, W0707)\n  {found.help}"
     computes = ", or computes as long," if result.outcome.real_time else ""
     return (
-        f"  from its first read of an input on, {place['path']} takes each sample before the next one comes; what waits a period or longer in between"
+        f"  from its first read of an input on, {place.process} takes each sample before the next one comes; what waits a period or longer in between"
         f"{computes} misses it\n  read in an alternative with the rest, or in a process of its own (cspdiag explain W0707)"
     )
 
 
-def _is_at(found: Diagnostic, place: re.Match[str]) -> bool:
-    from cspdiag.network.diagnostics_rates import SamplesMissed
-
-    assert isinstance(found, SamplesMissed)
-    file, line = _base(place["file"]), int(place["line"])
-    return any(span.line == line and _base(span.source.name) == file for span in (found.read, found.earlier))
+def _is_at(found: SamplesMissed, statement: str | None) -> bool:
+    return any(
+        f"{_base(span.source.name)}:{span.line}" == _base(statement or "") for span in (found.read, found.earlier)
+    )
 
 
 def _base(path: str) -> str:

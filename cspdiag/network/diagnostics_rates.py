@@ -230,6 +230,13 @@ class SamplesMissed(Diagnostic):
         return f"waits {duration(self.waits)}" + ("" if self.slower is None else f" for `{self.slower}`")
 
     @property
+    def account(self) -> str:
+        """What one that has missed a sample did meanwhile."""
+        if self.reads == 1:
+            return f"between two reads of `{self.port}` it {self.meanwhile}"
+        return f"it {self.meanwhile} and takes {self.reads} samples of `{self.port}`"
+
+    @property
     def _missed(self) -> str:
         return "the others are missed" if self.is_certain else "after a few turns, samples are missed"
 

@@ -9,6 +9,20 @@ from __future__ import annotations
 import os
 
 
+class Place(str):
+    """Where an exception was raised: the ``process`` by its path, and the ``statement`` in the text of the program (``laws.csp:12``), if it is known."""
+
+    process: str
+    statement: str | None
+
+    def __new__(cls, process: str, statement: str | None = None) -> Place:
+        """The text is ``process (statement)``."""
+        place = super().__new__(cls, process if statement is None else f"{process} ({statement})")
+        place.process = process
+        place.statement = statement
+        return place
+
+
 class ProcessError(Exception):
     """A process ended unsuccessfully; base class of the exceptions that a program declares.
 
@@ -16,7 +30,7 @@ class ProcessError(Exception):
     process.
     """
 
-    place: str | None = None
+    place: Place | None = None
 
 
 class Timeout(ProcessError):  # noqa: N818 - the name that the language gives it
@@ -26,7 +40,7 @@ class Timeout(ProcessError):  # noqa: N818 - the name that the language gives it
 class Fault(ProcessError):  # noqa: N818 - the name that the language gives it
     """Something that no correct program does: overflow, division by zero, a NaN written to an actuator."""
 
-    def __init__(self, message: str, place: str | None = None) -> None:
+    def __init__(self, message: str, place: Place | None = None) -> None:
         super().__init__(message)
         self.message = message
         self.place = place
@@ -35,7 +49,7 @@ class Fault(ProcessError):  # noqa: N818 - the name that the language gives it
         return self.message if self.place is None else f"{self.message}, in {self.place}"
 
 
-def fault_of(error: ArithmeticError, place: str | None) -> Fault:
+def fault_of(error: ArithmeticError, place: Place | None) -> Fault:
     """The fault that an error of Python's arithmetic is."""
     return Fault("division by zero" if isinstance(error, ZeroDivisionError) else str(error), place)
 

@@ -13,7 +13,7 @@ from inspect import CO_COROUTINE, CO_GENERATOR
 from types import CodeType, FrameType, TracebackType
 from typing import TYPE_CHECKING
 
-from .exceptions import Cancelled, RunEnded
+from .exceptions import Cancelled, Place, RunEnded
 
 if TYPE_CHECKING:
     from .process import Process
@@ -24,10 +24,9 @@ _RUNTIME = __package__
 _LIBRARY = os.path.dirname(os.__file__)
 
 
-def place_of(error: BaseException, process: Process | Part) -> str:
+def place_of(error: BaseException, process: Process | Part) -> Place:
     """The process, with the source line of the statement that raised ``error``, or else that of the process."""
-    place = statement_of(error) or process.source
-    return process.name if place is None else f"{process.name} ({place})"
+    return Place(process.name, statement_of(error) or process.source)
 
 
 def note_place(error: BaseException, process: Process | Part) -> None:

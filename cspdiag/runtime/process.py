@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Generator
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from .exceptions import Fault, ProcessError, fault_of
+from .exceptions import Fault, Place, ProcessError, fault_of
 from .places import note_place, place_of
 from .scheduler import scheduler
 
@@ -46,7 +46,10 @@ class Process:
     async def execute(self) -> None:
         """Runs the process once, with its books: who runs, since when, and what it had open."""
         if self.runs_now:
-            raise Fault(f"{self.name} is already running; a process never runs twice at the same time", self._place())
+            raise Fault(
+                f"{self.name} is already running; a process never runs twice at the same time",
+                Place(self.name, self.source),
+            )
         task = scheduler.current
         enclosing = self.enclosing = task.process
         task.process = self
@@ -69,9 +72,6 @@ class Process:
             for end in self.ends:
                 end.close()
             self.ended()
-
-    def _place(self) -> str:
-        return self.name if self.source is None else f"{self.name} ({self.source})"
 
     def started(self) -> None:
         """Tells the observer."""

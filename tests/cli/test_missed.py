@@ -66,6 +66,16 @@ def test_what_the_reader_did_is_said(
     ]
 
 
+@pytest.mark.parametrize("options", [(), ("-O0",), ("--target", "c")])
+def test_the_place_is_told_of_a_file_with_parentheses_in_its_name(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], options: tuple[str, ...]
+) -> None:
+    path = tmp_path / "barrier(new).csp"
+    path.write_text(PROGRAM.replace("wait 2 ms", "wait 700 us ; wait 800 us"))
+    assert main(["run", str(path), "--for", "1s", *options]) == 1
+    assert "  between two reads of `a` it waits 1500 us (barrier(new).csp:6, W0707)\n" in capsys.readouterr().err
+
+
 def test_where_nothing_is_certain_beforehand_the_rule_is_said(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

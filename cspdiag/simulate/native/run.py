@@ -143,9 +143,10 @@ def _outcome(reader: StreamReader, keeper: Keeper, environment: Environment | No
 
 def _error(end: EndRecord, environment: Environment | None) -> BaseException:
     """The exception that the same program in Python ends with."""
-    from cspdiag.runtime.exceptions import EnvironmentFailure, Fault, ProcessError, Timeout
+    from cspdiag.runtime.exceptions import EnvironmentFailure, Fault, Place, ProcessError, Timeout
 
-    place = end.place or None
+    process, _, statement = end.place.partition(" (")
+    place = Place(process, statement.removesuffix(")") or None) if process else None
     if not end.exception:
         cause = Fault(end.message)
         return EnvironmentFailure(environment.name if environment is not None else "", cause, place)
