@@ -11,7 +11,7 @@ from cspdiag.cli.terminal import say, show_diagnostics, write_out
 from cspdiag.cli.written import require_folder
 from cspdiag.codegen import TARGETS, target_errors
 from cspdiag.diagnostics.report import Report
-from cspdiag.diagnostics.snippet import printable
+from cspdiag.diagnostics.snippet import on_one_line, printable
 from cspdiag.pipeline import build, check, generate
 from cspdiag.settings import SettingError, split_settings
 from cspdiag.sources import read_source
@@ -141,7 +141,7 @@ def _generate(arguments: Namespace) -> int:
         say(
             f"`{renamed}` is a name of Python's own, so the package is called `{network.name}`; it has its name from the file"
         )
-    say(f"wrote {folder}")
+    say(f"wrote {on_one_line(folder)}")
     if arguments.target == "c":
         from cspdiag.simulate.native.memory import report_or_reason
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from cspdiag.cli.failure import WRONG_USAGE, described
 from cspdiag.cli.missed import told_of_timeout
 from cspdiag.cli.terminal import say
+from cspdiag.diagnostics.snippet import on_one_line
 
 if TYPE_CHECKING:
     from cspdiag.model.program import Program
@@ -37,7 +38,7 @@ def conclude(arguments: Namespace, result: Run, checked: Checked) -> int:
             with stopping.raising():
                 missing = _write(wanted)
         except Stopped as stopped:
-            left = ", ".join(str(path) for path, _ in wanted)
+            left = ", ".join(on_one_line(path) for path, _ in wanted)
             say(f"cspdiag: stopped by {name_of_signal(stopped.signal)} before {left} had been written")
             return stopped.exit_code
     _tell(arguments, result, checked, [str(path) for path, _ in wanted if path not in missing])
@@ -80,9 +81,9 @@ def _tell(arguments: Namespace, result: Run, checked: Checked, written: list[str
     if timeout is not None:
         say(timeout)
     if written:
-        say(f"  wrote {', '.join(written)}")
+        say(f"  wrote {', '.join(map(on_one_line, written))}")
     if arguments.draw_deadlock is not None and result.outcome.deadlock is None:
-        say(f"  no deadlock: {arguments.draw_deadlock} was not written")
+        say(f"  no deadlock: {on_one_line(arguments.draw_deadlock)} was not written")
 
 
 def _draw_deadlock(path: Path, result: Run, program: Program | None) -> None:

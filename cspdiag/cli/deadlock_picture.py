@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from cspdiag.cli.failure import UsageError
 from cspdiag.cli.terminal import say
 from cspdiag.cli.written import require_file
+from cspdiag.diagnostics.snippet import on_one_line
 
 if TYPE_CHECKING:
     from cspdiag.draw.deadlock import Deadlock
@@ -38,6 +39,6 @@ def write_picture(path: Path, deadlock: Deadlock, program: Program | None) -> No
     try:
         scene = draw_deadlock(deadlock, program)
     except (MissingToolError, LayoutError) as problem:
-        say(f"cspdiag: {path} has no communication diagram: {problem}")
+        say(f"cspdiag: {on_one_line(path)} has no communication diagram: {problem}")
         scene = draw_deadlock(deadlock)
     write_whole(path, rendered([scene], path.suffix.removeprefix(".")))

@@ -11,6 +11,7 @@ from cspdiag.cli.failure import FINE, UNSUCCESSFUL, NoResultError, UsageError
 from cspdiag.cli.revisions import reader_of, split_name
 from cspdiag.cli.terminal import say, show_diagnostics, wants_colour, write_out
 from cspdiag.cli.written import require_file
+from cspdiag.diagnostics.snippet import on_one_line
 from cspdiag.pipeline import check
 
 if TYPE_CHECKING:
@@ -109,4 +110,4 @@ def _draw(arguments: Namespace, found: Difference) -> None:
     except LayoutError as problem:
         raise NoResultError(str(problem)) from None
     write_whole(arguments.output, data)
-    say(f"wrote {arguments.output}")
+    say(f"wrote {on_one_line(arguments.output)}")

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from cspdiag.cli.failure import FINE, UNSUCCESSFUL, NoResultError, UsageError
 from cspdiag.cli.terminal import say, show_diagnostics, write_out
 from cspdiag.cli.written import require_different, require_file, require_folder
+from cspdiag.diagnostics.snippet import on_one_line
 from cspdiag.pipeline import check
 from cspdiag.sources import STANDARD_INPUT, read_source
 
@@ -164,7 +165,7 @@ def _write_book(arguments: Namespace, pictures: Pictures) -> None:
         write_out(page)
         return
     _write(Path(arguments.book), page)
-    say(f"wrote {arguments.book}")
+    say(f"wrote {on_one_line(arguments.book)}")
 
 
 def _draw(arguments: Namespace, pictures: Pictures) -> None:
@@ -192,7 +193,7 @@ def _draw(arguments: Namespace, pictures: Pictures) -> None:
     if arguments.output is None:
         _refuse_link(Path(name))
     _write(Path(name), data)
-    say(f"wrote {name}")
+    say(f"wrote {on_one_line(name)}")
 
 
 def _chosen(arguments: Namespace, pictures: Pictures) -> list[Drawn]:
@@ -207,7 +208,7 @@ def _chosen(arguments: Namespace, pictures: Pictures) -> list[Drawn]:
         concerned = [definition for definition in pictures.drawn(imported=True) if pictures.concerned(definition)]
         chosen = [*concerned, *(definition for definition in chosen if not concerned)]
     if not chosen:
-        raise NoResultError(f"{arguments.file} has no process to draw")
+        raise NoResultError(f"{on_one_line(arguments.file)} has no process to draw")
     return chosen
 
 
@@ -272,7 +273,7 @@ def _write_folder(folder: Path, files: Mapping[str, bytes], format_: str) -> Non
     for place, data in places.items():
         _write(place, data)
     pictures = "1 picture" if len(files) == 1 else f"{len(files)} pictures"
-    say(f"wrote {pictures} to {folder}")
+    say(f"wrote {pictures} to {on_one_line(folder)}")
 
 
 def _refuse_link(path: Path) -> None:

@@ -25,4 +25,8 @@ def described(problem: OSError) -> str:
     """A file that cannot be read or written, and why, in one line."""
     reason = problem.strerror or str(problem)
     reason = f"{reason[:1].lower()}{reason[1:]}"
-    return f"{problem.filename}: {reason}" if problem.filename is not None else reason
+    if problem.filename is None:
+        return reason
+    from cspdiag.diagnostics.snippet import on_one_line
+
+    return f"{on_one_line(problem.filename)}: {reason}"

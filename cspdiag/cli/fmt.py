@@ -11,7 +11,7 @@ from cspdiag.cli.failure import FINE, UNSUCCESSFUL, UsageError
 from cspdiag.cli.output import replace_text
 from cspdiag.cli.terminal import say, show_diagnostics, write_out
 from cspdiag.diagnostics.report import Report
-from cspdiag.diagnostics.snippet import printable
+from cspdiag.diagnostics.snippet import on_one_line, printable
 from cspdiag.diagnostics.span import SourceFile
 from cspdiag.sources import STANDARD_INPUT, read_source
 from cspdiag.syntax.formatter import format_tree
@@ -66,16 +66,16 @@ def formatted(source: SourceFile, report: Report) -> str | None:
 
 def _change(source: SourceFile, text: str, arguments: Namespace) -> None:
     if arguments.check:
-        say(f"would format {source.name}")
+        say(f"would format {on_one_line(source.name)}")
     elif not arguments.diff and source.name != STANDARD_INPUT:
         replace_text(source.name, text)
-        say(f"formatted {source.name}")
+        say(f"formatted {on_one_line(source.name)}")
 
 
 def _difference(source: SourceFile, text: str) -> str:
     from difflib import unified_diff
 
-    name = " ".join(printable(source.name).split("\n"))
+    name = on_one_line(source.name)
     lines = unified_diff(
         _lines(source.text),
         _lines(text),

@@ -203,9 +203,9 @@ def _unknown(verb: str) -> str:
 
 
 def _refuse(message: str, *, lines: bool = False) -> int:
-    from cspdiag.diagnostics.snippet import printable
+    from cspdiag.diagnostics.snippet import on_one_line, printable
 
-    text = printable(message) if lines else " ".join(printable(message).split("\n"))
+    text = printable(message) if lines else on_one_line(message)
     put(f"cspdiag: {text}\n")
     return WRONG_USAGE
 

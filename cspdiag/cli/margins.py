@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from cspdiag.cli.failure import FINE, UNSUCCESSFUL, NoResultError, UsageError
 from cspdiag.cli.terminal import say, show_diagnostics, write_out
 from cspdiag.cli.written import require_file
-from cspdiag.diagnostics.snippet import printable
+from cspdiag.diagnostics.snippet import on_one_line, printable
 from cspdiag.sources import read_source
 
 if TYPE_CHECKING:
@@ -69,7 +69,9 @@ def run(arguments: Namespace) -> int:
         report = _analysed(arguments, network, environment)
     except NotLinearError as problem:
         place = (
-            "" if problem.span is None else f"{problem.span.source.name}:{problem.span.line}:{problem.span.column}: "
+            ""
+            if problem.span is None
+            else f"{on_one_line(problem.span.source.name)}:{problem.span.line}:{problem.span.column}: "
         )
         raise NoResultError(
             f"{place}{problem.reason}, so that no loop through `{environment.name}` has margins"
@@ -228,4 +230,4 @@ def _tell(arguments: Namespace, report: LoopReport, periods: Mapping[str, tuple[
 
     write_out(printable(table(report, periods)))
     if arguments.plot is not None and report.loops:
-        say(f"wrote {arguments.plot}")
+        say(f"wrote {on_one_line(arguments.plot)}")

@@ -11,6 +11,7 @@ from argparse import ArgumentParser, Namespace
 from cspdiag.cli.failure import FINE, UsageError
 from cspdiag.cli.output import write_new_folder
 from cspdiag.cli.terminal import say
+from cspdiag.diagnostics.snippet import on_one_line
 from cspdiag.resources import template_folder
 
 EXAMPLE = "cspdiag new gimbal && cd gimbal && cspdiag run gimbal.csp --for 3s"
@@ -34,7 +35,7 @@ def run(arguments: Namespace) -> int:
     """Write the project into a new folder of its name."""
     folder = arguments.name.rstrip(os.sep)
     write_new_folder(folder, project(os.path.basename(folder)))
-    say(f"wrote {folder}: a controller, its environment, a test; README.md tells how to go on")
+    say(f"wrote {on_one_line(folder)}: a controller, its environment, a test; README.md tells how to go on")
     return FINE
 
 

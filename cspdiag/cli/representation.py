@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from cspdiag.diagnostics.record import field_names, is_record
+from cspdiag.diagnostics.snippet import on_one_line
 from cspdiag.diagnostics.span import Span
 from cspdiag.model.program import Program
 from cspdiag.syntax import ast
@@ -54,7 +55,7 @@ def show_model(program: Program) -> str:
     """The definitions with the types and values that names and expressions were found to have."""
     lines: list[str] = []
     for tree in program.trees:
-        lines.append(f"file {tree.source.name}")
+        lines.append(f"file {on_one_line(tree.source.name)}")
         for definition in program.definitions.values():
             if definition.span.source is tree.source:
                 lines += [f"  {line}" for line in _definition(program, definition)]

@@ -14,6 +14,7 @@ from cspdiag.cli.failure import FINE, UNSUCCESSFUL, NoResultError, UsageError
 from cspdiag.cli.output import replace_text
 from cspdiag.cli.terminal import put, say, wants_colour, write_out
 from cspdiag.cli.written import require_different, require_file
+from cspdiag.diagnostics.snippet import on_one_line
 
 if TYPE_CHECKING:
     from cspdiag.analyses.verification.answer import Answer
@@ -165,7 +166,7 @@ def _write_trace(arguments: Namespace, answers: Sequence[Answer]) -> None:
         return
     refuted = next((answer for answer in answers if answer.counterexample is not None), None)
     if refuted is None:
-        say(f"cspdiag: nothing was refuted, so {arguments.trace_out} was not written")
+        say(f"cspdiag: nothing was refuted, so {on_one_line(arguments.trace_out)} was not written")
     else:
         replace_text(str(arguments.trace_out), trace_of(refuted, _settings(arguments)))
 
@@ -179,7 +180,7 @@ def _draw(arguments: Namespace, answers: Sequence[Answer], asked: Asked) -> None
     found = (answer.counterexample for answer in answers if answer.counterexample is not None)
     deadlock = next(filter(None, map(deadlock_shown_by, found)), None)
     if deadlock is None:
-        say(f"cspdiag: no processes wait for ever, so {arguments.draw} was not written")
+        say(f"cspdiag: no processes wait for ever, so {on_one_line(arguments.draw)} was not written")
     else:
         write_picture(arguments.draw, deadlock, asked.checked.program)
 

@@ -14,7 +14,7 @@ from cspdiag.cli.output import replace_text
 from cspdiag.cli.terminal import put, say, show_diagnostics, write_out
 from cspdiag.cli.verify import refused, told
 from cspdiag.cli.written import require_different, require_file
-from cspdiag.diagnostics.snippet import printable
+from cspdiag.diagnostics.snippet import on_one_line, printable
 from cspdiag.sources import read_source
 
 if TYPE_CHECKING:
@@ -60,7 +60,7 @@ def _draw(arguments: Namespace, report: TimingReport) -> None:
         return
     if report.missing:
         reason = "not all execution times are known"
-        say(f"cspdiag: {reason}, so {arguments.gantt} was not written")
+        say(f"cspdiag: {reason}, so {on_one_line(arguments.gantt)} was not written")
         return
     from cspdiag.analyses.timing.gantt import gantt_svg
 

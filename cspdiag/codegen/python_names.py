@@ -9,6 +9,7 @@ import re
 from collections.abc import Iterable, Mapping
 from functools import cache
 
+from cspdiag.diagnostics.snippet import on_one_line
 from cspdiag.network.distinct_names import DistinctNames
 from cspdiag.network.ir import Network, ProcessClass
 
@@ -135,4 +136,4 @@ class PackageNames:
     def place(self, file: str, line: int) -> str:
         """``laws.csp:12``, the file relative to the folder of the program."""
         inside = file.removeprefix(f"{self._folder}/") if self._folder else file
-        return f"{inside}:{line}"
+        return f"{on_one_line(inside)}:{line}"

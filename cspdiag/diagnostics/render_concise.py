@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from cspdiag.diagnostics.diagnostic import Diagnostic
-from cspdiag.diagnostics.snippet import printable
+from cspdiag.diagnostics.snippet import on_one_line
 
 
 def render(diagnostics: Sequence[Diagnostic]) -> str:
@@ -15,5 +15,5 @@ def render(diagnostics: Sequence[Diagnostic]) -> str:
 
 def _line(diagnostic: Diagnostic) -> str:
     span = diagnostic.span
-    message, file = (" ".join(printable(text).split("\n")) for text in (diagnostic.message, span.file))
+    message, file = map(on_one_line, (diagnostic.message, span.file))
     return f"{file}:{span.line}:{span.column}: {diagnostic.severity}[{diagnostic.code}] {message}"

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from typing import Literal
 
 from cspdiag.diagnostics.diagnostic import Diagnostic
-from cspdiag.diagnostics.snippet import Mark, Role, draw, printable
+from cspdiag.diagnostics.snippet import Mark, Role, draw, on_one_line, printable
 from cspdiag.diagnostics.span import SourceFile
 
 _COLOURS = {"error": "31", "warning": "33", "secondary": "34", "frame": "34", "strong": "1", "help": "36"}
@@ -38,9 +38,9 @@ class _Drawing:
         self._diagnostic = diagnostic
         self._colour = colour
         self._marks: dict[SourceFile, list[Mark]] = {}
-        self._mark(Mark(diagnostic.span, printable(diagnostic.label), True))
+        self._mark(Mark(diagnostic.span, on_one_line(diagnostic.label), True))
         for label in diagnostic.all_labels:
-            self._mark(Mark(label.span, printable(label.message), False))
+            self._mark(Mark(label.span, on_one_line(label.message), False))
         highest = max(mark.lines[1] for marks in self._marks.values() for mark in marks)
         self._gutter = len(str(highest))
 
@@ -51,13 +51,13 @@ class _Drawing:
         """The diagnostic with its head, a snippet for each file it points into, and its help."""
         diagnostic = self._diagnostic
         head = self._style(f"{diagnostic.severity}[{diagnostic.code}]", diagnostic.severity, strong=True)
-        lines = [f"{head}{self._style(f': {printable(diagnostic.message)}', strong=True)}"]
+        lines = [f"{head}{self._style(f': {on_one_line(diagnostic.message)}', strong=True)}"]
         arrow = "-->"
         for source, marks in self._marks.items():
             if arrow == ":::":
                 lines.append(self._bar())
             first = marks[0].span
-            place = f"{printable(source.name)}:{first.line}:{first.column}"
+            place = f"{on_one_line(source.name)}:{first.line}:{first.column}"
             lines.append(f"{' ' * self._gutter}{self._style(arrow, 'frame')} {place}")
             lines.append(self._bar())
             lines += draw(source, marks, self._gutter, self._paint)

@@ -57,6 +57,11 @@ def printable(text: str) -> str:
     return "".join(_picture(character) for character in text)
 
 
+def on_one_line(text: object) -> str:
+    """``text``, such as the name of a file, with every control character replaced by its picture, the line end too."""
+    return printable(str(text)).replace("\n", "\u240a")
+
+
 def _picture(character: str) -> str:
     code = ord(character)
     if character == "\n" or character.isprintable():

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import assert_never
 
+from cspdiag.diagnostics.snippet import on_one_line
 from cspdiag.model.durations import duration
 from cspdiag.model.types import Type
 from cspdiag.network.actions import ChannelEnd, End, PortEnd
@@ -41,7 +42,7 @@ def dump(network: Network) -> str:
 
 def _lines(network: Network) -> Iterator[str]:
     classes = {entry.name: entry for entry in network.classes}
-    yield f"network {network.name} from {network.source}"
+    yield f"network {network.name} from {on_one_line(network.source)}"
     yield f"top {network.top}{_values(classes[network.top].parameters, network.arguments)}"
     yield from _vocabulary(network)
     for entry in network.classes:
@@ -92,7 +93,7 @@ def _class(entry: ProcessClass | SubmodelClass) -> Iterator[str]:
     wcet = "" if entry.wcet is None else f" wcet {duration(entry.wcet)}"
     yield f"{kind} {entry.name}{definition}{_parameters(entry.parameters)}{external}{wcet} {{"
     yield from _indented(_process_body(entry) if isinstance(entry, ProcessClass) else submodel_body(entry))
-    yield f"}} at {entry.span}"
+    yield f"}} at {on_one_line(entry.span)}"
 
 
 def _parameters(parameters: tuple[ClassParameter, ...]) -> str:
@@ -195,7 +196,7 @@ def _environment(environment: Environment) -> Iterator[str]:
             yield f"    {port} = {program_port}"
     if environment.system is not None:
         yield from _indented(submodel_body(environment.system))
-    yield f"}} at {environment.span}"
+    yield f"}} at {on_one_line(environment.span)}"
 
 
 def _net(net: Net) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from cspdiag.analyses.counterexamples.counterexample import Counterexample, Party, Step
 from cspdiag.analyses.counterexamples.rounds import Repeated, repeated
-from cspdiag.diagnostics.snippet import printable
+from cspdiag.diagnostics.snippet import on_one_line, printable
 
 _MARKS = {"!": "writes", "?": "reads", "*": "does something else"}
 _KINDS = {"sample": "sample", "miss": "missed", "exception": "raise", "failure": "raise", "ready": "ready"}
@@ -83,7 +83,9 @@ def _cell(step: Step, party: Party, told_file: bool) -> str:
 def _place(party: Party, told_file: bool) -> str:
     if party.span is None:
         return ""
-    return f" {printable(party.span.file).rpartition('/')[2]}:{party.span.line}" if told_file else str(party.span.line)
+    return (
+        f" {on_one_line(party.span.file).rpartition('/')[2]}:{party.span.line}" if told_file else str(party.span.line)
+    )
 
 
 def _direction(step: Step, party: Party) -> str:

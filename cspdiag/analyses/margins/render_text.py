@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from cspdiag.analyses.margins.loops import AnalysedLoop, LoopReport
 from cspdiag.diagnostics import Span
+from cspdiag.diagnostics.snippet import on_one_line
 from cspdiag.model.durations import rounded
 
 
@@ -84,7 +85,7 @@ def _listed(names: Sequence[str]) -> str:
 
 
 def _place(span: Span) -> str:
-    return f"{span.source.name}:{span.line}:{span.column}"
+    return f"{on_one_line(span.source.name)}:{span.line}:{span.column}"
 
 
 def _aligned(rows: Sequence[tuple[str, ...]]) -> Iterator[str]:

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from cspdiag.analyses.timing.flow import Missing
 from cspdiag.analyses.timing.result import LoopTiming, TimingReport
 from cspdiag.analyses.timing.task import ONCE
+from cspdiag.diagnostics.snippet import on_one_line
 from cspdiag.model.durations import rounded
 
 _ROWS_SHOWN = 200
@@ -29,7 +30,7 @@ def _lines(report: TimingReport) -> Iterator[str]:
     for refusal in report.refusals:
         yield ""
         yield f"`{refusal.subject}`: {refusal.reason}"
-        yield f"  --> {refusal.span.source.name}:{refusal.span.line}:{refusal.span.column}"
+        yield f"  --> {on_one_line(refusal.span.source.name)}:{refusal.span.line}:{refusal.span.column}"
         yield f"  = help: {refusal.help}"
     if report.loops:
         yield ""
@@ -108,7 +109,7 @@ def _missing(missing: Sequence[Missing]) -> Iterator[str]:
         first = parts[0]
         more = f" (and {len(parts) - 1} more)" if len(parts) > 1 else ""
         yield f"`{first.leaf}`{more} does not say its worst-case execution time"
-        yield f"  --> {first.span.source.name}:{first.span.line}:{first.span.column}"
+        yield f"  --> {on_one_line(first.span.source.name)}:{first.span.line}:{first.span.column}"
         yield f"  = help: write it in the head, `{first.kind} {first.definition}(...) wcet 100 us {{`, or give measured times with --wcet-from"
 
 

@@ -10,6 +10,7 @@ from cspdiag.analyses.counterexamples.words import waiting_lines
 from cspdiag.analyses.verification.answer import Answer, Outcome
 from cspdiag.analyses.verification.diagnostics import diagnostic_of
 from cspdiag.diagnostics.render_text import render as render_diagnostics
+from cspdiag.diagnostics.snippet import on_one_line
 
 _COLOURS: dict[Outcome, str] = {"proved": "1;32", "refuted": "1;31", "unknown": "1;33"}
 
@@ -50,7 +51,9 @@ def _lines(answer: Answer, colour: bool) -> Iterator[str]:
     if answer.abstractions and answer.outcome == "unknown":
         yield "  left open in the proof:"
         for abstraction in answer.abstractions[:_MOST_ABSTRACTIONS]:
-            yield f"    {abstraction.what}" + ("" if abstraction.span is None else f" ({abstraction.span})")
+            yield f"    {abstraction.what}" + (
+                "" if abstraction.span is None else f" ({on_one_line(abstraction.span)})"
+            )
         if len(answer.abstractions) > _MOST_ABSTRACTIONS:
             yield f"    and {len(answer.abstractions) - _MOST_ABSTRACTIONS} more"
 

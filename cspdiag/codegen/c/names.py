@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping
 
+from cspdiag.diagnostics.snippet import on_one_line
 from cspdiag.network.distinct_names import DistinctNames
 from cspdiag.network.ir import Network
 
@@ -147,4 +148,4 @@ class PackageNames:
     def place(self, file: str, line: int) -> str:
         """``laws.csp:12``, the file relative to the folder of the program."""
         inside = file.removeprefix(f"{self._folder}/") if self._folder else file
-        return f"{inside}:{line}"
+        return f"{on_one_line(inside)}:{line}"
