@@ -7,6 +7,7 @@ specification does not have are hidden.
 
 from __future__ import annotations
 
+import time
 from collections import deque
 
 from tests.oracle.explore import Graph, explore
@@ -26,6 +27,8 @@ def refines(program: Program, specification: Program, *, failures: bool = False,
     left_open = "what is refused while an output is about to be written" if failures and _mixed(specification) else ""
     first = _closure(theirs, frozenset({0}), common)
     seen = {(0, first)}
+    known: dict[tuple[frozenset[int], Event], frozenset[int]] = {}
+    end = time.process_time() + 1
     queue: deque[tuple[int, frozenset[int], tuple[Event, ...]]] = deque([(0, first, ())])
     while queue:
         at, allowed, done = queue.popleft()
@@ -44,7 +47,9 @@ def refines(program: Program, specification: Program, *, failures: bool = False,
                 if event[0] not in common:
                     continue
                 trace = (*trace, event)
-                after = _after(theirs, after, event, common)
+                if (after, event) not in known:
+                    known[after, event] = _after(theirs, after, event, common)
+                after = known[after, event]
                 if not after:
                     shown = [f"{port} {value}" for port, value in trace]
                     return Answer(
@@ -53,8 +58,8 @@ def refines(program: Program, specification: Program, *, failures: bool = False,
             if (edge.to, after) not in seen:
                 seen.add((edge.to, after))
                 queue.append((edge.to, after, trace))
-                if len(seen) > 20 * limit:
-                    return Answer(None, states=len(seen))
+        if time.process_time() > end:
+            return Answer(None, states=len(seen))
     return Answer(True if ours.complete and not left_open else None, states=len(seen), why=left_open)
 
 
