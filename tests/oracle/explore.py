@@ -38,7 +38,7 @@ class Chooser:
     def compute(self, law: Law) -> int:
         if not self.wcet or not law.wcet:
             return 0
-        return law.wcet if self.choose(2) else 0
+        return (law.wcet, 0, law.wcet // 2)[self.choose(3)]
 
     def sample(self, port: Port, now: int) -> Value:
         if not self.general:
@@ -123,7 +123,7 @@ def explore(
     """The states that can be reached, at most `limit` of them.
 
     `free`: any ready process of the highest priority may run, and any ready guard of `[]` be taken; otherwise as the
-    page says. `fine`: others may run after each communication, which a specification allows. `wcet`: laws compute for no time or for their longest. `general`: the environment offers what it will.
+    page says. `fine`: others may run after each communication, which a specification allows. `wcet`: laws compute for no time, for their longest or half of it. `general`: the environment offers what it will.
     """
     linked = link(program)
     chooser = Chooser(free, wcet, general, fine)

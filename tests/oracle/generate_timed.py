@@ -163,7 +163,7 @@ class _Timed:
             if self.rng.random() < (0.2 if number == 0 else 0.7):
                 steps.append(self.between())
             loop = self.loop(last=number == loops - 1)
-            if self.rng.random() < 0.12:
+            while self.rng.random() < 0.14:
                 event: Event = After(self.delay())
                 if self.events and self.rng.random() < 0.5:
                     event = Read(self.events[0].name, self.target())
