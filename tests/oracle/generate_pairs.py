@@ -81,6 +81,7 @@ def pair(seed: int) -> Pair:
             tidy(one),
             ports=(*kept, *hidden),
             name="Main",
+            tags=frozenset({"constants"}),
             exceptions=base.exceptions,
             structs=base.structs,
             enums=base.enums,

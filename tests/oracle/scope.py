@@ -105,7 +105,7 @@ class Scope:
         choice = rng.random()
         known = [variable for variable in self.own if variable.type == INT]
         if choice < 0.35 or not known:
-            return Lit(rng.randrange(4), INT)
+            return Lit(rng.randrange(4), INT, constant=choice < 0.08)
         ref = Ref(rng.choice(known).name, INT)
         if choice < 0.6 or depth == 0:
             return ref

@@ -6,6 +6,8 @@ arrows connect them. That changes how it is written, and not what it means.
 
 from __future__ import annotations
 
+import re
+
 from tests.oracle.tree import (
     After,
     Alt,
@@ -58,6 +60,8 @@ from tests.oracle.tree import (
     walk,
 )  # fmt: skip
 
+CONSTANT = re.compile(r"\bk([0-9])\b")
+
 
 def duration(nanoseconds: int) -> str:
     for unit, size in (("ms", 10**6), ("us", 1000)):
@@ -106,6 +110,8 @@ def shown(value: Value, kind: Type) -> object:
 
 def expression(expr: Expr) -> str:
     match expr:
+        case Lit(value, _, True):
+            return f"k{value}"
         case Lit(value, kind):
             return literal(value, kind)
         case Ref(name):
@@ -280,7 +286,10 @@ def definitions(program: Program) -> list[str]:
         lines.append(f"struct {struct.name} {{ {' '.join(f'{name} : {kind.name}' for name, kind in struct.fields)} }}")
     lines += [f"exception {name}" for name in program.exceptions]
     lines += [_law(law) for law in program.laws]
-    return [*lines, *process(program)]
+    processes = process(program)
+    if "constants" in program.tags or CONSTANT.search("\n".join(processes)):
+        lines += [f"const k{value} : int = {value}" for value in range(4)]
+    return [*lines, *processes]
 
 
 def process(program: Program) -> list[str]:
@@ -298,7 +307,9 @@ def process(program: Program) -> list[str]:
     for law in program.laws:
         if law.owner not in program.boxed:
             lines += _owned(law, {})
-    lines += [f"    box{number} : {program.name}Box{number}" for number in sorted(program.boxed)]
+    for number in sorted(program.boxed):
+        given = ", ".join(f"p{value} = k{value}" for value in _parameters(parts[number]))
+        lines.append(f"    box{number} : {program.name}Box{number}{f'({given})' if given else ''}")
     for channel in program.channels:
         lines += _channel(channel, program.boxed, used)
     for port in program.ports:
@@ -330,7 +341,8 @@ def _box(program: Program, number: int, body: Comp, ends: set[str]) -> list[str]
     kinds = {channel.name: channel.type for channel in program.channels}
     ports = {port.name: port for port in program.ports}
     names = {end: f"{end[:-1]}_{'r' if end.endswith('?') else 'w'}" for end in ends}
-    lines = [f"process {program.name}Box{number} {{"]
+    given = ", ".join(f"p{value}: int" for value in _parameters(body))
+    lines = [f"process {program.name}Box{number}{f'({given})' if given else ''} {{"]
     for end in sorted(ends):
         port = ports.get(end[:-1]) or Port(end[:-1], end.endswith("?"), kinds[end[:-1]])
         lines.append(_port(port, names[end]))
@@ -339,7 +351,13 @@ def _box(program: Program, number: int, body: Comp, ends: set[str]) -> list[str]
     for law in program.laws:
         if law.owner == number:
             lines += _owned(law, names)
-    return [*lines, "  }", "  composition {", f"    {composition(body, names)}", "  }", "}"]
+    inner = CONSTANT.sub(r"p\1", composition(body, names))
+    return [*lines, "  }", "  composition {", f"    {inner}", "  }", "}"]
+
+
+def _parameters(body: Comp) -> list[str]:
+    """The constants of a composition, which are parameters of the process that it becomes."""
+    return sorted(set(CONSTANT.findall(composition(body, {}))))
 
 
 def _environment(program: Program) -> list[str]:

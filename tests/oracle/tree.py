@@ -66,6 +66,7 @@ Value = int | bool | float | str | tuple["Value", ...]
 class Lit:
     value: Value
     type: Type
+    constant: bool = False  # written by the name of a constant, or of a parameter
 
 
 @dataclass(frozen=True)
