@@ -27,6 +27,7 @@ from tests.oracle.tree import (
     Ref,
     Seq,
     Skip,
+    Stop,
     Target,
     Variable,
     Wait,
@@ -132,6 +133,9 @@ def test_traces_do_not_tell_what_is_refused_and_failures_do() -> None:
 
 def test_the_end_is_seen() -> None:
     assert refines(made(event("e"), E), made(Mu(event("e")), E)).holds is False
+    assert refines(made(Skip()), made(Stop())).holds is False
+    assert refines(made(Stop()), made(Skip())).holds is True
+    assert refines(made(Stop()), made(Skip()), failures=True).holds is False
 
 
 def test_ports_that_the_specification_does_not_have_are_hidden() -> None:
