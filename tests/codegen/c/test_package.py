@@ -85,6 +85,17 @@ def test_make_goes_on_when_headers_are_gone(tmp_path: Path) -> None:
 
 
 @needs_compiler
+@pytest.mark.skipif(shutil.which("make") is None, reason="there is no make")
+def test_make_compiles_again_with_other_options(tmp_path: Path) -> None:
+    """As after a library for the host one for the board: nothing of the first is in the second."""
+    written(pipeline.generate(network_of("ring/ring.csp"), read_source, "c"), tmp_path)
+    for options, compiled in (("-O0", True), ("-O0", False), ("-O1 -DNDEBUG", True)):
+        make = ["make", f"CC={COMPILERS[0]}", f"CFLAGS={options}", "libring.a"]
+        done = subprocess.run(make, cwd=tmp_path, capture_output=True, text=True, check=True)
+        assert ("-c network.c" in done.stdout) is compiled
+
+
+@needs_compiler
 @pytest.mark.skipif(shutil.which("cmake") is None, reason="there is no cmake")
 def test_cmake_knows_all_files(tmp_path: Path) -> None:
     files = pipeline.generate(network_of("cascade/cascade.csp"), read_source, "c")
