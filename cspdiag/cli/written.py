@@ -58,6 +58,8 @@ def _is_no_file(path: str | Path) -> bool:
 def require_folder(option: str, path: str) -> None:
     """Refuse a folder in which no file could be written; it need not be there, nor what is above it."""
     name = path.rstrip(os.sep) or path
+    if os.path.islink(name) and not os.path.exists(name):
+        raise UsageError(f"{option} {path}: is a symbolic link that leads nowhere")
     there = os.path.realpath(name)
     while not os.path.lexists(there):
         there = os.path.dirname(there)

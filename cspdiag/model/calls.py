@@ -57,6 +57,15 @@ def _structure(typer: Typer, node: ast.Call, structure: StructType) -> Type:
     return structure
 
 
+_ELSEWHERE = {
+    "arcsin": "asin", "arccos": "acos", "arctan": "atan", "arctan2": "atan2", "ln": "log", "fabs": "abs", "sgn": "sign",
+    "clamp": "limit", "clip": "limit", "saturate": "limit", "sat": "limit", "trunc": "int", "real": "double",
+}  # fmt: skip
+"""What functions are called in other languages, and here."""
+
+_OPERATORS = {"pow": "x ^ y", "power": "x ^ y", "sqr": "x * x", "mod": "x % y", "fmod": "x - y * floor(x / y)"}
+
+
 def _refuse_function(typer: Typer, node: ast.Call, definition: ast.Definition | None) -> None:
     name = node.function.text
     typer.context.program.poisoned.add(node)
@@ -84,8 +93,16 @@ def _refuse_function(typer: Typer, node: ast.Call, definition: ast.Definition | 
             for found, given in typer.context.program.definitions.items()
             if isinstance(given, ast.StructDefinition)
         )
-        suggestion = typer.context.speller.nearest(name, chain(FUNCTIONS, CONVERSIONS, structs))
+        near = _ELSEWHERE.get(name) or typer.context.speller.nearest(name, chain(FUNCTIONS, CONVERSIONS, structs))
+        operator = _OPERATORS.get(name)
         typer.context.refuse(
-            UnknownName(node.function.span, name=name, wanted="function", suggestion=suggestion, declared=None),
+            UnknownName(
+                node.function.span,
+                name=name,
+                wanted="function",
+                suggestion=None if operator else near,
+                declared=None,
+                advice=f"write `{operator}`" if operator else None,
+            ),
             node,
         )

@@ -122,3 +122,9 @@ def test_a_wrong_duration_lists_the_units(cspdiag: Command, program: Path) -> No
 def test_help_of_compile_lists_the_targets(cspdiag: Command) -> None:
     shown = " ".join(cspdiag("compile", "--help").out.split())
     assert "python, c, promela, cspm" in shown
+
+
+def test_a_folder_behind_a_link_that_leads_nowhere_is_refused(cspdiag: Command, program: Path) -> None:
+    Path("out").symlink_to("nowhere")
+    result = cspdiag("compile", program, "-o", "out")
+    assert (result.code, result.err) == (2, "cspdiag: -o out: is a symbolic link that leads nowhere\n")
