@@ -57,6 +57,7 @@ from cspdiag.network.sample_reads import (
     endless,
     joined,
     later,
+    least_time,
     not_read,
     one_of,
     one_of_exits,
@@ -113,7 +114,7 @@ class _Sequence:
             case SequentialSteps():
                 return self._sequence(map(self.part, action.steps))
             case ParallelSteps():
-                return beside((step.span.start, self.part(step)) for step in action.steps)
+                return beside(map(self.part, action.steps))
             case Choice():
                 return self._choice(action)
             case Repeat():
@@ -182,9 +183,9 @@ class _Sequence:
             until = min(filter(None, map(self._time_out, time_outs)), key=lambda gap: gap.duration, default=NOTHING)
         samples = self._samples(branches)
         is_waiting = not any(is_always_ready(self.placed, branch.event) for branch in branches)
-        is_certain = is_waiting and not (time_outs and samples)
+        is_certain = (is_waiting or not (samples or events)) and not (time_outs and samples)
         was_tolerated = self.findings.tolerated
-        self.findings.tolerated = was_tolerated or (bool(samples) and not is_certain)
+        self.findings.tolerated = was_tolerated or not is_certain
         parts = []
         for branch in branches:
             instead = {}
@@ -198,8 +199,8 @@ class _Sequence:
         if is_certain:
             return chosen
         # Whether a sample comes before a time-out, or is there already, depends on how late one is, of which only a bound is known.
-        some_way = {(key, 0): any_way((key, 0), parts, branch.event.span) for key, branch in samples.items()}
-        return replaced(chosen, reads={**chosen.reads, **some_way})
+        reads = {book: any_way(book, parts, found.span) for book, found in chosen.reads.items()}
+        return part(least_time(parts), reads, chosen.exits)
 
     def _event_of(self, branch: Branch) -> Key | None:
         """The event that a guard waits for."""
@@ -260,16 +261,13 @@ class _Sequence:
         if event is not None:
             return one_of([body, self._sequence((self._abandoned(body, event, branch.event.span), handler))])
         limit = (self._time_out(branch) if is_time_out else None) or NOTHING
+        may_end = not is_time_out or limit is NOTHING or body.time is None or body.time.event is not None
+        if not may_end and body.time is not None and body.time.duration < limit.duration:
+            return body
         left = self._sequence((self._cut_off(body, limit), handler))
-        if not is_time_out:
-            return one_of([body, left])
-        if limit is NOTHING or body.time is None or body.time.event is not None:
-            return one_of([within(body, limit), left])
-        return (
-            body
-            if body.time.duration < limit.duration
-            else replaced(left, exits=one_of_exits((body.exits, left.exits)))
-        )
+        if not may_end:
+            return replaced(left, exits=one_of_exits((body.exits, left.exits)))
+        return one_of([within(body, limit) if is_time_out else body, left])
 
     def _abandoned(self, body: Part, event: Key, span: Span) -> Part:
         """A body that an event ends: when it likes, at the latest with the next sample that the body waits for."""

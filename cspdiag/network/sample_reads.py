@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from functools import reduce
+from itertools import count, islice
 from typing import TypeAlias
 
 from cspdiag.diagnostics import Span
@@ -16,7 +17,7 @@ from cspdiag.network.gaps import NOTHING, Gap, either, then
 from cspdiag.network.shapes import Key
 
 Book: TypeAlias = tuple[Key, int]
-"""A sampled input, and where the parallel branch begins that reads it: each keeps a book of its own; 0 outside of such."""
+"""A sampled input, and the number of the book that a process keeps of it: parts in sequence share the first, parallel branches that both read have others."""
 
 MANY = 1 << 40
 """More reads than anybody counts: those of a loop inside."""
@@ -164,6 +165,11 @@ def _greatest(gaps: Iterable[Gap | None]) -> Gap | None:
     return reduce(either, gaps, None)
 
 
+def least_time(parts: list[Part]) -> Gap | None:
+    """What passes on any of several ways."""
+    return min((each.time for each in parts if each.time is not None), key=lambda time: time.rank, default=None)
+
+
 def any_way(book: Book, parts: list[Part], span: Span) -> Reads:
     """Reads on one of several ways, nobody knows which: nothing is certain but the least of them, and that a sample which is late is read."""
     ends: list[Gap | None] = []
@@ -175,9 +181,10 @@ def any_way(book: Book, parts: list[Part], span: Span) -> Reads:
     return replaced(unknown_reads(span), before=NOTHING, held=held)
 
 
-def beside(branches: Iterable[tuple[int, Part]]) -> Part:
-    """All at once, each with the place where it begins: it takes as long as any."""
-    parts = [_with_books(each, place) for place, each in branches]
+def beside(branches: Iterable[Part]) -> Part:
+    """All at once: it takes as long as any."""
+    taken: dict[Key, set[int]] = {}
+    parts = [_with_books(each, taken) for each in branches]
     ends = all(each.time is not None for each in parts)
     reads: dict[Book, Reads] = {}
     for position, each in enumerate(parts):
@@ -188,10 +195,21 @@ def beside(branches: Iterable[tuple[int, Part]]) -> Part:
     return part(_greatest(each.time for each in parts) if ends else None, reads, exits)
 
 
-def _with_books(one: Part, place: int) -> Part:
-    """A parallel branch, with books of its own."""
-    reads = {(key, branch or place): found for (key, branch), found in one.reads.items()}
-    return part(one.time, reads, {name: _with_books(found, place) for name, found in one.exits.items()})
+def _with_books(one: Part, taken: dict[Key, set[int]]) -> Part:
+    """A parallel branch with the books that no branch before it has; ``taken`` are these, and then also its own."""
+    inside = {book for each in (one, *one.exits.values()) for book in each.reads}
+    numbers: dict[Book, Book] = {}
+    for key, number in sorted(inside):
+        free = (other for other in count() if other not in taken.get(key, ()))
+        numbers[key, number] = key, next(islice(free, number, None))
+    for key, number in numbers.values():
+        taken.setdefault(key, set()).add(number)
+
+    def renumbered(reads: Mapping[Book, Reads]) -> dict[Book, Reads]:
+        return {numbers[book]: found for book, found in reads.items()}
+
+    exits = {name: part(found.time, renumbered(found.reads)) for name, found in one.exits.items()}
+    return part(one.time, renumbered(one.reads), exits)
 
 
 def _beside(found: Reads, others: Gap | None) -> Reads:

@@ -96,6 +96,7 @@ process Main {{
   communication {{
     var n : int    = 0
     var v : double = 0
+    var w : double = 0
   }}
   composition {{ {composition} }}
 }}
@@ -135,6 +136,10 @@ LOOPS = [
     ("mu (e ? n -> wait 8 ms []> x ? v -> skip)", None),
     ("x ? v ; wait 15 ms ; x ? v ; wait 15 ms ; mu x ? v", "this waits 30 ms and takes 2 samples of `x`"),
     ("x ? v ; wait 15 ms ; x ? v ; wait 3 ms ; mu x ? v", None),
+    ("mu ((x ? v || wait 12 ms) ; x ? v)", None),
+    ("mu ((x ? v ; x ? v) || (x ? w ; wait 2 ms))", "each turn of the loop waits 20 ms for `x`"),
+    ("mu ((wait 2 ms interrupt after 20 ms -> (e ? n ; x ? v)) ; x ? v)", None),
+    ("mu ((skip -> skip [] x ? v -> wait 30 ms) ; x ? v)", None),
 ]
 
 
