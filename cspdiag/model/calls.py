@@ -63,7 +63,7 @@ _ELSEWHERE = {
 }  # fmt: skip
 """What functions are called in other languages, and here."""
 
-_OPERATORS = {"pow": "x ^ y", "power": "x ^ y", "sqr": "x * x", "mod": "x % y", "fmod": "x - y * floor(x / y)"}
+_OPERATORS = {"pow": "x ^ y", "power": "x ^ y", "mod": "x % y", "fmod": "x - y * floor(x / y)"}
 
 
 def _refuse_function(typer: Typer, node: ast.Call, definition: ast.Definition | None) -> None:

@@ -132,8 +132,11 @@ def duration(text: str) -> int:
     """``20s`` or ``1.5 ms`` in nanoseconds; ValueError for anything else."""
     match = re.fullmatch(r"(\d+(?:\.\d*)?|\.\d+)\s*(ns|us|ms|s|min)", text.strip())
     if match is None:
-        raise ValueError(f"{text!r} is not a duration such as 20s or 500ms")
-    return round(float(match[1]) * _UNITS[match[2]])
+        raise ValueError(f"{text!r} is not a duration such as 20s or 500ms (there are {', '.join(_UNITS)})")
+    nanoseconds = float(match[1]) * _UNITS[match[2]]
+    if nanoseconds > 2**63 - 1:
+        raise ValueError(f"{text!r} is longer than 292 years")
+    return round(nanoseconds)
 
 
 class _Parser(argparse.ArgumentParser):
@@ -142,6 +145,14 @@ class _Parser(argparse.ArgumentParser):
         code = _tell(self.format_help().rstrip("\n"), 0, "help")
         if code:
             sys.exit(code)
+
+
+def _limit(text: str) -> int:
+    """A duration, or what is wrong with it in words: argparse keeps those of a ValueError to itself."""
+    try:
+        return duration(text)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
 
 
 def _parser(name: str, environments: Mapping[str, Callable[[], Any]]) -> argparse.ArgumentParser:
@@ -155,7 +166,7 @@ def _parser(name: str, environments: Mapping[str, Callable[[], Any]]) -> argpars
             metavar="NAME",
             help=f"one of {', '.join(environments)} (default: {first})",
         )
-    parser.add_argument("--for", dest="limit", type=duration, metavar="TIME", help="the time limit, such as 20s")
+    parser.add_argument("--for", dest="limit", type=_limit, metavar="TIME", help="the time limit, such as 20s")
     parser.add_argument("--real-time", action="store_true", help="run against the clock, not in virtual time")
     return parser
 
