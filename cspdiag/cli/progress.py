@@ -42,6 +42,14 @@ def is_in_foreground() -> bool:
         return True
 
 
+def _columns() -> int:
+    """Of the terminal: a longer line would go on in the next one, and be written below itself again and again."""
+    try:
+        return os.get_terminal_size(sys.stderr.fileno()).columns or 80
+    except OSError:
+        return 80
+
+
 class Progress:
     """Writes the line to standard error from a thread of its own, so that the run pays nothing for it.
 
@@ -82,7 +90,7 @@ class Progress:
         while not self._ended.wait(self._interval):
             if self._network is None or (self._is_terminal and not is_in_foreground()):
                 continue
-            put(f"\r\x1b[K{self.line()}" if self._is_terminal else f"{self.line()}\n")
+            put(f"\r\x1b[K{self.line()[: _columns() - 1]}" if self._is_terminal else f"{self.line()}\n")
             self.written += 1
 
     def line(self) -> str:

@@ -19,6 +19,7 @@ from pathlib import Path
 
 how, *command = sys.argv[1:]
 signal.signal(signal.SIGTTOU, signal.SIG_IGN)
+termios.tcsetwinsize(0, (24, 20))
 flags = termios.tcgetattr(0)
 flags[3] |= termios.TOSTOP
 termios.tcsetattr(0, termios.TCSANOW, flags)
@@ -61,7 +62,9 @@ def run_on_a_terminal(folder: Path, how: str, *command: str) -> tuple[object, st
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    (tmp_path / "blink.csp").write_text(DRIVEN)
+    # Its branches have names, for the line of progress.
+    text = DRIVEN.replace("mu (n := n + 1", "blinking_for_a_while : mu (n := n + 1")
+    (tmp_path / "blink.csp").write_text(text)
     (tmp_path / "lamp.py").write_text(LAMP)
     return tmp_path
 
@@ -75,6 +78,10 @@ def test_a_run_against_the_clock_is_not_stopped(folder: Path, how: str) -> None:
     assert status == 0, shown
     assert "reached the time limit" in shown
     assert (folder / "closed").exists()
+    lines = [line.partition("\r")[0] for line in shown.split("\x1b[K")[1:-1]]
+    assert all(len(line) < 20 for line in lines), (
+        "a line that is too long for the terminal would stand there again and again"
+    )
     assert ("\x1b[K" in shown) == (how == "Ctrl-Z"), "progress belongs to who is in the foreground"
 
 
