@@ -75,7 +75,8 @@ def _prepared(
         ports = ", ".join(program.ports)
         sys.exit(_say(f"{name} has no environment; build its network with drivers for {ports}", WRONG_USAGE))
     environment = _attempt(name, program.environments[given.environment]) if program.environments else None
-    return given, environment, program.build(environment.drivers if environment is not None else {})
+    drivers = environment.drivers if environment is not None else {}
+    return given, environment, _attempt(name, lambda: program.build(drivers))
 
 
 def _attempt(name: str, make: Callable[[], T]) -> T:

@@ -79,7 +79,7 @@ class Stopping:
     def __enter__(self) -> Stopping:
         self._entered += 1
         if self._entered == 1:
-            self.call = None
+            self.call = self._over = None
             self._raises = self._held = self._heard = False
         self.install()
         return self
@@ -248,7 +248,7 @@ class Stopping:
     def end_by_force(self, hanging: Exception, errors: Sequence[Exception]) -> None:
         """The main thread does not come back from what hangs; the outputs have been released from another one, which calls this.
 
-        A command ends, and so does a process that a signal should have ended. Where a driver hangs, an output may not be safe.
+        A command ends, and so does a process that a signal should have ended, or comes to. Where a driver hangs, an output may not be safe.
         """
         lines = [f"stopped by {name_of_signal(self.signal)}"] if self.signal else []
         lines += [described(error) for error in (hanging, *errors)]
@@ -259,6 +259,7 @@ class Stopping:
         if self.say is not None or self.signal:
             is_fine = self.signal and isinstance(hanging, HangError) and not errors
             os._exit(exit_code_of(self.signal) if is_fine else 1)
+        self._over = float("-inf")
 
     def _write_out(self, lines: Sequence[str]) -> None:
         for line in lines:

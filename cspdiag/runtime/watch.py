@@ -102,10 +102,16 @@ class Watch:
             present = stopping.call
             hanging = self._hanging_call(present) if isinstance(present, _Present) else self._hanging_step()
             if hanging is None and stopping.waited > 2 * PATIENCE and not self.releasing:
-                hanging = self._hang(f"within {2 * PATIENCE:g} s after {name_of_signal(stopping.signal)}")
+                hanging = self._outlives_signal(present)
             if hanging is not None:
                 self._stuck(hanging)
                 return
+
+    def _outlives_signal(self, present: object) -> Exception:
+        """What is said of a run that goes on after a signal: where it is, in a driver or in a process."""
+        if isinstance(present, _Present) and self._is_overdue(present):
+            return present.call.hangs().error
+        return self._hang(f"within {2 * PATIENCE:g} s after {name_of_signal(stopping.signal)}")
 
     def _hanging_call(self, present: _Present) -> Exception | None:
         """Ends a call that takes too long; what is said of one that cannot be ended."""

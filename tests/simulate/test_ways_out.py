@@ -56,6 +56,7 @@ TRIED = [
     ("a read ends a generator", "package -O0", "real time", False),
     ("a read raises without a text", "package -O0", "real time", True),
     ("a write raises without a text", "package -O1", "virtual time", False),
+    ("a constructor exits", "package -O1", "virtual time", False),
     ("a body interrupts", "package -O1", "virtual time", False),
     ("a body ends a generator", "package -O0", "real time", False),
     ("a body raises without a text", "package -O0", "virtual time", False),

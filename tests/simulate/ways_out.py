@@ -75,6 +75,8 @@ class Mute(Exception):
 class Law:
     def __init__(self):
         self.steps = 0
+        if os.environ["FAULT"] == "constructor exits":
+            raise SystemExit(0)
 
     def calculate(self, *, x):
         self.steps += 1
@@ -304,6 +306,7 @@ WAYS = (
     WayOut("a huge number", 1, "driver Card failed to read at port Main.level: OverflowError: int too large", "huge"),
     WayOut("NaN", 1, "Fault: nan is written to Main.valve", "NaN"),
     WayOut("a body raises", 1, "RuntimeError: no such row", "body raises"),
+    WayOut("a constructor exits", 1, "SystemExit: 0", "constructor exits", opened=()),
     WayOut("a body exits", 1, "SystemExit: 0, in Main.law (main.csp:11)", "body exits"),
     WayOut("a body interrupts", 1, "KeyboardInterrupt, in Main.law (main.csp:11)", "body interrupts"),
     WayOut("a body ends a generator", 1, "GeneratorExit, in ", "body ends a generator"),
