@@ -135,19 +135,33 @@ def _reads_time(expression: Expression) -> bool:
 def _alive(
     draft: Draft, constants: tuple[SubmodelEquation, ...], equations: tuple[Item, ...], outputs: set[str]
 ) -> set[str]:
-    """Signals that the outputs and states need, and those of the submodel itself (without a dot in their names)."""
+    """Signals that the outputs and states need, and those of the submodel itself (without a dot in their names) that cannot fault.
+
+    What nothing needs is not computed, or may as well not be.
+    """
     alive = set(outputs)
     for expression in (*draft.next_values.values(), *draft.derivatives.values()):
         alive.update(signals_read(expression))
     for state in draft.states.values():
         alive.update(signals_read(state.initial))
+    sound = _sound(draft, (*constants, *equations))
     for item in reversed((*constants, *equations)):
         names = provides(item)
-        own = draft.kept if draft.closed else {name for name in names if "." not in name}
+        own = draft.kept if draft.closed else {name for name in names if "." not in name and name in sound}
         if not alive.isdisjoint(names) or not own.isdisjoint(names):
             alive.update(names)
             alive.update(reads(item))
     return alive
+
+
+def _sound(draft: Draft, items: tuple[Item, ...]) -> set[str]:
+    """The signals that can be computed, with everything that they need, without a fault."""
+    faulty: set[str] = set()
+    for item in items:
+        values = [item.value] if isinstance(item, SubmodelEquation) else [value for _, value in item.inputs]
+        if not faulty.isdisjoint(reads(item)) or any(_faults(draft, value) for value in values):
+            faulty.update(provides(item))
+    return {name for item in items for name in provides(item)} - faulty
 
 
 def _while_integrating(draft: Draft, equations: tuple[Item, ...]) -> tuple[SubmodelEquation, ...]:

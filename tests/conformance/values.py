@@ -145,7 +145,9 @@ def _power(base: Any, exponent: Any) -> Any:
     if isinstance(base, int):
         if exponent < 0:
             raise RaisedFaultError("negative power of a whole number")
-        return base**exponent
+        if abs(base) > 1 and exponent > 63:
+            raise RaisedFaultError("a power beyond 64 bits")
+        return int(base ** min(exponent, 64 + exponent % 2))
     try:
         return math.pow(base, exponent)
     except OverflowError:

@@ -14,9 +14,11 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from tests.conformance.random.compare import LEAST, NATIVE, communications, difference, smallest
+from tests.conformance.random.known import known
 from tests.conformance.random.meetings import meetings
 
 PYTHON = ("specification", "python-O1")
+GENERATORS = {"meetings": meetings, "known": known}
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -25,7 +27,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     until = time.monotonic() + options.seconds if options.seconds else None
     seed, looked, found = options.first, 0, 0
     while looked < options.count and (until is None or time.monotonic() < until):
-        program, seed = meetings(seed), seed + 1
+        program, seed = GENERATORS[options.programs](seed), seed + 1
         made = communications(str(program))
         if made is None or made < LEAST:
             continue
@@ -50,6 +52,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="python -m tests.conformance.random", description=__doc__)
     parser.add_argument("--count", type=int, default=5000, help="so many programs")
+    parser.add_argument(
+        "--programs",
+        choices=sorted(GENERATORS),
+        default="meetings",
+        help="that communicate often, or compute with what is known beforehand",
+    )
     parser.add_argument("--first", type=int, default=0, metavar="SEED")
     parser.add_argument("--seconds", type=float, default=None, help="stop after so many")
     parser.add_argument("--shrink", type=float, default=60.0, help="seconds to make a program smaller that differs")
