@@ -91,11 +91,12 @@ def whereabouts(thread: int) -> str:
     frame = sys._current_frames().get(thread)
     process = place = by_hand = ""
     while frame is not None and not (process and place):
+        executed = _executed_by(frame)
         if not is_of_runtime(frame):
-            place = place or source_line(frame.f_code, frame.f_lineno) or ""
+            place = place or source_line(frame.f_code, frame.f_lineno) or (executed and executed.source) or ""
             if not place and not by_hand and not _is_of_library(frame):
                 by_hand = f"{os.path.basename(frame.f_code.co_filename)}:{frame.f_lineno} in {frame.f_code.co_name}"
-        process = process or _process_of(frame)
+        process = process or (executed.name if executed is not None else "")
         frame = frame.f_back
     shown = f"{process} ({place})" if process and place else process or place
     return f"{shown}, at {by_hand}" if shown and by_hand else shown or by_hand
@@ -103,12 +104,12 @@ def whereabouts(thread: int) -> str:
 
 def _is_of_library(frame: FrameType) -> bool:
     file = frame.f_code.co_filename
-    return file.startswith((_LIBRARY, "<frozen")) or "site-packages" in file
+    return file.startswith((_LIBRARY, "<frozen", "<string>")) or "site-packages" in file
 
 
-def _process_of(frame: FrameType) -> str:
+def _executed_by(frame: FrameType) -> Process | Part | None:
     from .process import Process
     from .routine import Part
 
     executed = frame.f_locals.get("self")
-    return executed.name if isinstance(executed, Process | Part) else ""
+    return executed if isinstance(executed, Process | Part) else None

@@ -61,7 +61,7 @@ TRIED = [
     ("a body ends a generator", "package -O0", "real time", False),
     ("a body raises without a text", "package -O0", "virtual time", False),
     ("a body hangs for good", "package -O1", "real time", True),
-    ("a program spins", "package -O0", "real time", False),
+    ("a program spins", "package -O1", "real time", False),
 ]
 """A selection of all combinations, in which each way out and each way to start occurs."""
 
