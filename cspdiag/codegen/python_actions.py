@@ -362,7 +362,7 @@ class Composition:
         code = self.printer.print(expression)
         if branch.condition is None or not _MAY_FAULT.search(code.flat):
             return code
-        return Conditional(code, at_least(self.printer.print(branch.condition), OR), Atom(otherwise))
+        return Conditional(at_least(code, OR), at_least(self.printer.print(branch.condition), OR), Atom(otherwise))
 
     def _condition(self, branch: Branch) -> Code:
         return Atom("True") if branch.condition is None else self.printer.print(branch.condition)

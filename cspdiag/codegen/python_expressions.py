@@ -50,7 +50,7 @@ from cspdiag.network.expressions import (
     Value,
     VariableValue,
 )
-from cspdiag.network.faults import index_fits
+from cspdiag.network.faults import index_fits, may_fault
 from cspdiag.network.ranges import needs_check
 
 _PRECEDENCE = {
@@ -209,7 +209,9 @@ def _literal_value(expression: Expression) -> Value | None:
     match expression:
         case LiteralValue(value=value, name=None):
             return value
-        case UnaryOperation(operator="-", operand=LiteralValue(value=int(value) | float(value), name=None)):
+        case UnaryOperation(operator="-", operand=LiteralValue(value=int(value) | float(value), name=None)) if (
+            not may_fault(expression)
+        ):
             return -value
     return None
 

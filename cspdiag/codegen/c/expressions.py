@@ -359,7 +359,9 @@ def _literal_value(expression: Expression) -> Value | None:
     match expression:
         case LiteralValue(value=bool(value) | int(value) | float(value)):
             return value
-        case UnaryOperation(operator="-", operand=LiteralValue(value=int(value) | float(value))):
+        case UnaryOperation(operator="-", operand=LiteralValue(value=int(value) | float(value))) if not may_fault(
+            expression
+        ):
             return -value
     return None
 
