@@ -30,14 +30,14 @@ def _none(graph: Graph) -> Answer:
 
 def deadlock_free(graph: Graph) -> Answer:
     for index, st in enumerate(graph.states):
-        found = stuck(graph.linked, st)
+        found = stuck(graph.linked, st, runs_on=True)
         if found:
             names = ", ".join(".".join(str(branch) for _, branch in tid) or "root" for tid in found)
             return _found(graph, index, f"{names} wait for ever at {st.now} ns")
         if st.ended is None and not graph.machine.candidates(st) and not graph.machine.more_comes(st):
             return _found(graph, index, f"nothing happens any more from {st.now} ns on")
     answer = _none(graph)
-    if answer.holds and any(_for_ever(graph)):
+    if answer.holds and (any(_for_ever(graph)) or any(stuck(graph.linked, st) for st in graph.states)):
         answer.holds, answer.why = None, "somebody waits for ever for a partner that goes on"
     return answer
 

@@ -35,14 +35,26 @@ def future(linked: Linked, thread: Thread) -> tuple[frozenset[End], bool]:
     return ends, raises
 
 
-def stuck(linked: Linked, st: State) -> dict[Tid, Thread]:
+def _whole(linked: Linked, thread: Thread) -> frozenset[End]:
+    """Every end that a thread uses anywhere, also where it never comes again."""
+    if not thread.tid:
+        return linked.root.uses
+    number, branch = thread.tid[-1]
+    return linked.nodes[number].inner[branch].uses
+
+
+def stuck(linked: Linked, st: State, *, runs_on: bool = False) -> dict[Tid, Thread]:
     """The threads that never go on, in the state that was reached; without those that only wait at `stop`.
+
+    `runs_on`: one that waits for a partner which runs on, but never again comes to what is waited for, is in no knot.
 
     Nothing is said of those that halt at `stop` and for which nobody waits but their parents. An exception that another process may raise is a way out; a missed sample and a fault are none.
     """
     if st.ended is not None:
         return {}
     after = {tid: future(linked, thread) for tid, thread in st.threads.items()}
+    if runs_on:
+        after = {tid: (ends | _whole(linked, st.threads[tid]), raises) for tid, (ends, raises) in after.items()}
     found = {
         tid
         for tid, thread in st.threads.items()

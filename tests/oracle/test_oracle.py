@@ -155,6 +155,11 @@ def test_a_partner_that_waits_for_time_comes_back() -> None:
     assert decide(program(Par((device, panel, beside))), "deadlock free").holds is True
 
 
+def test_who_waits_for_a_partner_that_runs_on_elsewhere_is_in_no_knot() -> None:
+    body = Par((Seq((write("c", 1), Mu(Wait(MS)))), Seq((read("c"), read("c")))))
+    assert decide(program(body), "deadlock free").holds is None
+
+
 def test_who_stops_and_is_waited_for_by_nobody_is_no_knot() -> None:
     assert decide(program(Par((Stop(), Mu(Wait(MS))))), "deadlock free").holds is True
 
