@@ -84,12 +84,12 @@ def operation_may_fault(part: Expression) -> bool:
 
 
 def divisor_may_be_zero(operation: BinaryOperation) -> bool:
-    """Whether the right operand of a division, or of ``%``, can be zero."""
+    """Whether the right operand of a division, or of ``%``, can be zero: also one that has faulted, which in C goes on with any value."""
     divisor = operation.right
     if isinstance(divisor.type, RealType):
         return not (isinstance(divisor, LiteralValue) and divisor.value != 0)
     low, high = value_range(divisor)
-    return low <= 0 <= high
+    return low <= 0 <= high or may_fault(divisor)
 
 
 def conversion_fits(conversion: Conversion) -> bool:
@@ -109,8 +109,8 @@ def index_fits(element: ElementValue) -> bool:
 
 
 def is_index_of(index: Expression, array: Type) -> bool:
-    """Whether every value of an index belongs to an element of an array of a type."""
-    if not isinstance(array, ArrayType) or array.size is None:
+    """Whether every value of an index belongs to an element of an array of a type; not if the index can fault, as in C it then has any value."""
+    if not isinstance(array, ArrayType) or array.size is None or may_fault(index):
         return False
     low, high = value_range(index)
     return low >= 0 and high < array.size
