@@ -205,7 +205,7 @@ class Printer:
         if operator == "^":
             return self._narrow(expression, call("csp_power", left, right))
         by_zero = operator in "/%" and divisor_may_be_zero(expression)
-        if _is_word(expression.type) and (by_zero or needs_check(expression)):
+        if _is_word(expression.type) and (by_zero or needs_check(expression) or _traps(expression)):
             return call(_CHECKED[operator], left, right)
         if by_zero:
             return self._narrow(expression, call(_CHECKED[operator], left, right))
@@ -388,6 +388,12 @@ def _known_result(expression: Expression) -> int | None:
         case _:
             return None
     return value if expression.type.minimum <= value <= expression.type.maximum else None
+
+
+def _traps(expression: BinaryOperation) -> bool:
+    """Whether an operation that has a value may be one that C leaves undefined: the remainder of the least whole number and -1."""
+    low, high = value_range(expression.right)
+    return expression.operator == "%" and low <= -1 <= high and value_range(expression.left)[0] == IntType().minimum
 
 
 def _is_lvalue(expression: Expression) -> bool:
