@@ -163,7 +163,7 @@ async def _awaited(body: Awaitable[T]) -> T:
 
 def task_for(body: Body, join: Join, parent: Task | None) -> Task:
     """What executes ``body``."""
-    if not _is_method(body) and (isinstance(body, Routine | partial) or isfunction(body)):
+    if isfunction(body) or isinstance(body, Routine) or (isinstance(body, partial) and not _is_method(body)):
         return routine_task(body, join, parent)
     return Task(_begun(body), join, parent)
 
