@@ -6,7 +6,7 @@ parallel without loops are work of the thread that starts them, one after anothe
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -22,7 +22,8 @@ WaitKind = Literal["sample", "event", "delay", "partner", "join"]
 class Offer:
     """What a waiting thread goes on with.
 
-    ``channel`` is the path of the net; ``period`` that of a sampled input, or the shortest duration of a delay; ``key`` tells apart who keeps books of the
+    ``channel`` is the path of the net; ``period`` that of a sampled input, or how long a delay lasts, 0 where it is computed, and ``takes_time`` if that is
+    longer than zero; ``key`` tells apart who keeps books of the
     samples of an input, and without ``takes`` a sample is only looked for; ``writes`` tells the side of a rendezvous;
     ``is_certain`` unless it is there only where a condition holds, or abandons what waits. ``opens`` are the inputs, with their periods, that branches which
     are abandoned may have followed.
@@ -35,6 +36,7 @@ class Offer:
     period: int = 0
     key: Key = ("", "", 0)
     takes: bool = True
+    takes_time: bool = False
     writes: bool = False
     is_certain: bool = True
     opens: frozenset[tuple[Key, int]] = frozenset()
@@ -110,6 +112,17 @@ class Place:
         return min(known, default=None)
 
 
+@dataclass(frozen=True, slots=True)
+class Circle:
+    """A loop of a thread: each round begins anew at the place ``again`` and passes others from there on, up to ``end``.
+    ``ends`` says whether it surely comes to its end if nothing in it waits for ever.
+    """
+
+    again: int
+    end: int
+    ends: Callable[[], bool]
+
+
 @dataclass(slots=True)
 class Thread:
     """A sequential part of the program. ``forks`` are the groups of threads that it starts and waits for, each at the place in ``joins``.
@@ -123,6 +136,7 @@ class Thread:
     entry: int = 0
     forks: list[list[Thread]] = field(default_factory=list)
     joins: list[int] = field(default_factory=list)
+    circles: list[Circle] = field(default_factory=list)
     shared: frozenset[tuple[str, int]] = frozenset()
     begins_at_once: bool = False
     is_outermost: bool = False

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import Any
 
+from cspdiag.analyses.timing.counting import Counting, Values, without
 from cspdiag.analyses.timing.ends import Ends
 from cspdiag.analyses.timing.flow import Missing, Move, Offer, Place, Thread
 from cspdiag.analyses.timing.result import Refusal
-from cspdiag.network.actions import Branch, PortEnd, Step
+from cspdiag.network.actions import Action, Branch, Event, PortEnd, Step
 from cspdiag.network.expressions import Expression, VariableValue
 from cspdiag.network.ir import Connection, Declared, Network, ProcessClass, SubmodelClass
 from cspdiag.network.walk import parts
@@ -17,7 +19,10 @@ from cspdiag.network.walk import parts
 
 @dataclass(frozen=True)
 class Context:
-    """Where an action stands: its thread and process, what ends it early, and the stated time that replaces those inside."""
+    """Where an action stands: its thread and process, what ends it early, and the stated time that replaces those inside.
+
+    ``before`` gives what is known of the variables of the process when the action begins; ``is_first`` where it begins but once.
+    """
 
     thread: Thread
     path: str
@@ -25,6 +30,12 @@ class Context:
     handlers: tuple[tuple[str, int], ...] = ()
     interrupts: tuple[Offer, ...] = ()
     stated: int | None = None
+    before: Callable[[], Values] = dict
+    is_first: bool = False
+
+    def changed(self, *by: Action | Event) -> Context:
+        """After something may have been done in part."""
+        return replace(self, before=cache(lambda: without(self.before(), *by)))
 
 
 class Places:
@@ -38,6 +49,7 @@ class Places:
         self.classes = {entry.name: entry for entry in network.classes}
         self.instances = {instance.path: instance for instance in network.instances}
         self.ends = Ends(network)
+        self.counting = Counting(self.ends)
         self.missing: dict[str, Missing] = {}
         self.unseen: list[Refusal] = []
 

@@ -1,19 +1,20 @@
-"""Threads that may go on with each other for ever while no time passes, so that nothing less urgent ever runs."""
+"""Threads that may go on for ever while no time passes, with each other or each by itself, so that nothing else ever runs."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from cspdiag.analyses.timing.flow import Offer, Place, Thread
+from cspdiag.analyses.timing.flow import Circle, Offer, Place, Thread
 from cspdiag.analyses.timing.paths import End
 from cspdiag.analyses.timing.result import Refusal
 from cspdiag.model.graphs import components
 
 
 class Spinning:
-    """Looks for sets of threads each of which goes round with communications of the set alone.
+    """Looks for sets of threads each of which goes round with communications of the set alone, and for loops that only compute.
 
-    From all that may go round at all, those are left out whose partners do not; what is left in the end may spin.
+    From all that may go round at all, those are left out whose partners do not; what is left in the end may spin. A loop of computing spins
+    unless it is known to come to its end.
     """
 
     def __init__(self, threads: Sequence[Thread]) -> None:
@@ -22,7 +23,7 @@ class Spinning:
         self._timed: dict[int, bool] = {}
 
     def refusals(self) -> list[Refusal]:
-        """One for each channel on which some threads may communicate without end."""
+        """One for each channel on which some threads may communicate without end, and for each loop that may compute without end."""
         supplied: dict[End, set[int]] | None = None
         while True:
             rounds = {k: list(self._rounds(k, supplied)) for k in range(len(self._threads))}
@@ -42,7 +43,29 @@ class Spinning:
                     reason = f"what communicates on `{name}` may go on for ever while no time passes, so that nothing else runs"
                     advice = "let a round of it wait for a sample, an event or a time"
                     spinning.setdefault(offer.channel, Refusal(place.path, reason, place.span, advice))
-        return list(spinning.values())
+        return [*spinning.values(), *self._endless(supplied)]
+
+    def _endless(self, supplied: dict[End, set[int]]) -> Iterator[Refusal]:
+        """The loops that may go round for ever without waiting or communicating."""
+        for number, thread in enumerate(self._threads):
+            for circle in thread.circles:
+                if self._goes_round_silently(number, circle, supplied) and not circle.ends():
+                    place = thread.places[circle.again]
+                    reason = "this loop may compute for ever while no time passes, so that nothing else runs: nothing shows that it ends"
+                    advice = "let a round of it wait for a sample, an event or a time, or count its rounds up to a constant bound"
+                    yield Refusal(place.path, reason, place.span, advice)
+
+    def _goes_round_silently(self, number: int, circle: Circle, supplied: dict[End, set[int]]) -> bool:
+        """Whether a round of a loop may go by without waiting or communicating."""
+        reached, pending = {circle.again}, [circle.again]
+        while pending:
+            for target, offer in self._at_once(number, pending.pop(), supplied):
+                if target == circle.again and offer is None:
+                    return True
+                if offer is None and circle.again < target < circle.end and target not in reached:
+                    reached.add(target)
+                    pending.append(target)
+        return False
 
     def _rounds(self, number: int, supplied: dict[End, set[int]] | None) -> Iterator[tuple[Place, list[Offer]]]:
         """The places of a thread at which it communicates on a way back that takes no time."""
@@ -70,7 +93,7 @@ class Spinning:
             elif offer.kind == "join":
                 if not self._takes_time(number, at):
                     found.append((offer.target, None))
-            elif offer.kind == "delay" and not offer.period:
+            elif offer.kind == "delay" and not (offer.period or offer.takes_time):
                 found.append((offer.target, None))
         return found
 

@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import cache, partial
 from typing import assert_never
 
+from cspdiag.analyses.timing.counting import Loop
 from cspdiag.analyses.timing.ends import never_waits
-from cspdiag.analyses.timing.flow import Move, Offer, Thread
+from cspdiag.analyses.timing.flow import Circle, Move, Offer, Thread
 from cspdiag.analyses.timing.looping import Looping
 from cspdiag.analyses.timing.places import Context, Places, variables_in
 from cspdiag.analyses.timing.result import Refusal
@@ -53,9 +55,10 @@ class Threads(Places):
     def __init__(self, network: Network, measured: Mapping[str, int]) -> None:
         super().__init__(network, measured)
         self._looping = Looping(network)
+        self._runs: dict[str, Counter[str]] = {}
         self.root = Thread(network.top, (), is_outermost=True)
         entry = self.classes[self.instances[network.top].class_name]
-        context = Context(self.root, network.top, ())
+        context = Context(self.root, network.top, (), is_first=True)
         end = self.place(context, entry)
         self.root.entry = self._process(network.top, context, end)
         self._relate(list(self.root.with_forks()))
@@ -76,7 +79,8 @@ class Threads(Places):
     def _process(self, path: str, context: Context, following: int) -> int:
         entry = self.classes[self.instances[path].class_name]
         assert isinstance(entry, ProcessClass)
-        inner = replace(context, path=path)
+        initial = cache(lambda: self.counting.initial(path, entry) if context.is_first else {})
+        inner = replace(context, path=path, before=initial)
         if entry.external is not None:
             return self._written_by_hand(path, entry, inner, following)
         if entry.body is None:
@@ -187,8 +191,10 @@ class Threads(Places):
                 handler = self.handler(context, action.exception)
                 return self.place(context, action, raises=True) if handler is None else handler
             case SequentialSteps():
-                for step in reversed(action.steps):
-                    following = self._action(step, context, following)
+                found = cache(lambda: self.counting.before_each(context.path, action.steps, context.before()))
+                for k, step in reversed(list(enumerate(action.steps))):
+                    before = partial(lambda k: found()[k], k)
+                    following = self._action(step, replace(context, before=before), following)
                 return following
             case ParallelSteps():
                 return self._parallel(action, context, following)
@@ -205,7 +211,7 @@ class Threads(Places):
                 context.thread.places[decides].successors = [*sides, *self.faults(context)]
                 return decides
             case CatchException():
-                handler = self._action(action.handler, context, following)
+                handler = self._action(action.handler, context.changed(action.body), following)
                 inner = replace(context, handlers=(*context.handlers, (action.exception, handler)))
                 begun = self._action(action.body, inner, following)
                 if action.exception != "Fault":
@@ -214,10 +220,11 @@ class Threads(Places):
             case InterruptOn():
                 if not self.may_hold(action.branch, context):
                     return self._action(action.body, context, following)
-                offers = self._guard(action.branch, context, following)
+                outside = context.changed(action.body)
+                offers = self._guard(action.branch, outside, following)
                 if not offers:
                     # A guard that never waits abandons the body wherever that would wait first.
-                    offers = [Offer("delay", self._guarded(action.branch, context, following), action.span)]
+                    offers = [Offer("delay", self._guarded(action.branch, outside, following), action.span)]
                 offers = [replace(offer, is_certain=False) for offer in offers]
                 inner = replace(context, interrupts=(*context.interrupts, *offers))
                 return self._action(action.body, inner, following)
@@ -232,15 +239,27 @@ class Threads(Places):
         path = f"{context.path}.{action.instance}"
         entry = self.classes[self.instances[path].class_name]
         if isinstance(entry, ProcessClass):
-            return self._process(path, context, following)
+            return self._process(path, self._begun_by(action, context), following)
         owner = self.classes[self.instances[context.path].class_name]
         assert isinstance(owner, ProcessClass)
         declared = next(instance for instance in owner.instances if instance.name == action.instance)
         return self._law(path, entry, declared.connections, context, following, action)
 
+    def _begun_by(self, action: RunInstance, context: Context) -> Context:
+        """Where a process begins: with its initial values only if nothing else of its owner runs it, too."""
+        owner = self.instances[context.path].class_name
+        if owner not in self._runs:
+            self._runs[owner] = Counter(
+                part.instance for part in parts(self.classes[owner]) if isinstance(part, RunInstance)
+            )
+        return context if self._runs[owner][action.instance] == 1 else replace(context, is_first=False)
+
     def _loop(self, action: Repeat | WhileLoop, context: Context, following: int) -> int:
         again = self.place(context, action)
-        body = self._action(action.body, context, again)
+        circles = replace(context.changed(action.body), is_first=False)
+        body = self._action(action.body, circles, again)
+        ends = cache(partial(self.counting.ends, Loop(context.path, action, context.before)))
+        context.thread.circles.append(Circle(again, len(context.thread.places), ends))
         after = [body, *self.faults(context)]
         if isinstance(action, WhileLoop):
             goes_on = self.ends.constant(context.path, action.condition)
@@ -271,7 +290,7 @@ class Threads(Places):
 
     def _guarded(self, branch: Branch, context: Context, following: int) -> int:
         """What comes after a guard, with what the guard itself hands on."""
-        body = self._action(branch.body, context, following)
+        body = self._action(branch.body, context.changed(branch.event), following)
         match branch.event:
             case InputEvent():
                 return self._copied(context, branch.event, body)
@@ -342,7 +361,9 @@ class Threads(Places):
         started: list[Thread] = []
         for step, rank in zip(action.steps, ranks, strict=True):
             thread = Thread(self._named(step, context.path), rank)
-            inner = Context(thread, context.path, rank, stated=context.stated)
+            inner = Context(
+                thread, context.path, rank, stated=context.stated, before=context.before, is_first=context.is_first
+            )
             thread.entry = self._action(step, inner, self.place(inner, step))
             started.append(thread)
         context.thread.forks.append(started)

@@ -6,7 +6,10 @@ Computing takes nothing, the longest time that is stated, or something in betwee
 from __future__ import annotations
 
 import random
-from collections.abc import Callable
+import signal
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from types import FrameType
 from typing import Any
 
 import cspdiag.runtime.network
@@ -21,8 +24,15 @@ from tests.analyses.timing.processor import Processor, read, wcets
 HORIZON = 150_000_000
 
 
+STANDS_STILL = "time stands still"
+
+
 class HungError(Exception):
     """Time stands still."""
+
+
+class _StandsStillError(BaseException):
+    """The same, which nothing in a program catches."""
 
 
 def build(text: str) -> Network | None:
@@ -30,8 +40,8 @@ def build(text: str) -> Network | None:
     return pipeline.build(SourceFile("main.csp", text), read).network
 
 
-def missed(network: Network, seed: int, *, runs: int = 4, until: int = HORIZON) -> str:
-    """What went wrong in some runs of a program, empty where every sample was taken in time."""
+def missed(network: Network, seed: int, *, runs: int = 4, until: int = HORIZON, patience: float = 20) -> str:
+    """What went wrong in some runs of a program, empty where every sample was taken in time. Runs that take more seconds than ``patience`` stand still."""
     stated = wcets(network)
     files = pipeline.generate(network, read)
     source = random.Random(seed)
@@ -41,11 +51,35 @@ def missed(network: Network, seed: int, *, runs: int = 4, until: int = HORIZON) 
         lambda path: source.choice([0, stated[path], source.randint(0, stated[path])]),
         lambda path: source.choice([0, 1, stated[path]]),
     ]
-    for k, times in enumerate(ways[:runs]):
-        said = _run(network, files, times, source.randint(1, 65000) if k >= 2 else None, until)
-        if said:
-            return f"run {k}: {said}"
+    with _alarm(patience) as rung:
+        try:
+            for k, times in enumerate(ways[:runs]):
+                said = _run(network, files, times, source.randint(1, 65000) if k >= 2 else None, until)
+                if rung:
+                    return STANDS_STILL
+                if said:
+                    return f"run {k}: {said}"
+        except _StandsStillError:
+            return STANDS_STILL
     return ""
+
+
+@contextmanager
+def _alarm(seconds: float) -> Iterator[list[int]]:
+    """Gives a list that is no longer empty once it has rung: a run that is ended by it may come to its end as if it had failed."""
+    rung: list[int] = []
+
+    def ring(number: int, frame: FrameType | None) -> None:
+        rung.append(number)
+        raise _StandsStillError
+
+    before = signal.signal(signal.SIGALRM, ring)
+    signal.setitimer(signal.ITIMER_REAL, seconds)
+    try:
+        yield rung
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
 
 
 def _run(network: Network, files: Any, times: Callable[[str], int], reseed: int | None, until: int) -> str:

@@ -106,9 +106,11 @@ class Shapes:
         if depth == 0:
             return self._law(unit, None)
         below = depth - 1
-        match self.source.randint(0, 10):
+        match self.source.randint(0, 11):
             case 0 | 1:
                 return self._law(unit, None)
+            case 11:
+                return self._counting(unit)
             case 2:
                 return f"({self._work(unit, period, below)} ; {self._work(unit, period, below)})"
             case 3:
@@ -129,6 +131,45 @@ class Shapes:
             case _:
                 return "skip"
 
+    def _count(self, unit: Unit) -> str:
+        name = self._name("i")
+        unit.declared.append(f"var {name} : int = {self.source.choice([0, 0, 1, 5])}")
+        return name
+
+    def _counting(self, unit: Unit) -> str:
+        """A loop of computing that ends."""
+        i, k = self._count(unit), self.source.randint(1, 6)
+        forms = [
+            f"({i} := 0 ; mu {i} := {i} + 1 until {i} > {k})",
+            f"({i} := 0 ; mu {i} := {i} + 1 until {i} == {k})",
+            f"({i} := {k} ; while {i} > 0 do {i} := {i} - 1)",
+            f"(while {i} < {k} do (if {self._condition(unit)} then {i} := {i} + 2 else {i} := {i} + 1))",
+            f"(mu {i} := {i} + 1 until {i} >= {k} or {self._condition(unit)})",
+            f"({i} := 1 ; while {i} < {10 * k} and not ({i} == {k}) do {i} := 2 * {i})",
+        ]
+        return self.source.choice(forms)
+
+    def _computing(self, unit: Unit) -> str:
+        """A loop of computing, of which nobody knows whether it ends."""
+        i, j, k = self._count(unit), self._count(unit), self.source.randint(1, 6)
+        add, other = self.source.choice("+-"), self.source.choice("+-")
+        steps = [
+            f"{i} := 1 - {i}",
+            f"{i} := {i} {add} {self.source.randint(0, 2)}",
+            f"(if {self._condition(unit)} then {i} := {i} {add} 1 else {i} := {i} {other} 1)",
+            f"({i} := {i} {add} 1 ; {j} := {j} {other} 1)",
+            f"(({i} := {i} {add} 1 ; (if {self._condition(unit)} then raise Oops)) catch Oops -> {i} := {i} {other} 1)",
+            f"({i} := {i} {add} 1 catch Fault -> {j} := 0)",
+            f"(mu {i} := {i} {add} 1 until {i} > {k} or {j} > 2)",
+        ]
+        step = self.source.choice(steps)
+        compared = self.source.choice([">", "<", ">=", "<=", "==", "!="])
+        bound = self.source.choice([str(k), j, f"{j} + {k}"])
+        first = self.source.choice(["", f"{i} := 0 ; ", f"{j} := {k} ; "])
+        if self.source.random() < 0.3:
+            return f"({first}while {i} {compared} {bound} do {step})"
+        return f"({first}mu {step} until {i} {compared} {bound})"
+
     def channels_of(self, unit: Unit) -> str:
         """A communication of the unit, where there is one."""
         ends = [f"{c} ! {self._variable(unit)}" for c in unit.writes] + [
@@ -139,9 +180,11 @@ class Shapes:
     def _harm(self, unit: Unit, period: int, depth: int) -> str:
         """Something that may well keep a unit from its next sample."""
         below = max(0, depth - 1)
-        match self.source.randint(0, 9):
+        match self.source.randint(0, 10):
             case 0:
                 return f"wait {self.source.choice(LENGTHS)}"
+            case 10:
+                return self._computing(unit)
             case 1:
                 return f"({self._port(unit, None)} ? {self._variable(unit)})"
             case 2:
@@ -225,6 +268,8 @@ class Shapes:
         parts = []
         if self.source.random() < 0.2:
             parts.append(self._before(unit, period))
+        if self.source.random() < 0.1:
+            parts.append(self._counting(unit) if self.source.random() < 0.5 else self._computing(unit))
         for _ in range(self.source.choice([0, 0, 0, 1, 1, 2])):
             parts.append(self._mode(unit, period, depth))
             if self._wild():

@@ -6,7 +6,7 @@ import re
 
 import pytest
 
-from tests.analyses.timing.judge import missed
+from tests.analyses.timing.judge import STANDS_STILL, missed
 from tests.analyses.timing.programs import network_of, report_of
 
 WHOLE = """
@@ -176,6 +176,105 @@ def test_a_pair_that_spins_above_a_loop() -> None:
     assert report.reason.endswith(
         "what communicates on `s` may go on for ever while no time passes, so that nothing else runs"
     )
+
+
+COUNTS = "var i : int = 0  var j : int = 5  var on : bool = true  var few : int = 12  var row : int[4] = [3, 1, 2, 0]  var short : time = 1 ms  var some : time = 0 ms"
+ENDLESS = {
+    "before the loop": "(mu (i := 1 - i) until i > 3) ; mu a",
+    "beside the loop": "(mu (i := 1 - i) until i > 3) || mu a",
+    "below the loop, once it has begun": "mu a ||> (wait 15 ms ; mu (i := 1 - i) until i > 3)",
+    "with the condition first": "(while j > 3 do j := 6 - j + 4) ; mu a",
+    "in an event branch": "mu (after 4 ms -> (mu (i := 1 - i) until i > 3) []> p -> a)",
+    "in a handler": "mu ((a ; raise Stop) catch Stop -> (mu (i := 1 - i) until i > 3))",
+    "after an interrupt": "(mu a) interrupt after 35 ms -> (mu (i := 1 - i) until i > 3)",
+    "around what ends": "mu a || (mu ((mu (i := i + 1) until i > 3) ; i := 0) until i > 9)",
+    "of an exception that is caught": "mu a || mu ((raise Stop) catch Stop -> i := 1 - i)",
+    "of a fault that is caught": "mu a || (mu ((i := 1 / (i - i)) catch Fault -> skip) until i > 9)",
+    "of no delay": "mu a || mu wait 0 ms",
+    "of a delay that may be none": "mu a || mu (wait some)",
+    "of a time-out that is over": "mu a || mu (after 0 ms -> skip)",
+    "of a guard that is always ready": "mu (p -> a []> when on & skip -> skip)",
+    "away from its bound": "(mu (i := i - 1) until i > 3) || mu a",
+    "with a count that is set back": "(mu (i := i + 1 ; if on then i := 0) until i > 3) || mu a",
+    "with a count that one side forgets": "(mu (if on then on := true else i := i + 1) until i > 3) || mu a",
+    "with a bound that goes along": "(while i < j do (i := i + 1 ; j := j + 1)) || mu a",
+    "of two conditions that do not meet": "(mu (i := 1 - i) until i > 3 or (i > 0 and i < 1)) || mu a",
+    "of a real that stays": "(mu (v := 0.5 * v + 1) until v > 3) || mu a",
+    "past its bound": "(mu (i := i + 2) until i == 3) || mu a",
+    "that writes what nobody waits for": "mu a || (mu (keep ! v ; i := 0) until i > 9) || mu (wait 20 ms ; keep ? w)",
+}
+ENDING = (
+    "(mu (i := i + 1) until i > 3) ; mu a",
+    "(mu (i := i + 1) until i == 3) || mu a",
+    "mu (a ; i := 0 ; mu (i := i + 1) until i > 3)",
+    "mu (a ; i := 0 ; mu (i := i + 1) until i == 3)",
+    "mu (a ; i := 0 ; while i < 4 do (row[i] := row[i] + i ; i := i + 1))",
+    "mu (a ; i := 0 ; while i < 3 and row[i] != 2 do i := i + 1)",
+    "mu (a ; i := 0 ; mu (j := 0 ; (mu (j := j + 1) until j >= 2) ; i := i + 1) until i >= 3)",
+    "mu (a ; i := 9 ; while i > 0 do (if v > 2 then i := i - 1 else i := i - 2))",
+    "mu (a ; i := 0 ; j := 9 ; while i < j do (if v > 2 then i := i + 1 else j := j - 1))",
+    "mu (a ; i := 0 ; mu (i := i + 1) until not (i + 1 <= few))",
+    "mu (a ; n := 0 ; mu (n := n + 0.5) until n > 3)",
+    "mu (a ; i := 1 ; mu (i := i * 2) until i > 100)",
+    "mu (a ; on := true ; while on do (on := false))",
+    "mu (a ; seq r < 3 : v := v + 1)",
+    "mu ((a ; i := 0 ; mu (i := i + 1 ; if v > 7 then raise Stop) until i > 3) catch Stop -> skip)",
+    "mu (after 4 ms -> (i := 0 ; mu (i := i + 1) until i > 3) []> p -> a)",
+    "mu (a ; some := 0 ms ; mu (some := some + 1 ms) until some >= 3 ms)",
+    "mu a || mu (wait short)",
+    "mu a || (mu (i := i + 1) until i > 3)",
+)
+
+
+def counting(composition: str) -> str:
+    words = set(re.findall(r"\w+", composition))
+    used = [line for line in COUNTS.split("  ") if line.split()[1] in words]
+    used += ["channel keep : double overwrite 1"] if "keep" in words else []
+    return program(composition, "  ".join(used))
+
+
+@pytest.mark.parametrize("name", ENDLESS)
+def test_a_loop_of_computing_that_is_not_known_to_end(name: str) -> None:
+    text = counting(ENDLESS[name])
+    report = report_of(text)
+    assert report.is_schedulable is None
+    assert any(refusal.reason.startswith("this loop may compute for ever") for refusal in report.refusals), (
+        report.reason
+    )
+    assert {refusal.span.line for refusal in report.refusals} == {text[: text.index("composition")].count("\n") + 1}
+    assert missed(network_of(text), 1, runs=1, patience=0.3) == STANDS_STILL
+
+
+SETTER = "process Setter { out x : int composition { x ! 0 } }"
+COUNTER = "process Counter { communication { var m : int = 0 } composition { mu (m := m + 1) until m == 3 } }"
+
+
+@pytest.mark.parametrize(
+    ("composition", "parts", "process"),
+    [
+        ("(mu (i := i + 1 ; setter) until i > 3) || mu a", "var i : int = 0  setter : Setter  setter.x -> i", SETTER),
+        ("(mu (i := 0 ; setter ; mu (i := i + 1 ; setter) until i == 3) until i > 3) || mu a", "var i : int = 0  setter : Setter  setter.x -> i", SETTER),
+        ("(counter ; counter) || mu a", "counter : Counter", COUNTER),
+        ("mu (a ; counter)", "counter : Counter", COUNTER),
+    ],
+)  # fmt: skip
+def test_what_processes_inside_change_is_not_known(composition: str, parts: str, process: str) -> None:
+    text = program(composition, parts, process)
+    assert report_of(text).is_schedulable is None
+    assert missed(network_of(text), 1, runs=1, patience=0.3) == STANDS_STILL
+
+
+def test_a_process_that_begins_once_counts_from_its_initial_values() -> None:
+    text = program("counter ; mu a", "counter : Counter", COUNTER)
+    assert report_of(text).is_schedulable is True
+    assert not missed(network_of(text), 1)
+
+
+@pytest.mark.parametrize("composition", ENDING)
+def test_a_loop_of_computing_that_ends(composition: str) -> None:
+    text = counting(composition)
+    assert report_of(text).is_schedulable is True, report_of(text).reason
+    assert not missed(network_of(text), 1)
 
 
 KEPT = (
