@@ -18,6 +18,8 @@ from tests.conformance.random.known import known
 from tests.conformance.random.meetings import meetings
 
 PYTHON = ("specification", "python-O1")
+REPORTED = 100
+"""After so many programs it is said how many differ."""
 GENERATORS = {"meetings": meetings, "known": known}
 
 
@@ -33,7 +35,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
             continue
         looked += 1
         runs: list[tuple[tuple[str, ...], str | None, bool]] = [(PYTHON, None, False)]
-        runs += [(NATIVE, compiler, False) for compiler in options.compilers]
+        compilers = options.compilers
+        if compilers and options.in_turn:
+            compilers = [compilers[looked % len(compilers)]]
+        runs += [(NATIVE, compiler, False) for compiler in compilers]
         if options.compilers and looked % options.sanitize == 0:
             runs.append((NATIVE, options.compilers[0], True))
         for names, compiler, sanitized in runs:
@@ -45,6 +50,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 place.write_text(str(least), encoding="utf-8")
                 print(f"seed {seed - 1}: {told}\n  {place}", flush=True)
                 break
+        if looked % REPORTED == 0:
+            print(f"{looked} programs, to seed {seed - 1}: {found} differ", flush=True)
     print(f"{looked} programs with at least {LEAST} communications, to seed {seed - 1}: {found} differ")
     return int(found > 0)
 
@@ -63,6 +70,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--shrink", type=float, default=60.0, help="seconds to make a program smaller that differs")
     parser.add_argument("--sanitize", type=int, default=20, metavar="N", help="one in N under the sanitizers")
     parser.add_argument("--compilers", nargs="*", default=["gcc", "clang"], help="none: no C at all")
+    parser.add_argument("--in-turn", action="store_true", help="each program under one of the compilers, in turn")
     parser.add_argument("--folder", type=Path, default=Path("differences"), help="for programs that differ")
     return parser
 
