@@ -140,7 +140,7 @@ def store_rows(writer: Writer, target: Target, value: str, type_: Type, where: s
             lvalue += f".at[{index.value}]"
         else:
             name = "index" if len(target.indexes) == 1 else f"index_{number}"
-            computed, code = writer.operand(index, where, name)
+            computed, code = writer.operand(index, where, name, "place")  # beside the value, which is there already
             setup += [*computed, Row(f"const size_t {name} = csp_index({code}, {kind.size});")]
             setup.append(writer.fault(where))
             lvalue += f".at[{name}]"

@@ -243,13 +243,13 @@ class Writer:
         where = self.names.place(span.file, span.line)
         return self.evaluated("condition = ", expression, ";", where), "condition"
 
-    def operand(self, expression: Expression, where: str, name: str) -> tuple[list[Row], str]:
-        """What must be done first, and the value; a value that can fault is kept in a slot of that name."""
+    def operand(self, expression: Expression, where: str, name: str, hint: str = "computed") -> tuple[list[Row], str]:
+        """What must be done first, and the value; a value that can fault is kept in a slot of that name until the next of that ``hint``."""
         code = str(self.printer.print(expression))
         temporaries = self.printer.take_temporaries()
         if not temporaries and not self.may_fault(expression):
             return [], code
-        slot = self.slot(name, expression.type, "computed")
+        slot = self.slot(name, expression.type, hint)
         return self.evaluated(f"{slot} = ", expression, ";", where), slot
 
     def new_handler(self, state: str) -> Handler:
