@@ -49,7 +49,7 @@ def _check_targets(program: Program, definition: ast.SubmodelDefinition, report:
         port = member if isinstance(member, PortSymbol) else symbol
         wanted = "in" if isinstance(member, PortSymbol) else "out"
         if isinstance(port, PortSymbol) and port.declaration.direction != wanted:
-            _refuse_target(program, target, port, report)
+            _refuse_target(program, item, port, report)
             continue
         text = "".join(target.span.text.split())
         earlier = first.setdefault(text, item)
@@ -63,7 +63,8 @@ def _name(target: ast.Reference) -> str:
     return target.name.text if target.member is None else f"{target.name.text}.{target.member.text}"
 
 
-def _refuse_target(program: Program, target: ast.Reference, port: PortSymbol, report: Report) -> None:
+def _refuse_target(program: Program, equation: ast.Equation, port: PortSymbol, report: Report) -> None:
+    target = equation.target
     if target.member is None:
         kind, advice = described(port), "use another name: `let name = ...`"
     else:
@@ -71,7 +72,7 @@ def _refuse_target(program: Program, target: ast.Reference, port: PortSymbol, re
         advice = "its own equations give its value; equations here are for its in ports"
     name, declared = target.span.text, declared_at(port)
     report.add(EquationForInput(target.span, name=name, kind=kind, advice=advice, declared=declared))
-    program.poisoned.add(target)
+    program.poisoned.add(equation)
 
 
 def _check_outputs(program: Program, definition: ast.SubmodelDefinition, given: set[str], report: Report) -> None:
@@ -123,7 +124,6 @@ def _check_states(program: Program, definition: ast.SubmodelDefinition, report: 
     for item in definition.items:
         if isinstance(item, ast.State) and item not in laws and item not in program.poisoned:
             report.add(StateWithoutLaw(item.name.span, name=item.name.text))
-            program.poisoned.add(item)
 
 
 def _law(item: ast.Next | ast.Derivative) -> str:

@@ -115,7 +115,7 @@ def needs_sample(program: Program, definition: ast.SubmodelDefinition) -> bool:
     while pending:
         for part in nodes(*pending.pop().items):
             match part:
-                case ast.Derivative():
+                case ast.Derivative() if part not in program.poisoned:
                     return True
                 case ast.Name():
                     symbol = program.bindings.get(part)
