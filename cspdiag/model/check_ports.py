@@ -35,4 +35,3 @@ def check_duration(program: Program, expression: ast.Expression, what: str, repo
     value = evaluate(program, expression, {}, report)
     if isinstance(value, int) and value < 0:
         report.add(NegativeDuration(expression.span, what=what, value=duration(value)))
-        program.poisoned.add(expression)

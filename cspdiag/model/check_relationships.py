@@ -80,7 +80,7 @@ def _port_of_direction(program: Program, end: ast.Reference, *, own: str, inner:
     member, symbol = program.members.get(end), program.bindings.get(end)
     if isinstance(member, PortSymbol):
         return member if member.declaration.direction == inner else None
-    if isinstance(symbol, PortSymbol) and end.member is None:
+    if isinstance(symbol, PortSymbol):
         return symbol if symbol.declaration.direction == own else None
     return None
 
