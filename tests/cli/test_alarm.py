@@ -2,16 +2,25 @@
 
 from __future__ import annotations
 
+import gc
+import importlib
 import signal
+import sys
 import threading
 from pathlib import Path
 
 import pytest
 
+from cspdiag import pipeline
 from cspdiag.analyses.proofs import portfolio
 from cspdiag.analyses.proofs.verdict import LimitError, Limits
+from cspdiag.cli import alarm
 from cspdiag.cli.alarm import ended_by_alarm
+from cspdiag.diagnostics import SourceFile
+from cspdiag.runtime.stopping import stopping
+from cspdiag.simulate.verify import Verifier
 from tests.cli.conftest import Command
+from tests.verification.test_time_limit import STUCK, read
 
 pytestmark = pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="needs timers with signals")
 
@@ -34,6 +43,86 @@ def test_the_alarm_rings_again_for_those_who_go_on() -> None:
                 never_look_at_the_clock()
             except LimitError:
                 rung += 1
+
+
+def test_nobody_takes_it_for_a_failure_of_what_was_called() -> None:
+    def careless() -> None:
+        try:
+            never_look_at_the_clock()
+        except Exception:
+            pytest.fail("it was caught")
+
+    with pytest.raises(LimitError), ended_by_alarm(Limits(seconds=0.0)):
+        careless()
+
+
+def test_what_others_make_of_it_counts_as_the_limit() -> None:
+    def rewriting() -> None:
+        try:
+            never_look_at_the_clock()
+        except BaseException as problem:
+            raise ValueError("a mistake in a template") from problem
+
+    with pytest.raises(LimitError, match=r"time limit of 0 s"), ended_by_alarm(Limits(seconds=0.0)):
+        rewriting()
+
+
+def test_what_fails_before_it_rings_is_a_failure() -> None:
+    with pytest.raises(ValueError, match="a mistake"), ended_by_alarm(Limits()):
+        raise ValueError("a mistake")
+
+
+def test_a_process_of_the_program_does_not_catch_it() -> None:
+    ended = []
+
+    def running() -> None:
+        try:
+            never_look_at_the_clock()
+        except BaseException as error:
+            ended.append(stopping.ends_run(error))
+            raise
+
+    with pytest.raises(LimitError), ended_by_alarm(Limits(seconds=0.0)):
+        running()
+    assert ended == [True]
+
+
+def test_modules_are_loaded_to_their_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "slow_to_load.py").write_text(
+        "import time\nend = time.monotonic() + 0.1\nwhile time.monotonic() < end: pass\nloaded = True\n"
+    )
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setattr(alarm, "LATER", 0.02)
+
+    def loading() -> None:
+        importlib.import_module("slow_to_load")
+        never_look_at_the_clock()
+
+    with pytest.raises(LimitError), ended_by_alarm(Limits(seconds=0.0)):
+        loading()
+    assert sys.modules.pop("slow_to_load").loaded
+
+
+@pytest.mark.filterwarnings("error")
+def test_at_whatever_moment_it_rings_the_answer_is_none_or_the_right_one(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    asked = pipeline.ask(SourceFile("case.csp", STUCK), read)
+    (question,) = asked.questions
+    whole = Verifier(asked, read).answer(question, Limits())
+    assert whole.outcome == "refuted"
+    took = Verifier(asked, read).answer(question, Limits()).seconds
+    outcomes = set()
+    for k in range(25):
+        monkeypatch.setattr(alarm, "LATER", (k + 1) * took / 20)
+        verifier = Verifier(asked, read, enforced=lambda _: ended_by_alarm(Limits(seconds=0.0)))
+        answer = verifier.answer(question, Limits())
+        assert answer.outcome == "refuted" or "the time limit of 0 s was reached" in answer.reason
+        outcomes.add(answer.outcome)
+    gc.collect()
+    assert "unknown" in outcomes
+    assert Verifier(asked, read).answer(question, Limits()).counterexample == whole.counterexample
+    assert capsys.readouterr().err == ""
 
 
 def test_afterwards_no_alarm_is_left() -> None:

@@ -56,8 +56,8 @@ class Unknown:
 Verdict: TypeAlias = Proved | Refuted | Unknown
 
 
-class LimitError(Exception):
-    """The time or the memory that was allowed is used up."""
+class LimitError(BaseException):
+    """The time or the memory that was allowed is used up. It may be raised anywhere, and no library takes it for a failure of what it called."""
 
 
 @dataclass
