@@ -34,6 +34,12 @@ ENDING = [
     ("(c ! 1 || c ? a) ; mu (if n > 2 then wait 1 ms ; n := n + 1) until n == 5", "terminates"),
     (f"({PAIR} || ((mu (wait 1 ms ; n := n + 1) until n >= 40) ; raise Over)) catch Over -> skip", "terminates"),
     ("(mu (c ! n ; n := n + 1)) || (mu (c ? a) until a > 100)", "livelock free"),
+    ("(mu (wait 2 ms ; n := n - 1 ; a := 1 / (n + 3))) || mu wait 1 ms", "terminates"),
+    ("(mu (c ! 1 ; n := n - 1 ; a := 1 / (n + 30))) || mu (c ? b)", "livelock free"),
+    ("(mu (c ! 1 ; n := n - 1 ; a := 1 / (n + 30))) || mu (c ? b)", "terminates"),
+    ("(mu (c ! 1 ; n := n - 1 ; a := n % (n + 30))) || mu (c ? b)", "livelock free"),
+    ("(mu (c ! 1 ; n := 2 * n + 1)) || mu (c ? b)", "livelock free"),
+    ("(mu (c ! n ; n := n - 1)) || mu (c ? b ; a := 1 / (b + 30))", "livelock free"),
 ]
 """What comes to an end, or to a halt, because something is counted that proofs may not follow."""
 
@@ -66,6 +72,15 @@ def test_a_loop_that_only_computes_is_left_as_the_program_leaves_it() -> None:
     answer = answer_to(PROGRAM.format(type="int", composition=composition, claim=claim))
     assert answer.outcome == "unknown"
     assert "does nothing but compute" in answer.reason
+
+
+def test_a_law_whose_state_comes_to_a_fault() -> None:
+    law = "submodel Counts { out y : int  state s : int = 0  next s = s + 1  y = 1 / (30 - s) }\n\nprocess Main"
+    composition, claim = "(mu (c ! 1 ; counts)) || mu (c ? a)", "livelock free"
+    text = PROGRAM.format(type="int", composition=composition, claim=claim).replace("process Main", law)
+    text = text.replace("    channel d : int sync", "    counts : Counts\n    counts.y -> _")
+    assert answer_to(text).outcome == "unknown"
+    assert answer_to(text.replace("1 / (30 - s)", "s")).outcome == "refuted"
 
 
 def test_a_counter_of_few_bits_comes_to_a_fault() -> None:

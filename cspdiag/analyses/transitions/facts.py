@@ -32,6 +32,7 @@ from cspdiag.network.actions import (
     ReadyEvent,
     Repeat,
     RunInstance,
+    Target,
     WaitStep,
     WhileLoop,
     WriteValue,
@@ -141,15 +142,33 @@ class Facts:
 _COMPUTING = (AssignValue, ReadValue, WriteValue, WaitStep, IfElse, WhileLoop, Repeat, Choice, InterruptOn)
 
 
-def deciding(program: Program) -> frozenset[Item]:
-    """What a run goes by: the items whose values decide a condition, or how long a delay or a time-out lasts."""
-    seeds: set[Item] = set()
+def deciding(program: Program, *, faults: bool = True) -> frozenset[Item]:
+    """What a run goes by: the items whose values decide a condition, how long a delay or a time-out lasts, or, with ``faults``, whether a computation ends in one."""
+    seeds = _deciding_faults(program) if faults else set()
     for one in program.classes.values():
         if isinstance(one.definition, ProcessClass):
             for part in parts(one.definition.body):
                 if isinstance(part, WaitStep | AfterEvent):
                     seeds |= items_in(part.duration, one)
     return _relevant(program, set(), seeds)
+
+
+def _deciding_faults(program: Program) -> set[Item]:
+    """What is computed with where that may fail."""
+    seeds: set[Item] = set()
+    faults = Faults(program.network)
+    for one in program.classes.values():
+        made = one.definition
+        if isinstance(made, ProcessClass):
+            for part in parts(made.body):
+                if isinstance(part, Expression) and faults.of_part(part, one.name):
+                    seeds |= items_in(part, one)
+                elif isinstance(part, Target):
+                    seeds |= all_items_in(part.indexes, one)
+        elif any(isinstance(part, Expression) and faults.of_part(part, one.name) for part in parts(made)):
+            seeds |= {("channel", one.name, state.name) for state in made.states}
+            seeds |= {("port", one.name, port.name) for port in made.ports if port.direction == "in"}
+    return seeds
 
 
 def _sampled_ports(program: Program) -> frozenset[tuple[str, str]]:

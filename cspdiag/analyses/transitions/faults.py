@@ -55,6 +55,12 @@ class Faults:
             known = self._known[key] = any(self._part(part, class_name) for part in walk(expression))
         return known
 
+    def of_part(self, part: Expression, class_name: str) -> bool:
+        """Whether an operation itself may fail, apart from its operands. Sums of reals that are not followed long enough to become infinite do not."""
+        if isinstance(part, FunctionCall) and part.function == "finite":
+            return any(isinstance(inner, BinaryOperation) and inner.operator not in ("+", "-") for inner in walk(part))
+        return self._part(part, class_name)
+
     def of_target(self, target: Target, class_name: str) -> bool:
         """Whether an index of what is assigned may be out of range, or its evaluation may fail."""
         kind: Type = self._types[class_name, target.channel] if target.indexes else UnknownType()

@@ -25,6 +25,7 @@ from cspdiag.simulate.replay.guided_goal import STANDSTILLS
 from cspdiag.simulate.replay.guided_result import GuidedRun
 from cspdiag.simulate.replay.memory import memory
 from cspdiag.simulate.replay.names import UNFIT, WRITTEN, belongs, duration_of, fit, is_medium
+from cspdiag.simulate.replay.recurrence import counting_to_faults
 from cspdiag.simulate.replay.rest import Resting, resting
 from cspdiag.simulate.replay.result import Judge, Replay
 from cspdiag.simulate.replay.rounds import Rounds
@@ -57,6 +58,7 @@ class Attempt:
         self._rounds = rounds
         self._trace = trace
         self._package = package
+        self._network = network
         self._decisions = decisions
         self._ports = {f"{network.top}.{port.name}": port for port in network.external_ports}
         types = package.module("types") if network.enums or network.structs else None
@@ -102,7 +104,7 @@ class Attempt:
                 self._done += 1
             if self._trace.cycle and len(conductor.passed) == self.cycle:
                 raise DivergenceError(_NOTHING_DONE)
-            if self._trace.cycle and not self._trace.exact:
+            if self._trace.cycle:
                 self._go_round_again(network.process)
             judgement = self._judged()
             deadlock = self._conclude(root)
@@ -271,12 +273,20 @@ class Attempt:
         return f": {'; '.join(told[:3])}" if told else ""
 
     def _go_round_again(self, process: object) -> None:
-        """What leaves everything as it was can be done for ever; the first time round may still have brought it there."""
+        """What leaves everything as it was can be done for ever; the first time round may still have brought it there.
+
+        Where the proof has left nothing open, that is all that does not merely decide whether something faults.
+        """
+        matters = counting_to_faults(self._network) if self._trace.exact else None
+        if matters is not None and not matters:
+            return
         before = memory(process)
         for step in self._trace.cycle:
             self._perform(step)
         after = memory(process)
-        changed = [name for name, value in before.items() if after.get(name) != value]
+        changed = [
+            name for name, value in before.items() if after.get(name) != value and (matters is None or name in matters)
+        ]
         if changed:
             named = ", ".join(f"`{name}`" for name in changed[:3])
             raise DivergenceError(f"each time round, {named} changes, so that this may come to an end")

@@ -15,7 +15,7 @@ from typing import Any
 from cspdiag.runtime.composition import end_all, task_for
 from cspdiag.runtime.deadlock import report_deadlock
 from cspdiag.runtime.durations import shown
-from cspdiag.runtime.exceptions import Fault, ProcessError
+from cspdiag.runtime.exceptions import Fault, ProcessError, RunEnded
 from cspdiag.runtime.network import Network as RunningNetwork
 from cspdiag.runtime.scheduler import Party, Priority, Task, nobody, scheduler
 from cspdiag.simulate.replay.decisions import Decisions
@@ -35,7 +35,7 @@ class AstrayError(Exception):
     """The run does not come to the goal; the message says why."""
 
 
-class _Enough(BaseException):
+class _Enough(RunEnded):
     """Breaks off a process that goes on for ever without ever having to wait; nothing in it catches that."""
 
 

@@ -44,9 +44,14 @@ def _kept(value: object) -> str:
     return repr(value)
 
 
-def _deciding_nothing(network: Network) -> frozenset[str]:
-    """What may count for ever, and neither a condition nor a delay depends on it: variables, buffers and states of control laws, by path."""
-    decides = deciding(Program(network))
+def counting_to_faults(network: Network) -> frozenset[str]:
+    """What decides nothing but whether something ends in a fault, by path: no proof follows it."""
+    return _deciding_nothing(network, faults=False) - _deciding_nothing(network)
+
+
+def _deciding_nothing(network: Network, *, faults: bool = True) -> frozenset[str]:
+    """What may count for ever, and neither a condition nor a delay depends on it, nor ``faults``: variables, buffers and states of control laws, by path."""
+    decides = deciding(Program(network), faults=faults)
     names = {
         definition.name: [
             entry.name
