@@ -208,10 +208,7 @@ class Broadcast(Medium):
     def ready(self, offer: Offer) -> bool:
         if offer.writes:
             return self._waited_at(self.ends, offer)
-        if self.writing is not None:
-            return offer.end in self.missing
-        others = [end for end in self.ends if end != offer.end]
-        return bool(self.opposite(offer)) and self._waited_at(others, offer)
+        return self.writing is not None and offer.end in self.missing
 
     def _waited_at(self, ends: list[EndKey], offer: Offer) -> bool:
         return all(any(not o.writes and o.end == end and o.task is not offer.task for o in self.offers) for end in ends)
@@ -228,9 +225,6 @@ class Broadcast(Medium):
                     self._take(reader)
             self._all_taken()
             return
-        if self.writing is None:
-            writer = self.opposite(offer)[0]
-            writer.request.bind(writer)
         if offer.only_ready:
             offer.done = True
         else:

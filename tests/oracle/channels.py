@@ -180,14 +180,17 @@ class Channels:
             case ("buffer" | "overwrite", _):
                 return bool(st.buffers.get(offer.channel))
             case ("broadcast", "?"):
-                if any(me.branch in op.pending for op, _ in self.plain(st, offer.channel, "!")):
-                    return True
-                others = set(self.linked.ends[offer.channel]) - {me.branch}
-                return bool(self._alternatives(st, offer, me)) and self._heard(st, offer.channel) >= others
+                return any(me.branch in op.pending for op, _ in self.plain(st, offer.channel, "!"))
             case ("broadcast", _):
                 return self._heard(st, offer.channel) >= set(self.linked.ends[offer.channel])
             case _:
                 return bool(self.plain(st, offer.channel, OTHER[end]) or self._alternatives(st, offer, me))
+
+    def listens(self, st: State, offer: Offer) -> None:
+        """A guard begins to wait: where it reads a broadcast, guards that write it may be ready now."""
+        channel = self.linked.channels.get(offer.channel)
+        if channel is not None and channel.kind == "broadcast" and offer.kind == "read":
+            self.wake(st, offer.channel, "!")
 
     def _heard(self, st: State, channel: str) -> set[int]:
         """The ends of a broadcast at which a reader or a guard waits."""

@@ -60,6 +60,7 @@ class Guards(Core):
             for offer in choice.offers:
                 if self._sampled(offer):
                     self.clock.follow(st, thread, offer.channel, offer.book)
+                self.channels.listens(st, offer)
             raise MustWaitError
         node = self.linked.nodes[choice.node]
         offer = ready[0]

@@ -114,6 +114,8 @@ class Parallels(Guards):
             self.fire(st, thread, len(thread.stack) - 1)
         elif self._sampled(offer):
             self.clock.follow(st, thread, offer.channel, offer.book)
+        else:
+            self.channels.listens(st, offer)
         raise MustWaitError
 
     def fire(self, st: State, thread: Thread, depth: int) -> None:

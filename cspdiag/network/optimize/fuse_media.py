@@ -278,9 +278,7 @@ class Broadcast(Medium):
         """See ``Medium.ready``."""
         if offer.writes:
             return self._waited_at(self.ends, offer)
-        if self.writing is not None:
-            return offer.end in self.missing
-        return bool(self.opposite(offer)) and self._waited_at([e for e in self.ends if e != offer.end], offer)
+        return self.writing is not None and offer.end in self.missing
 
     def _waited_at(self, ends: list[End], offer: Offer) -> bool:
         return all(any(not o.writes and o.end == end and o.task is not offer.task for o in self.offers) for end in ends)
