@@ -48,7 +48,7 @@ def replayed(network: Network, trace: Trace, read: pipeline.Reader) -> Replay:
     """The program of a network, stepped through a trace. Raises as ``pipeline.generate`` does, and LimitError."""
     from cspdiag.simulate.replay.attempts import replay
 
-    return replay(network, pipeline.generate(network, read, level=0), trace)
+    return replay(network, pipeline.generate(network, read, level=0), trace, exactly=True)
 
 
 class VerificationError(Exception):

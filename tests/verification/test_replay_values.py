@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
@@ -78,3 +79,85 @@ assert Sensor deadlock free
         ("Sensor.level", "41"),
         ("Sensor.key", "8"),
     ]
+
+
+WRITES = """process Spec {
+  out o : int
+  composition { o ! 1 }
+}
+
+process P {
+  out o : int
+  composition { o ! 2 }
+}
+
+assert P refines Spec
+"""
+COPIES = """process Spec {
+  in i : int
+  out o : int
+  communication { var x : int = 0 }
+  composition { mu (i ? x ; o ! x) }
+}
+
+process P {
+  in i : int
+  out o : int
+  communication { var x : int = 0 }
+  composition { mu (i ? x ; o ! x % 1000) }
+}
+
+assert P refines Spec
+"""
+INSIDE = """process P {
+  communication {
+    channel c : int
+    var v : int = 0
+  }
+
+  composition { (c ! 1 ; c ! 2 ; c ! 3) || (c ? v ; c ? v) || (mu wait 1 ms) }
+}
+
+assert P deadlock free
+"""
+
+
+@pytest.mark.parametrize(
+    ("text", "mended", "difference"),
+    [
+        (WRITES, ("o ! 2", "o ! 1"), "after 0 of 1 steps, the trace has `2` at `o` in step 1, and the program `1`"),
+        (COPIES, ("x % 1000", "x"), "after 1 of 2 steps, the trace has `0` at `o` in step 2, and the program `1000`"),
+        (INSIDE, ("c ! 2", "c ! 77"), "after 1 of 2 steps, the trace has `2` at `c` in step 2, and the program `77`"),
+    ],
+)
+def test_a_program_with_other_values_does_not_do_what_the_trace_says(
+    cspdiag: Command,  # noqa: F811
+    tmp_path: Path,
+    text: str,
+    mended: tuple[str, str],
+    difference: str,
+) -> None:
+    program, trace = tmp_path / "case.csp", tmp_path / "trace.json"
+    program.write_text(text)
+    assert cspdiag("verify", program, "--trace-out", trace).code == 1
+    assert cspdiag("run", program, "--replay", trace).code == 0
+    program.write_text(text.replace(*mended))
+    result = cspdiag("run", program, "--replay", trace)
+    assert result.code == 1
+    assert result.err.endswith(f"not replayed: {difference}\n")
+
+
+@pytest.mark.parametrize(("told", "code"), [("2", 0), ("77", 1), (None, 0), ("..3", 0), ("3..", 1), ("(one value)", 0)])
+def test_a_trace_may_leave_values_open(
+    cspdiag: Command,  # noqa: F811
+    tmp_path: Path,
+    told: str | None,
+    code: int,
+) -> None:
+    program, trace = tmp_path / "case.csp", tmp_path / "trace.json"
+    program.write_text(INSIDE)
+    assert cspdiag("verify", program, "--trace-out", trace).code == 1
+    whole = json.loads(trace.read_text())
+    whole["steps"][1]["value"] = told
+    trace.write_text(json.dumps(whole))
+    assert cspdiag("run", program, "--replay", trace).code == code

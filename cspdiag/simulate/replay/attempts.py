@@ -12,6 +12,7 @@ from dataclasses import replace
 from cspdiag.analyses.proofs.verdict import Limits
 from cspdiag.network.ir import Network
 from cspdiag.simulate.package import LoadedPackage
+from cspdiag.simulate.replay.agreement import difference
 from cspdiag.simulate.replay.attempt import Attempt
 from cspdiag.simulate.replay.decisions import Decisions
 from cspdiag.simulate.replay.gates import conductor
@@ -20,6 +21,7 @@ from cspdiag.simulate.replay.result import Judge, Replay
 from cspdiag.simulate.replay.rounds import Rounds
 from cspdiag.simulate.replay.runtime import replaying_runtime
 from cspdiag.simulate.replay.trace import Trace
+from cspdiag.simulate.replay.values import types_of
 
 MOST_ATTEMPTS = 400
 
@@ -30,15 +32,18 @@ def replay(
     trace: Trace,
     judge: Judge | None = None,
     limits: Limits | None = None,
+    *,
+    exactly: bool = False,
 ) -> Replay:
     """Step the package ``files`` of ``network``, compiled without optimization, through a trace, after which the ``judge`` has to find something wrong.
 
+    ``exactly``: with the values that the trace gives; without, a trace of a proof is one of the program also where other values pass.
     Raises BodyError for a hand-written body that cannot be made, and LimitError when the time of the ``limits`` is up.
     """
     limits = limits or Limits()
     package = LoadedPackage(network.name, files, replaying_runtime())
     guided = Guided(network, files, package, limits)
-    attempts = _Attempts(network, package, trace, judge, guided, limits)
+    attempts = _Attempts(network, package, trace, judge, guided, limits, exactly=exactly)
     try:
         result = attempts.best()
         if not (result.succeeded or result.other or trace.exact):
@@ -68,6 +73,8 @@ class _Attempts:
         judge: Judge | None,
         guided: Guided,
         limits: Limits,
+        *,
+        exactly: bool,
     ) -> None:
         self._network = network
         self._package = package
@@ -75,6 +82,7 @@ class _Attempts:
         self._judge = judge
         self._guided = guided
         self._limits = limits
+        self._types = types_of(network) if exactly else {}
 
     def best(self, rounds: Rounds | None = None) -> Replay:
         """The attempt that succeeds, or comes furthest."""
@@ -100,4 +108,6 @@ class _Attempts:
             return result
         further = self._trace.rounds or bool(result.added)
         run = self._guided.follow(conductor.passed, self._trace, attempt.cycle, ends=attempt.ends, further=further)
-        return attempt.led(run, result)
+        led = attempt.led(run, result)
+        unlike = difference(self._trace, led.communications, self._types) if led.succeeded else None
+        return led if unlike is None else replace(led, steps=unlike[0], divergence=unlike[1])

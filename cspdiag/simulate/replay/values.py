@@ -22,7 +22,7 @@ from cspdiag.settings import parse_duration
 _REALS = (0.0, 1.0, -1.0)
 _OTHER_REALS = (1000.0, -1000.0, 0.001)
 _MOST = 64
-_HANDED_ON = {str(one): part for one, part in zip(GIVEN, (slice(1), slice(1, None)), strict=True)}
+HANDED_ON = {str(one): part for one, part in zip(GIVEN, (slice(1), slice(1, None)), strict=True)}
 """Values of which only is told that they are handed on: one, and any other."""
 
 
@@ -41,8 +41,8 @@ class Values:
         found = list(islice(self._all(type_), _MOST))
         if told is None:
             return found
-        if told in _HANDED_ON:
-            return found[_HANDED_ON[told]]
+        if told in HANDED_ON:
+            return found[HANDED_ON[told]]
         try:
             return [value for value in found if is_told_as(value, type_, told)] or self._read(type_, told)
         except ValueError:
