@@ -55,6 +55,25 @@ def snake_case(name: str) -> str:
     return identifier(spaced.lower())
 
 
+_LIBRARIES = _words(
+    """
+    m c g pthread rt dl util gcc gcc_s gcc_eh gcov stdc++ supc++ atomic gomp quadmath asan ubsan tsan lsan ssp nosys rdimon semihost
+    anl crypt nsl resolv mvec thread_db z bz2 lzma ssl crypto ncurses curses readline uuid ffi
+    """
+)
+"""What ``-lNAME`` finds on machines and in tool chains: a library of ours beside it would be linked in its place, or to itself."""
+
+_TARGETS = _words(
+    "all clean depend edit_cache help install list_install_components package package_source preinstall rebuild_cache test zero_check"
+)
+"""Targets that CMake has itself."""
+
+
+def library_name(package: str) -> str:
+    """What the library of a package is called, ``lib`` and ``.a`` aside."""
+    return f"{package}_" if package in _LIBRARIES | _TARGETS else package
+
+
 class Names:
     """Gives out C names, each once."""
 

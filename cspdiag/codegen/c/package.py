@@ -12,7 +12,7 @@ from cspdiag.codegen.c.environments import environment_files
 from cspdiag.codegen.c.external import external_files
 from cspdiag.codegen.c.laws import law_files
 from cspdiag.codegen.c.levels import separate_depths
-from cspdiag.codegen.c.names import PackageNames
+from cspdiag.codegen.c.names import PackageNames, library_name
 from cspdiag.codegen.c.network import network_files
 from cspdiag.codegen.c.refusals import refuse
 from cspdiag.codegen.c.types import CTypes
@@ -126,7 +126,7 @@ def generate(
     )
     source = network.source.rpartition("/")[2]
     project = CProject(
-        package=names.package,
+        package=library_name(names.package),
         top=network.top,
         source=one_line(source),
         source_code=markdown_code(source),

@@ -106,6 +106,21 @@ def test_cmake_knows_all_files(tmp_path: Path) -> None:
     subprocess.run(["cmake", "-S", folder, "-B", folder / "build"], check=True, capture_output=True, env={**os.environ})
 
 
+@pytest.mark.parametrize("name", ["m", "c", "pthread", "rt", "dl", "util", "gcc", "test"])
+def test_no_library_has_the_name_of_one_of_the_system(name: str, tmp_path: Path) -> None:
+    text = "process Main { in x : double @ 10 ms  communication { var p : double } composition { mu x ? p } }"
+    (tmp_path / f"{name}.csp").write_text(text)
+    network = pipeline.build(read_source(str(tmp_path / f"{name}.csp")), read_source).network
+    assert network is not None
+    files = pipeline.generate(network, read_source, "c")
+    assert f"add_library({name}_ STATIC" in files["CMakeLists.txt"]
+    assert f"lib{name}_.a:" in files["Makefile"]
+    assert f"lib{name}.a" not in files["Makefile"]
+    if shutil.which("cmake") is not None and name == "m":
+        folder = written(files, tmp_path / "package")
+        subprocess.run(["cmake", "-S", folder, "-B", folder / "build"], check=True, capture_output=True)
+
+
 @needs_compiler
 @pytest.mark.parametrize("compiler", COMPILERS)
 def test_the_memory_is_what_the_compiler_says(compiler: str, monkeypatch: pytest.MonkeyPatch) -> None:
