@@ -175,7 +175,8 @@ class WrongOperator(Diagnostic):
     """An operator of another language, or of another place.
 
     ``=`` defines (constants, defaults, equations), ``:=`` assigns in a composition, ``==`` compares; logic is written
-    ``and``, ``or`` and ``not``; an arrow is ``->``. Numbers are decimal, and have digits on both sides of their point.
+    ``and``, ``or`` and ``not``; an arrow is ``->``; a variable is counted up by ``n := n + 1``; a choice between values is
+    ``if condition then a else b``. Numbers are decimal, and have digits on both sides of their point.
 
     Refused::
 
@@ -312,7 +313,8 @@ class WrongPlace(Diagnostic):
     """A part of the language at a place where it does not belong.
 
     A process has its ports first, then its communication diagram, then its composition diagram; a submodel its ports,
-    then its equations. Declarations need nothing between them: ``;`` is the sequential operator and nothing else.
+    then its equations. Declarations need nothing between them: ``;`` is the sequential operator and nothing else, and a
+    comma stands between names of one type and period. ``until`` follows what its ``mu`` repeats.
 
     Refused::
 

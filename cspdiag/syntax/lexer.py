@@ -34,6 +34,9 @@ _LOOKALIKES["&&"] = "and"
 _LETTER = r"[^\W\u00b2\u00b3\u00b9\u2070-\u207f]"
 """Letters and digits of all scripts but exponents: what a name of another alphabet is taken to consist of."""
 
+_OTHER_NUMBERS = r"0(?:[xX][0-9A-Fa-f]{1,64}|[bB][01]{1,64}|[oO][0-7]{1,64})\b|[0-9]+(?:_[0-9]+)+(?:\.[0-9]+)?\b"
+"""Numbers in another base, or with their digits in groups."""
+
 _NEXT_CHARACTER = re.compile(r"\s*(\S)")
 
 
@@ -58,6 +61,7 @@ class Scanner:
             (text for text in tables.words if not text[0].isalpha() and text != "_"), key=lambda t: -len(t)
         )
         alternatives = [f"(?P<NAME>{name}(?!{_LETTER}))", f"(?P<COMMENT>{comment})"]
+        alternatives.append(f"(?P<MISWRITTEN>{_OTHER_NUMBERS})")
         alternatives += [f"(?P<{terminal}>{pattern})" for terminal, pattern in patterns.items()]
         alternatives += [r'(?P<OPEN_STRING>"[^"\n]*?(?=[ \t]*\{?[ \t\r]*(?:\n|\Z)))', r"(?P<OPEN_COMMENT>/\*[\s\S]*)"]
         alternatives.append(f"(?P<LOOKALIKE>{'|'.join(_LOOKALIKES)})")
@@ -132,6 +136,8 @@ class Lexer:
             self._take_lookalike()
         elif kind == "FOREIGN":
             self._take_foreign()
+        elif kind == "MISWRITTEN":
+            self._take_miswritten()
         elif kind == "OPEN_STRING":
             self._tell(UnterminatedString(Span(self._source, self.start, self.end)))
             self.kind, self.text = "STRING", text + '"'
@@ -188,6 +194,15 @@ class Lexer:
             self._foreign.add(self.text)
             instead = "pi" if self.text == "\N{GREEK SMALL LETTER PI}" else ascii_name(self.text)
             self._tell(UnknownCharacter(Span(self._source, self.start, self.end), self.text, instead))
+
+    def _take_miswritten(self) -> None:
+        """Taken whole here: the parser would see a number and, after it, the name that begins the next declaration."""
+        from cspdiag.syntax.diagnostics import WrongOperator
+
+        found = self.text
+        meant = str(int(found, 0)) if found[1].isalpha() else found.replace("_", "")
+        self._tell(WrongOperator(Span(self._source, self.start, self.end), found, meant, "a number"))
+        self.kind, self.text = "NUMBER", meant
 
     def _pass_unknown(self, match: re.Match[str]) -> re.Match[str] | None:
         start, end = match.span("UNKNOWN")

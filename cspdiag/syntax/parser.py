@@ -55,6 +55,8 @@ class Parser:
         """Where the last token ended."""
         self._mended = (-1, 0)
         """Where the last mistake was, and how often it was mended there."""
+        self._told_last = ("", "", 0)
+        """Code, message and line of the last mistake: what is wrong in the same way all along a line is said once."""
         builder = DefinitionBuilder(source, report, self.lexer.docs)
         self._builders: list[Callable[..., Any] | None] = [
             getattr(builder, rule.build) if rule.build else None for rule in self.automaton.tables.rules
@@ -146,8 +148,10 @@ class Parser:
         diagnostic, repair = explain(situation)
         if isinstance(diagnostic, KeywordAsName):
             self._tell_misuse(diagnostic)
-            assert repair is not None
-            self._apply(repair)
+            if repair is None:
+                self._skip()
+            else:
+                self._apply(repair)
             return
         if repair is None:
             self._skip_after(diagnostic)
@@ -178,14 +182,19 @@ class Parser:
         if misused and (self.lexer.text in misused or self.lexer.before.text in misused):
             # A name that is a word of the language was taken for that word.
             return
-        if not self.lexer.reported_on_line(diagnostic.span.start):
+        same = (diagnostic.code, diagnostic.message, diagnostic.span.line)
+        if same != self._told_last and not self.lexer.reported_on_line(diagnostic.span.start):
             self.report.add(diagnostic)
+        self._told_last = same
 
     def _skip_after(self, diagnostic: Diagnostic) -> None:
         """Report, then forget the declaration or definition being read and go to the next one."""
+        self._tell(diagnostic)
+        self._skip()
+
+    def _skip(self) -> None:
         from cspdiag.syntax import recovery
 
-        self._tell(diagnostic)
         height = recovery.skip(self.automaton, self.states, self.lexer)
         del self.states[height:], self.values[height - 1 :], self.starts[height - 1 :], self.depths[height - 1 :]
 

@@ -1,12 +1,13 @@
 """Why a token cannot stand where it stands, in words of the language, and how to go on reading.
 
 Each function recognizes one kind of mistake, here those of single tokens, in ``unexpected_structure.py`` those of blocks, brackets and
-operator chains. The first one that recognizes a situation explains it.
+operator chains, in ``unexpected_habits.py`` forms of other languages. The first one that recognizes a situation explains it.
 """
 
 from __future__ import annotations
 
 from cspdiag.diagnostics.span import Span
+from cspdiag.syntax import unexpected_habits as habits
 from cspdiag.syntax import unexpected_structure as structure
 from cspdiag.syntax import unexpected_words as words
 from cspdiag.syntax.diagnostics import KeywordAsName, UnexpectedText, WrongOperator
@@ -144,6 +145,9 @@ def _chained_comparison(situation: Situation) -> Finding | None:
 
 
 _MISTAKES = (
+    habits.conditional_equation,
+    habits.ports_in_a_list,
+    habits.operator_as_label,
     structure.separator,
     structure.missing_process,
     structure.missing_arrow_end,
@@ -152,8 +156,13 @@ _MISTAKES = (
     structure.unclosed,
     structure.closes_nothing,
     structure.operators_without_parentheses,
+    habits.until_without_mu,
     _keyword_as_name,
+    habits.counting,
     _wrong_operator,
+    habits.choice,
+    habits.call_of_a_library,
+    habits.call_in_a_composition,
     words.number,
     words.unit,
     _chained_comparison,

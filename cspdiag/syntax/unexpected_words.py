@@ -1,4 +1,4 @@
-"""Mistakes in single words: misspelled keywords, words of other languages, and numbers as other languages write them."""
+"""Mistakes in single words: misspelled keywords, words of other languages, and numbers without digits on one side of their point."""
 
 from __future__ import annotations
 
@@ -32,8 +32,6 @@ _BEFORE_A_NAME = {
 
 _AFTER_A_KEYWORD = frozenset(["NAME", "NUMBER", "QUANTITY", "DURATION", "TRUE", "FALSE", "NOT", "LPAR"])
 
-_OTHER_BASES = re.compile(r"0(?:[xX][0-9A-Fa-f]+|[bB][01]+|[oO][0-7]+)\b")
-_GROUPED = re.compile(r"[0-9]+(?:_[0-9]+)+\b")
 _NO_FRACTION = re.compile(r"(?<![A-Za-z0-9_.])[0-9]+\.\Z")
 _HALVES = re.compile(r"[0-9]*[.,][0-9]*")
 _BARE_UNIT = re.compile(r"[A-Za-z][A-Za-z0-9/*^]*")
@@ -69,7 +67,7 @@ def _keyword(word: str, keywords: set[str] | tuple[str, ...]) -> str | None:
 
 
 def number(situation: Situation) -> Finding | None:
-    """A number in another base, with its digits in groups, or without digits on one side of its point."""
+    """A number without digits on one side of its point, or with a comma for it."""
     before, lexer, text = situation.lexer.before, situation.lexer, situation.source.text
     if before.text == "." and (match := _NO_FRACTION.search(text, max(0, before.start - 40), before.end)) is not None:
         span = Span(situation.source, match.start(), match.end())
@@ -77,25 +75,14 @@ def number(situation: Situation) -> Finding | None:
     start = before.start if before.kind == "NUMBER" and before.end == lexer.start else lexer.start
     if start == lexer.start and situation.text not in {".", ","}:
         return None
-    wanted = ""
-    match = None
-    for pattern in (_OTHER_BASES, _GROUPED, _HALVES):
-        match = pattern.match(text, start)
-        if match is not None and match.end() > lexer.start:
-            break
-        match = None
-    if match is None or not any(map(str.isdecimal, match.group())):
+    match = _HALVES.match(text, start)
+    if match is None or match.end() <= lexer.start or not any(map(str.isdecimal, match.group())):
         return None
     found = match.group()
-    if found[1:2].isalpha():
-        wanted = str(int(found, 0))
-    elif "_" in found:
-        wanted = found.replace("_", "")
-    else:
-        whole, _, fraction = found.replace(",", ".").partition(".")
-        if "," in found and not (whole and fraction):
-            return None
-        wanted = f"{whole or 0}.{fraction or 0}"
+    whole, _, fraction = found.replace(",", ".").partition(".")
+    if "," in found and not (whole and fraction):
+        return None
+    wanted = f"{whole or 0}.{fraction or 0}"
     repair = Repair("remove", end=match.end())
     if start == lexer.start:
         if not situation.can("NUMBER"):
