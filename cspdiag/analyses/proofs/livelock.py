@@ -12,7 +12,7 @@ _SEEN_OUTSIDE = ("external", "sample", "miss", "time")
 
 def is_hidden(event: Event) -> bool:
     """Whether it neither passes an external port, nor is one with the environment, nor lets time pass."""
-    return not event.visible and event.kind not in _SEEN_OUTSIDE
+    return not event.visible and (event.kind not in _SEEN_OUTSIDE or event.instant)
 
 
 def livelock_free(system: System, limits: Limits) -> Verdict:

@@ -28,7 +28,7 @@ from cspdiag.analyses.transitions.system import (
     EventKind,
     System,
 )
-from cspdiag.analyses.transitions.template import ALONE, INTERNAL_LABEL, Label, Template, is_late
+from cspdiag.analyses.transitions.template import ALONE, INSTANT, INTERNAL_LABEL, Label, Template, is_late
 from cspdiag.analyses.transitions.thread import resolve
 from cspdiag.analyses.transitions.threads import ParallelKey, Strand, Strands, parallel_key
 from cspdiag.analyses.transitions.values import ANY, UNKNOWN, Given, Known
@@ -143,9 +143,10 @@ class Assembly:
         *,
         visible: bool = False,
         roles: str = "",
+        instant: bool = False,
     ) -> int:
         text = _text(value, type_)
-        self.events.append(Event(channel, parties, kind, text, visible, roles))
+        self.events.append(Event(channel, parties, kind, text, visible, roles, instant))
         return len(self.events) - 1
 
     def _for(self, strand: Strand, label: Label, event: int) -> None:
@@ -174,7 +175,9 @@ class Assembly:
             )
             self._for(strand, label, event)
         elif kind == "time":
-            self._for(strand, label, self._event(f"{strand.name}: {label[1]}", (strand.number,), "time", roles="*"))
+            words = f"{strand.name}: {label[1]}"
+            instant = label[2:] == (INSTANT,)
+            self._for(strand, label, self._event(words, (strand.number,), "time", roles="*", instant=instant))
         elif kind in ("read", "write", "guarded", "bind", "bound", "load", "store", "delivered", "withdrawn"):
             self._uses[resolve(strand.occurrence, label[1])].append((strand, label))
         elif kind == "fork" or kind == "join":

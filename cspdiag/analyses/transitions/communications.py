@@ -96,7 +96,7 @@ class Communications:
             case SkipEvent():
                 return [(INTERNAL_LABEL, on)]
             case AfterEvent():
-                return [(("time", f"after {expression_text(event.duration)}"), on)]
+                return [(self.follower.delay(f"after {expression_text(event.duration)}", value), on)]
             case OutputEvent():
                 reference = context.reference(event.sink)
                 if self.thread.medium(reference).kind in ("var", "discard"):

@@ -7,8 +7,8 @@ from itertools import product
 from cspdiag.analyses.transitions.facts import FAULT
 from cspdiag.analyses.transitions.occurrences import Medium
 from cspdiag.analyses.transitions.program import Node
-from cspdiag.analyses.transitions.ranges import Range
-from cspdiag.analyses.transitions.template import Reference
+from cspdiag.analyses.transitions.ranges import Range, bounds
+from cspdiag.analyses.transitions.template import INSTANT, Label, Reference
 from cspdiag.analyses.transitions.thread import Configuration, Context, Frame, NeedsLoad, Restart, Stack, Thread
 from cspdiag.analyses.transitions.values import (
     ANY,
@@ -225,10 +225,31 @@ class Computing:
             return c
         return c._replace(variables=tuple(UNKNOWN if value == ANY else value for value in c.variables))
 
+    def takes_time(self, c: Configuration, context: Context, duration: Expression) -> bool:
+        """Whether a delay that begins here surely lasts longer than zero."""
+        durations = self.thread.facts.durations
+        name = context.definition.name
+        if durations.surely_takes_time(name, duration):
+            return True
+        try:
+            value = self.thread.evaluate(c, context, duration)
+        except (NeedsLoad, EvaluationFault):
+            value = UNKNOWN
+        if isinstance(value, int | Range):
+            return bounds(value)[0] > 0
+        if self.thread.facts.specification is None and not durations.is_over_at_once(name, duration):
+            self.thread.abstracted(f"`{expression_text(duration)}` in `{name}` may be no time at all", duration.span)
+        return False
+
+    def delay(self, words: str, takes_time: Known) -> Label:
+        """The label of the end of a delay."""
+        return ("time", words) if takes_time is True else ("time", words, INSTANT)
+
     def offered(self, c: Configuration, context: Context, branch: Branch) -> Known:
-        """What an output guard writes; it is evaluated when the alternative begins."""
+        """What an output guard writes, and whether a time-out surely takes time; it is evaluated when the alternative begins."""
         if isinstance(branch.event, AfterEvent):
             self.compute_risk(c, context, branch.event.duration)
+            return self.takes_time(c, context, branch.event.duration)
         if not isinstance(branch.event, OutputEvent):
             return UNKNOWN
         reference = context.reference(branch.event.sink)

@@ -37,6 +37,7 @@ from cspdiag.network.actions import (
     WhileLoop,
     WriteValue,
 )
+from cspdiag.network.durations import Durations
 from cspdiag.network.expressions import Expression
 from cspdiag.network.ir import ProcessClass, SubmodelClass
 from cspdiag.network.walk import parts
@@ -62,6 +63,7 @@ class Facts:
         self._copied = handed_to(program, outputs) if specification is not None else frozenset()
         self.sampled = _sampled_ports(program)
         self.faults = Faults(program.network)
+        self.durations = Durations(program.network)
         self._escaping: dict[Node, frozenset[str]] = {}
         self.catches_faults = any(
             isinstance(part, CatchException) and part.exception == FAULT

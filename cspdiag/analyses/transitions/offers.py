@@ -138,7 +138,9 @@ class Offers(Communications):
                         found.append((label, assigning(given._replace(stack=rest), context, action.target, value)))
                 return found
             case WaitStep():
-                return [(("time", f"wait {expression_text(action.duration)}"), after._replace(loaded=()))]
+                takes_time = self.follower.takes_time(c, context, action.duration)
+                label = self.follower.delay(f"wait {expression_text(action.duration)}", takes_time)
+                return [(label, after._replace(loaded=()))]
             case StopStep():
                 return []
             case ParallelSteps():

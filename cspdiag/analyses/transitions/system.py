@@ -44,7 +44,7 @@ class Event:
     """Something that happens to all its parties at once.
 
     ``channel`` is the hierarchical name as in traces; ``value`` the value as text where values are tracked. ``visible`` events are those that a specification sees:
-    they pass an external port. ``roles`` says what each party does: ``!`` writes, ``?`` reads, ``*`` something else, ``.`` is no process; nothing where that is not told.
+    they pass an external port. ``instant`` is a delay that may be over at once, so that no time need pass. ``roles`` says what each party does: ``!`` writes, ``?`` reads, ``*`` something else, ``.`` is no process; nothing where that is not told.
     """
 
     channel: str
@@ -53,6 +53,7 @@ class Event:
     value: str | None = None
     visible: bool = False
     roles: str = ""
+    instant: bool = False
 
     def role(self, party: int) -> str:
         """What a party does, or nothing."""

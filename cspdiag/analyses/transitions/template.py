@@ -35,7 +35,7 @@ Label: TypeAlias = tuple[Any, ...]
 - ``("bind", reference)``, ``("bound", reference)``: an alternative chooses to write to one whose guard is only ready, which has not read yet
 - ``("delivered", reference)``, ``("withdrawn", reference)``: the writer of a broadcast goes on, or was cancelled
 - ``("input", reference, value)``, ``("sample", reference, value)``, ``("miss", reference)``, ``("ready", reference)``, ``("output", reference, value)``: with the outside
-- ``("time", words)``
+- ``("time", words)``, and ``("time", words, INSTANT)`` for a delay that may be over at once
 - ``("alarm", reference, "read" or "write", reading end or None)``: somebody else would read or write there, seen at the end of a guard
 - ``("load", reference, value)``, ``("store", reference, value)``: a shared variable
 - ``("fork", parallel)``, ``("join", parallel)``, ``("cancel", parallel)``, ``("thrown", parallel, branch, exception)``: as the parent of a parallel
@@ -55,6 +55,7 @@ ALONE: dict[str, tuple[EventKind, bool]] = {
 }
 """Labels that involve nobody else: the kind of their events, and whether specifications see them."""
 
+INSTANT = "instant"
 LATE = "late"
 
 

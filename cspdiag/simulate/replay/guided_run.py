@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from heapq import heapify, heappop, heappush, nsmallest
-from typing import Any
+from typing import Any, NoReturn
 
 from cspdiag.runtime.composition import end_all, task_for
 from cspdiag.runtime.deadlock import report_deadlock
@@ -82,6 +82,7 @@ class Run:
         self._rounds = 0
         self._situations: set[tuple[object, ...]] = set()
         self._repeated = False
+        self._broken_off = False
         self._error: BaseException | None = None
 
     def branch_ended(self, branch: Task, error: BaseException | None) -> None:
@@ -126,14 +127,14 @@ class Run:
             self._steps += 1
             try:
                 scheduler._run_one(party)
-            except _Enough:
-                if self._repeated:
-                    return
-                if self._script.left or self._goal.is_standstill:
-                    raise AstrayError(self._not_come("in so many steps")) from None
-                continue
             finally:
                 scheduler.current = nobody
+            if self._repeated:
+                return
+            if self._broken_off:
+                if self._script.left or self._goal.is_standstill:
+                    raise AstrayError(self._not_come("in so many steps"))
+                return
             if self._failed:
                 raise AstrayError(f"it ends with {type(self._error).__name__}: {self._error}")
             if self._problem is not None:
@@ -280,13 +281,19 @@ class Run:
             self._broadcasts.add(channel)
         self._note(action, channel, duration, party)
         self._match(party, action, channel, index)
-        if action == "skip" and self._has_repeated():
-            raise _Enough
+        is_over_at_once = action == "skip" or (action in ("wait", "after") and duration <= 0)
+        if is_over_at_once and self._has_repeated():
+            self._break_off()
+
+    def _break_off(self) -> NoReturn:
+        """Ends the process that runs, which would go on without ever having to wait; the scheduler tells its parent so."""
+        self._broken_off = True
+        raise _Enough
 
     def _note(self, action: str, channel: str, value: Any, *parties: Party | None) -> None:
         self._steps += 1
         if self._actions > self._limit:
-            raise _Enough
+            self._break_off()
         tasks = [task_of(party) for party in parties if party is not None]
         actors = tuple(Actor(path_of(task), self._names.told(task)) for task in tasks)
         self._happened.append(Happened(action, channel, actors, value))

@@ -1,0 +1,107 @@
+"""Delays of no or a negative duration, which are over at once: loops of them let no time pass."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.verifying import answer_to
+
+PROGRAM = """const NONE = 0 ms
+exception Odd
+
+process Main{parameters} {{
+  in e : int
+  in f : time
+  in x : double @ 10 ms
+
+  communication {{
+    var v : int = 0
+    var q : bool = false
+    var a : double = 0
+    var d : time = {initial}
+    {parts}
+  }}
+
+  composition {{
+    {composition}
+  }}
+}}
+
+{more}
+assert Main livelock free
+"""
+
+OVER_AT_ONCE = {
+    "a wait": ("mu wait 0 ms", {}),
+    "a difference": ("mu wait 1 ms - 1 ms", {}),
+    "a constant": ("mu (e ? v -> skip [] after NONE -> skip)", {}),
+    "a time-out with less priority": ("mu (e ? v -> skip []> after 0 ms -> skip)", {}),
+    "a variable": ("mu (e ? v -> skip []> after d -> skip)", {"initial": "-1 ms"}),
+    "a variable that is read": ("f ? d ; mu (wait d)", {}),
+    "a parameter": ("mu wait p", {"parameters": "(p : time = 0 ms)"}),
+    "a product": ("mu wait 1 ms * p", {"parameters": "(p : int = 0)"}),
+    "the time-out of an interrupt": ("mu ((x ? a) interrupt after 0 ms -> skip)", {}),
+    "one of two ways": ("mu (if v > 3 then wait 1 ms else wait d)", {"initial": "0 ms"}),
+}
+"""Loops that go on while no time passes."""
+
+MAY_BE_OVER = {
+    "a variable that is counted down": ("mu (wait d ; d := d - 1 ms)", {"initial": "4 ms"}),
+    "an instance of several": (
+        "long || short",
+        {
+            "parts": "long : Waits(1 ms)  short : Waits(0 ms)",
+            "more": "process Waits(p : time) { composition { mu wait p } }",
+        },
+    ),
+    "a difference of variables": ("mu (wait d - 4 ms ; d := d + 1 ms)", {"initial": "5 ms"}),
+}
+"""Delays that let time pass at first, or in some instances."""
+
+LASTS = {
+    "a wait": ("mu wait 1 ns", {}),
+    "a constant less another": ("mu wait 2 ms - 1 ms", {}),
+    "a time-out": ("mu (e ? v -> skip [] after NONE + 1 ms -> skip)", {}),
+    "a variable that nobody changes": ("mu wait d", {"initial": "4 ms"}),
+    "a variable that only grows": ("mu (wait d ; d := d + 1 ms)", {"initial": "4 ms"}),
+    "a variable with two values": ("mu (wait d - 1 ms ; d := 3 ms)", {"initial": "4 ms"}),
+    "a parameter": ("mu wait 2 * p", {"parameters": "(p : time = 1 ms)"}),
+    "instances": (
+        "long || short",
+        {
+            "parts": "long : Waits(3 ms)  short : Waits(2 ms)",
+            "more": "process Waits(p : time) { composition { mu wait p - 1 ms } }",
+        },
+    ),
+    "what is known where it stands": ("f ? d ; mu (if d > 2 ms then wait d else wait 1 ms)", {}),
+    "the greater of two": ("f ? d ; mu wait max(d, 1 ms)", {}),
+    "one of two durations": ("mu wait (if v > 3 then 1 ms else 2 ms)", {}),
+    "a sample": ("mu (wait 0 ms ; x ? a)", {}),
+    "the time-out of an interrupt": ("mu ((stop) interrupt after 1 ms -> skip)", {}),
+}
+"""Loops in each round of which time passes."""
+
+
+def answer(case: tuple[str, dict[str, str]]) -> str:
+    composition, given = case
+    blanks = {"parameters": "", "initial": "1 ms", "parts": "", "more": ""}
+    found = answer_to(PROGRAM.format(composition=composition, **{**blanks, **given}))
+    assert found.replayed == (found.outcome == "refuted"), found.reason
+    return f"{found.outcome} {found.reason}"
+
+
+@pytest.mark.parametrize("name", OVER_AT_ONCE)
+def test_a_loop_of_delays_that_are_over_at_once_is_refuted(name: str) -> None:
+    assert answer(OVER_AT_ONCE[name]).startswith("refuted")
+
+
+@pytest.mark.parametrize("name", MAY_BE_OVER)
+def test_a_delay_that_may_be_over_at_once_is_not_proved_to_let_time_pass(name: str) -> None:
+    found = answer(MAY_BE_OVER[name])
+    assert found.startswith("unknown")
+    assert "may be no time at all" in found
+
+
+@pytest.mark.parametrize("name", LASTS)
+def test_a_delay_that_surely_takes_time_is_proved_to(name: str) -> None:
+    assert answer(LASTS[name]).startswith("proved")
