@@ -17,7 +17,7 @@ Accept: TypeAlias = Callable[[Any], Any]
 
 def double(value: Any) -> float:
     """A number; NaN and infinities are numbers."""
-    if isinstance(value, bool | str | bytes) or not hasattr(type(value), "__float__"):
+    if isinstance(value, str | bytes) or _is_bool(value) or not hasattr(type(value), "__float__"):
         raise TypeError(f"{value!r} is no number")
     return float(value)
 
@@ -29,16 +29,16 @@ def single(value: Any) -> float:
 
 def boolean(value: Any) -> bool:
     """True or False, or the integers 1 or 0."""
-    if hasattr(type(value), "__index__") and operator.index(value) in (0, 1):
+    if _is_bool(value) or (hasattr(type(value), "__index__") and operator.index(value) in (0, 1)):
         return bool(value)
     raise TypeError(f"{value!r} is neither True nor False")
 
 
 def integer(of: Callable[[int], int]) -> Accept:
-    """An integer that ``of``, such as ``int8``, takes; True is 1."""
+    """An integer that ``of``, such as ``int8``, takes."""
 
     def accept(value: Any) -> int:
-        if not hasattr(type(value), "__index__"):
+        if _is_bool(value) or not hasattr(type(value), "__index__"):
             raise TypeError(f"{value!r} is no integer")
         return of(operator.index(value))
 
@@ -70,6 +70,11 @@ def record(made: Callable[..., Any], *fields: Accept) -> Accept:
         return made(*[field(part) for field, part in zip(fields, parts, strict=True)])
 
     return accept
+
+
+def _is_bool(value: Any) -> bool:
+    """Whether it is True or False, of Python or of numpy, which is not imported for that: neither is a number."""
+    return isinstance(value, bool) or type(value).__name__ in ("bool", "bool_")
 
 
 def _parts(value: Any, size: int) -> list[Any]:

@@ -278,7 +278,7 @@ class _Run:
         """Hands safe values over, closes the drivers, and ends what still runs."""
         try:
             stopping.hold()
-        except HandlerFailed:
+        except (HandlerFailed, KeyboardInterrupt):
             return self._release()  # A handler was faster; from now on none is called.
         if os.getpid() != self._process:
             os._exit(1)  # A child that a driver has forked and that comes back: outputs are none of its business.

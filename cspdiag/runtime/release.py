@@ -70,7 +70,7 @@ class Release:
                 line.thread.join(0.05)
 
     def _do(self, call: Call | None, job: Callable[[], None]) -> None:
-        """Does one thing; if an interrupt of the keyboard cuts it off, once more."""
+        """Does one thing; if Ctrl-C, left to Python by a driver, cuts it off, once more. What a driver itself raises is a failure like any other."""
         try:
             self._attempt(call, job)
         except KeyboardInterrupt:

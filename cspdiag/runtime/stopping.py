@@ -152,9 +152,11 @@ class Stopping:
             self._raises = False
 
     def hold(self) -> None:
-        """From now on signals raise nothing."""
+        """From now on signals raise nothing: a KeyboardInterrupt is not a signal, unless a driver puts a handler of its own in place later."""
         self._raises = False
         self._held = True
+        if self._entered:
+            self.install()
 
     def check(self) -> None:
         """Raises Stopped if a signal has come."""
@@ -174,6 +176,8 @@ class Stopping:
     def ends_run(self, error: BaseException) -> bool:
         """Whether ``error`` comes from outside of a program and its drivers, and ends the run: also Ctrl-C, where it is left to Python."""
         if isinstance(error, KeyboardInterrupt):
+            if threading.current_thread() is not threading.main_thread():
+                return False
             handler = signal.getsignal(signal.SIGINT)
             return callable(handler) and not self._is_own(handler)
         return isinstance(error, RunEnded)

@@ -89,7 +89,7 @@ class Watch:
         try:
             return function(*given)
         except BaseException as error:
-            if stopping.ends_run(error) or (self.releasing and isinstance(error, KeyboardInterrupt)):
+            if stopping.ends_run(error):
                 raise
             raise what.failed(error) from error
         finally:

@@ -13,6 +13,7 @@ from cspdiag.runtime import (
     EventOutput,
     Input,
     Network,
+    Outcome,
     SampledInput,
     SampledOutput,
     Timeout,
@@ -274,41 +275,72 @@ class Unspeakable(Exception):  # noqa: N818
 
 
 class Bus:
-    """Remembers what it is handed; while ``failures`` last, a safe value (0.0) raises ``error`` instead."""
+    """Remembers what it is handed, and raises ``error`` at a safe value (0.0) or at ``close``."""
 
-    def __init__(self, failures: int = 0, error: type[BaseException] = KeyboardInterrupt) -> None:
-        self.failures = failures
+    def __init__(self, fails: str = "", error: type[BaseException] = KeyboardInterrupt, *, blocking: bool = False) -> None:
+        self.fails = fails
         self.error = error
+        self.blocking = blocking
         self.written: list[float] = []
         self.closed = 0
 
     def write(self, value: float) -> None:
-        if value == 0.0 and self.failures > 0:
-            self.failures -= 1
-            raise self.error(5)
         self.written.append(value)
+        if value == 0.0 and self.fails == "write":
+            raise self.error(5)
 
     def close(self) -> None:
         self.closed += 1
+        if self.fails == "close":
+            raise self.error(5)
 
 
-@pytest.mark.parametrize(
-    ("failures", "error", "is_released"),
-    [(1, KeyboardInterrupt, True), (9, KeyboardInterrupt, False), (9, Unspeakable, False)],
-    ids=["interrupted once", "interrupted again", "an exception without a text"],
-)
-def test_what_a_safe_value_raises_keeps_no_other_output_from_its_own(
-    failures: int, error: type[BaseException], is_released: bool
+@pytest.mark.parametrize("blocking", [False, True])
+@pytest.mark.parametrize("in_another_thread", [False, True])
+@pytest.mark.parametrize("error", [KeyboardInterrupt, SystemExit, Unspeakable])
+@pytest.mark.parametrize("operation", ["write", "close"])
+def test_what_the_release_raises_repeats_nothing_and_keeps_no_other_output_from_its_own(
+    operation: str, error: type[BaseException], in_another_thread: bool, blocking: bool
 ) -> None:
-    first, second = Bus(failures, error), Bus()
+    first, second = Bus(operation, error, blocking=blocking), Bus()
     ports = [EventOutput("Top.a", safe=0.0, driver=first), EventOutput("Top.b", safe=0.0, driver=second)]
 
     async def top() -> None:
         await wait(5 * ms)
 
-    outcome = Network(Body(top), ports).run(real_time=True)
-    assert first.written == ([0.0] if is_released else [])
-    assert second.written == [0.0]
+    outcomes: list[Outcome] = []
+
+    def run() -> None:
+        outcomes.append(Network(Body(top), ports).run(real_time=True))
+
+    if in_another_thread:
+        thread = threading.Thread(target=run)
+        thread.start()
+        thread.join()
+    else:
+        run()
+    assert (first.written, second.written) == ([0.0], [0.0])
     assert (first.closed, second.closed) == (1, 1)
-    assert outcome.exit_code == (0 if is_released else 1)
-    assert [error.__name__ in str(failed) for failed in outcome.release_errors] == ([] if is_released else [True])
+    (outcome,) = outcomes
+    assert outcome.exit_code == 1
+    (failed,) = outcome.release_errors
+    assert f"driver Bus failed to {operation} at port Top.a: {error.__name__}" in str(failed)
+
+
+def test_a_safe_value_that_ctrl_c_cuts_off_is_handed_over_once_more() -> None:
+    class Motor(Bus):
+        def write(self, value: float) -> None:
+            if not self.written:
+                self.written.append(9.0)
+                signal.signal(signal.SIGINT, signal.default_int_handler)
+                signal.raise_signal(signal.SIGINT)
+            super().write(value)
+
+    motor = Motor()
+    ports = [EventOutput("Top.a", safe=0.0, driver=motor)]
+
+    async def top() -> None:
+        await wait(ms)
+
+    assert Network(Body(top), ports).run().release_errors == []
+    assert motor.written == [9.0, 0.0]

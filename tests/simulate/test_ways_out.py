@@ -43,6 +43,8 @@ TRIED = [
     ("a safe write raises", "package -O0", "real time", True),
     ("a safe write hangs", "package -O1", "real time", True),
     ("a close raises", "package -O0", "virtual time", False),
+    ("a safe write interrupts", "package -O1", "virtual time", False),
+    ("a close interrupts", "package -O0", "real time", True),
     ("SIGTRAP", "package -O0", "virtual time", False),
     ("SIGSYS", "package -O1", "real time", True),
     ("a real-time signal", "package -O1", "real time", False),

@@ -186,8 +186,8 @@ class Device:
             assert os.waitpid(self.child, 0)[1] == signal.SIGTERM
         if FAULT.startswith("handler"):
             time.sleep(0.3)
-        if FAULT == "close raises":
-            raise OSError("cable out")
+        if FAULT.startswith("close ") and isinstance(self, Card):
+            fail(FAULT.removeprefix("close "))
 
 
 class Card(Device):
@@ -208,10 +208,8 @@ class Card(Device):
         self.writes += 1
         if FAULT.startswith("handler") and value == -1:
             time.sleep(0.3)
-        if FAULT == "safe raises" and value == -1:
-            fail("raises")
-        if FAULT == "safe hangs" and value == -1:
-            fail("hangs")
+        if FAULT.startswith("safe ") and value == -1:
+            fail(FAULT.removeprefix("safe "))
         if self.writes == 4 and FAULT.startswith("write "):
             fail(FAULT.removeprefix("write "))
 
@@ -331,6 +329,14 @@ WAYS = (
     WayOut(
         "a safe write hangs", 1, "driver Card failed to write at port Main.valve: TimeoutError", "safe hangs",
         (signal.SIGTERM,),
+    ),
+    WayOut(
+        "a safe write interrupts", 1, "driver Card failed to write at port Main.valve: KeyboardInterrupt",
+        "safe interrupts", (signal.SIGTERM,),
+    ),
+    WayOut(
+        "a close interrupts", 1, "driver Card failed to close at port Main.level: KeyboardInterrupt",
+        "close interrupts", (signal.SIGTERM,),
     ),
     WayOut(
         "a close raises", 1, "driver Card failed to close at port Main.level: OSError: cable out", "close raises",
