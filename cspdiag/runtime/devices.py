@@ -11,6 +11,7 @@ from collections import deque
 from collections.abc import Sequence
 from typing import Any
 
+from .child import end_of_child
 from .clock import Clock
 from .drivers import DriverFailed, Signal, device_of, name_of
 from .exceptions import DriverError
@@ -125,6 +126,11 @@ class Devices:
         """Nothing more is handed over."""
         for port in self._ports:
             port.line = None
+
+    def leave(self) -> None:
+        """In a child that was forked: devices are its parent's."""
+        for port in self._ports:
+            port.line = end_of_child
 
     def _release_elsewhere(self, hanging: Exception) -> None:
         """The scheduler's thread does not come back from a driver or a process: the outputs are released all the same."""

@@ -71,6 +71,13 @@ class ThreadLine:
         except BaseException as error:
             self.fail(error)
 
+    def call(self, function: Callable[..., Any], *given: Any) -> Any:
+        """What the driver returns; no child that it has forked comes back from it."""
+        try:
+            return function(*given)
+        finally:
+            stopping.end_child()
+
     def fail(self, error: BaseException) -> None:
         """A call has failed: that ends the run, unless it is over."""
         if not self.closing:
@@ -98,7 +105,7 @@ class EventLine(ThreadLine):
     def work(self) -> None:
         """See ``ThreadLine.work``."""
         while not self.closing:
-            self.bring((self.port, self._read()))
+            self.bring((self.port, self.call(self._read)))
 
     def read(self) -> Any:
         """Nobody does that."""
@@ -121,7 +128,7 @@ class SampleLine(ThreadLine):
             self._wanted.acquire()
             if self.closing:
                 return
-            self._value = self._read()
+            self._value = self.call(self._read)
             self._busy = False
 
     def read(self) -> Any:
@@ -172,7 +179,7 @@ class OutputLine(ThreadLine):
     def _write(self, value: Any) -> None:
         self._since = time.monotonic()
         try:
-            self.driver.write(value)
+            self.call(self.driver.write, value)
         except BaseException as error:
             self._failure = error
             self.fail(error)

@@ -103,6 +103,17 @@ class _Run:
 
     def outcome(self) -> Outcome:
         began = time.perf_counter()
+        stopping.leave_run = self._leave
+        try:
+            return self._released_outcome(began)
+        finally:
+            stopping.leave_run = None
+
+    def _leave(self) -> None:
+        self._devices.leave()
+        scheduler.leave()
+
+    def _released_outcome(self, began: float) -> Outcome:
         try:
             outcome = self._how_it_ends()
         except HandlerFailed as end:
@@ -281,7 +292,9 @@ class _Run:
         except (HandlerFailed, KeyboardInterrupt):
             return self._release()  # A handler was faster; from now on none is called.
         if os.getpid() != self._process:
-            os._exit(1)  # A child that a driver has forked and that comes back: outputs are none of its business.
+            os._exit(
+                1
+            )  # A child that a library has forked behind Python's back, and that comes back: outputs are none of its business.
         self._devices.watch.limits_steps = False
         scheduler.observe = None
         scheduler.watcher = None

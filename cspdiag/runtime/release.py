@@ -12,6 +12,7 @@ from .drivers import Signal, device_of, name_of
 from .exceptions import RunFailed
 from .external import EventOutput, Port, SampledOutput
 from .lines import OutputLine, ThreadLine
+from .stopping import stopping
 from .watch import PATIENCE, PATIENCE_AT_CLOSE, Call, Watch
 
 Output: TypeAlias = "SampledOutput[Any] | EventOutput[Any]"
@@ -102,6 +103,8 @@ class Release:
             except BaseException as error:
                 assert call is not None
                 self._note(call.failed(error).error)
+            finally:
+                stopping.end_child()
 
         thread = threading.Thread(target=work, daemon=True)
         thread.start()

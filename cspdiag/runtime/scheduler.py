@@ -20,6 +20,7 @@ from collections.abc import Callable, Coroutine, Generator
 from itertools import islice
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
+from .child import end_of_child
 from .exceptions import Cancelled
 from .stopping import stopping
 from .timers import Timers
@@ -234,6 +235,10 @@ class Scheduler:
         self.watcher: Watcher | None = None
         self.observe: Callable[[str, Any, Party | None, Party | None], None] | None = None
         self.sample_log: list[Any] | None = None
+
+    def leave(self) -> None:
+        """In a child that was forked: whatever would be resumed next, wherever the queue is being walked, ends it."""
+        self.queue[:] = [end_of_child] * (len(self.queue) + 1)
 
     def set_priority(self, task: Task, priority: Priority) -> None:
         """Gives a task that is not in a queue its level.

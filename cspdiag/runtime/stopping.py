@@ -62,6 +62,10 @@ class Stopping:
         """The call of a driver that the main thread is in: what a driver does is not left in the middle."""
         self.say: Callable[[str], object] | None = None
         """How a command says something: set by a command, which consists of the run and ends with it."""
+        self.leave_run: Callable[[], None] | None = None
+        """While a network runs: keeps a child that is forked now from going on with it."""
+        self.is_child = False
+        """Whether this process was forked while a network ran, which is its parent's."""
         self._raises = False
         self._held = False
         self._heard = False
@@ -132,10 +136,18 @@ class Stopping:
                 return
 
     def _leave_to_child(self) -> None:
-        """A driver has forked a child, which is none of our business: signals end it as they end any process."""
+        """A driver has forked a child, which is none of our business: signals end it as they end any process, and what we drive is not its own."""
+        if self.leave_run is not None:
+            self.is_child = True
+            self.leave_run()
         self._raises = False
         self.signal = 0
         self._restore()
+
+    def end_child(self) -> None:
+        """Ends a child that comes back from what has forked it."""
+        if self.is_child:
+            os._exit(1)
 
     @contextmanager
     def raising(self, *, patiently: bool = False) -> Iterator[None]:

@@ -94,6 +94,8 @@ class Watch:
             raise what.failed(error) from error
         finally:
             stopping.call = None
+            if stopping.is_child:
+                stopping.end_child()
 
     def _run(self) -> None:
         while not self._ended.wait(_LOOK):

@@ -277,7 +277,9 @@ class Unspeakable(Exception):  # noqa: N818
 class Bus:
     """Remembers what it is handed, and raises ``error`` at a safe value (0.0) or at ``close``."""
 
-    def __init__(self, fails: str = "", error: type[BaseException] = KeyboardInterrupt, *, blocking: bool = False) -> None:
+    def __init__(
+        self, fails: str = "", error: type[BaseException] = KeyboardInterrupt, *, blocking: bool = False
+    ) -> None:
         self.fails = fails
         self.error = error
         self.blocking = blocking

@@ -64,6 +64,7 @@ environment Bench for Main on miss count {
 
 LAW = """
 import os
+import signal
 import time
 
 
@@ -96,6 +97,8 @@ def fail(fault):
         raise GeneratorExit
     if fault == "body raises without a text":
         raise Mute
+    if fault == "body forks" and os.fork() == 0:
+        signal.alarm(60)
     if fault == "body hangs":
         time.sleep(1000)
     while fault == "body hangs for good":
@@ -113,9 +116,12 @@ import sys
 import time
 
 FAULT = os.environ["FAULT"]
+PROCESS = os.getpid()
 
 
 def log(text):
+    if os.getpid() != PROCESS:
+        text = "child: " + text
     file = os.open("log", os.O_WRONLY | os.O_APPEND | os.O_CREAT)
     os.write(file, (text + "\\n").encode())
     os.close(file)
@@ -149,6 +155,8 @@ def fail(how):
         raise Mute
     if how == "exits":
         sys.exit(0)
+    if how == "forks" and os.fork() == 0:
+        signal.alarm(60)  # Should it not end by itself.
     if how == "hangs":
         time.sleep(1000)
     while how == "hangs for good":
@@ -168,6 +176,8 @@ class Device:
 
     def open(self):
         log(f"{type(self).__name__} open")
+        if FAULT == "open forks" and isinstance(self, Card):
+            fail("forks")
         if FAULT == "open is slow":
             time.sleep(0.7)
         if FAULT == "default is restored":
@@ -274,6 +284,13 @@ WAYS = (
         "a handler exits", 1, "the handler of SIGTERM (leave, card.py:", "handler exits", (signal.SIGTERM,) * 6,
     ),
     WayOut("a child of a driver", 143, "stopped by SIGTERM", "child", (signal.SIGTERM,)),
+    *(
+        WayOut(f"a child comes back from {what}", 143, "stopped by SIGTERM", f"{fault} forks", (signal.SIGTERM,))
+        for what, fault in (
+            ("open", "open"), ("a read", "read"), ("a write", "write"), ("a safe write", "safe"), ("close", "close"),
+            ("a body", "body"),
+        )
+    ),
     WayOut("a read raises", 1, "driver Card failed to read at port Main.level: OSError: cable out", "read raises"),
     WayOut("a read exits", 1, "driver Card failed to read at port Main.level: SystemExit: 0", "read exits"),
     WayOut(
@@ -375,6 +392,8 @@ class Seen:
                 found.append(f"{port} is released {writes.count(f'{port} {safe}')} times")
             if not writes or writes[-1] != f"{port} {safe}":
                 found.append(f"the last value of {port} is not safe")
+        if any(call.startswith("child: ") for call in self.calls):
+            found.append("a child goes on with the devices")
         for device in ("Card", "Lamp"):
             for operation in ("open", "close"):
                 if self.calls.count(f"{device} {operation}") != (device in way.opened):
