@@ -7,11 +7,11 @@ that wait, and in the attributes of their processes. A waiting process is the pa
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Container, Iterable, Iterator
+from collections.abc import Callable, Container, Iterable, Iterator
 from dataclasses import dataclass
 from gc import get_referents
 from inspect import iscoroutine
-from types import CodeType, FrameType
+from types import CodeType, FrameType, FunctionType
 from typing import Any
 
 from .composition import Branches
@@ -147,7 +147,7 @@ def channel_identity(end: Any) -> int:
     return id(getattr(end, "channel", end))
 
 
-def _frames(task: Task) -> Iterator[FrameType]:
+def frames_of(task: Task) -> Iterator[FrameType]:
     """The frames of what the task executes, outermost first, but for those of the runtime."""
     awaited: Any = task.coroutine
     while awaited is not None:
@@ -164,7 +164,7 @@ def _wrapped(awaited: Any) -> Any:
 
 
 def _place(task: Task) -> str | None:
-    frames = list(_frames(task))
+    frames = list(frames_of(task))
     if not frames:
         return None
     code, line = frames[-1].f_code, frames[-1].f_lineno
@@ -175,11 +175,12 @@ def _source(task: Task) -> str | None:
     return None if task.process is None else task.process.source
 
 
-def channels_used_by(task: Task) -> set[int]:
-    """Identities of the channels that the task can reach from where it waits."""
+def channels_used_by(task: Task, names_in: Callable[[Task, FrameType], set[str]] | None = None) -> set[int]:
+    """Identities of the channels that the task can reach from where it waits; ``names_in`` tells which names of a function count, otherwise all do."""
     found: set[int] = set()
-    for frame in _frames(task):
-        names = _names_in(frame.f_code)
+    for frame in frames_of(task):
+        names = names_in_code(frame.f_code) if names_in is None else names_in(task, frame)
+        names = _with_callees(names, frame)
         for value in frame.f_locals.values():
             if isinstance(value, Process):
                 _collect([part for name, part in vars(value).items() if name in names], found)
@@ -188,12 +189,27 @@ def channels_used_by(task: Task) -> set[int]:
     return found
 
 
-def _names_in(code: CodeType) -> set[str]:
+def _with_callees(names: set[str], frame: FrameType) -> set[str]:
+    """The names, and those in the functions of the program that they name, and so on: parts of a process have methods of their own."""
+    kinds = {type(value) for value in frame.f_locals.values() if isinstance(value, Process)}
+    found = set(names)
+    pending = list(names)
+    while pending:
+        name = pending.pop()
+        for callee in (*(getattr(kind, name, None) for kind in kinds), frame.f_globals.get(name)):
+            if isinstance(callee, FunctionType) and not is_of_runtime(callee):
+                new = names_in_code(callee.__code__) - found
+                found |= new
+                pending += new
+    return found
+
+
+def names_in_code(code: CodeType) -> set[str]:
     """The attributes that a function names, inner functions included."""
     names = set(code.co_names)
     for constant in code.co_consts:
         if isinstance(constant, CodeType):
-            names |= _names_in(constant)
+            names |= names_in_code(constant)
     return names
 
 

@@ -10,7 +10,7 @@ import os
 import re
 import sys
 from inspect import CO_COROUTINE, CO_GENERATOR
-from types import CodeType, FrameType, TracebackType
+from types import CodeType, FrameType, FunctionType, TracebackType
 from typing import TYPE_CHECKING
 
 from .exceptions import Cancelled, Place, RunEnded
@@ -72,9 +72,10 @@ def raised_by_program(error: BaseException) -> bool:
     return innermost is not None and innermost.co_filename in files
 
 
-def is_of_runtime(frame: FrameType) -> bool:
-    """Whether a frame executes code of this package."""
-    return str(frame.f_globals.get("__package__", "")) == _RUNTIME
+def is_of_runtime(code: FrameType | FunctionType) -> bool:
+    """Whether a frame executes, or a function is, code of this package."""
+    names = code.__globals__ if isinstance(code, FunctionType) else code.f_globals
+    return str(names.get("__package__", "")) == _RUNTIME
 
 
 def source_line(code: CodeType, line: int) -> str | None:

@@ -18,6 +18,7 @@ from cspdiag.runtime.deadlock import channel_identity, channels_used_by
 from cspdiag.runtime.interrupt import _Body
 from cspdiag.runtime.scheduler import Task
 from cspdiag.simulate.replay.task_names import path_of
+from cspdiag.simulate.replay.yet_to_come import channels_to_come
 
 NEVER = frozenset({"for ever, at stop", "for an alternative of which no guard is enabled"})
 """What is waited for in vain, whoever goes on."""
@@ -32,6 +33,9 @@ class Partners:
     def __init__(self, network: Network) -> None:
         self._writers = {net.path: tuple(path for path, _ in net.writers) for net in network.nets}
         self._readers = {net.path: tuple(path for path, _ in net.readers) for net in network.nets}
+        by_hand = {entry.name for entry in network.classes if isinstance(entry, ProcessClass) and entry.body is None}
+        self._by_hand = {instance.path for instance in network.instances if instance.class_name in by_hand}
+        self._by_hand |= {network.top} if network.top in by_hand else set()
         raising = {
             entry.name
             for entry in network.classes
@@ -50,7 +54,7 @@ class Partners:
         while True:
             waiting_parents = {parent for parent, branches in parents.items() if not found.isdisjoint(branches)}
             live = [task for task in (*leaves, *parents) if task not in found and task not in waiting_parents]
-            uses |= {task: channels_used_by(task) for task in live if task not in uses}
+            uses |= {task: self._channels_of(task) for task in live if task not in uses}
             freed = {
                 task
                 for task in found
@@ -60,6 +64,10 @@ class Partners:
             if not freed:
                 return [task for task in leaves if task in found]
             found -= freed
+
+    def _channels_of(self, task: Task) -> set[int]:
+        """Those that a task may still come to, as far as that is known: of what is written by hand, all that it can reach."""
+        return channels_used_by(task) if path_of(task) in self._by_hand else channels_to_come(task)
 
     def _may_come(self, task: Task, wait: Wait, live: list[Task], uses: dict[Task, set[int]]) -> bool:
         """Whether somebody who goes on may come to what a task waits for."""
