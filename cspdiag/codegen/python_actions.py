@@ -265,7 +265,7 @@ class Composition:
                 return (run(Prefix("await ", written), self._place(event)),)
             case AfterEvent(duration=duration):
                 waited = call(self.imports.runtime("wait"), self.printer.print(duration))
-                return (run(Prefix("await ", waited), self._place_of_fault(duration, event)),)
+                return (run(Prefix("await ", waited), self._place(event)),)
             case SkipEvent():
                 return ()
         raise AssertionError("a ready guard needs an alternative")
@@ -424,10 +424,8 @@ class Composition:
     def _checked_place(self, action: Action) -> str | None:
         """The place of what waits in this very statement, rather than in a process or coroutine that it runs."""
         match action:
-            case WriteValue() | StopStep():
+            case WriteValue() | StopStep() | WaitStep():
                 return self._place(action)
-            case WaitStep(duration=value):
-                return self._place_of_fault(value, action)
             case InterruptOn(branch=Branch(event=InputEvent())):
                 return self._place(action)
             case InterruptOn(branch=branch):

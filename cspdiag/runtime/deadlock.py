@@ -88,8 +88,14 @@ def _many(count: int) -> str:
     return "a process waits for itself, not" if count == 1 else f"{count} processes wait"
 
 
-def report_deadlock(root: Task, now: int, stuck: Container[Task] | None = None) -> DeadlockReport:
-    """Why nothing goes on below ``root``, or only what is not among those that are ``stuck``."""
+def _path(task: Task) -> str:
+    return "" if task.process is None else task.process.name
+
+
+def report_deadlock(
+    root: Task, now: int, stuck: Container[Task] | None = None, called: Callable[[Task], str] = _path
+) -> DeadlockReport:
+    """Why nothing goes on below ``root``, or only what is not among those that are ``stuck``; ``called`` names tasks."""
     tasks = list(_leaves(root))
     waits = [task.waits() for task in tasks]
     users: defaultdict[int, list[int]] = defaultdict(list)
@@ -100,7 +106,7 @@ def report_deadlock(root: Task, now: int, stuck: Container[Task] | None = None) 
         sorted({other for channel in _identities(wait) for other in users[channel]} - {index})
         for index, wait in enumerate(waits)
     ]
-    paths = [_path(task) for task in tasks]
+    paths = [called(task) for task in tasks]
     processes = tuple(
         WaitingProcess(
             path=paths[index],
@@ -128,10 +134,6 @@ def _leaves(task: Task) -> Iterator[Task]:
             pending += [branch for branch in reversed(task.waiting.tasks) if not branch.ended]
         else:
             yield task
-
-
-def _path(task: Task) -> str:
-    return "" if task.process is None else task.process.name
 
 
 def _words(waits: Waits) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -248,7 +249,7 @@ def test_the_trace_is_replayed_by_run(cspdiag: Command, refuted: Path, proved: P
     replay = cspdiag("run", refuted, "--replay", trace)
     assert replay.code == 0
     assert "deadlock at 0 s: 2 processes wait for each other" in replay.err
-    assert ":7), for second" in replay.err, "the line at which it waits"
+    assert ":7), for `second`" in replay.err, "the line at which it waits"
     assert replay.err.endswith("replayed: the program did all 0 steps\n")
     other = cspdiag("run", proved, "--replay", trace)
     assert other.code == 1
@@ -319,3 +320,69 @@ def test_values_are_told_in_the_words_of_the_text(cspdiag: Command, tmp_path: Pa
     assert "arrived  Part.bad" in told
     assert "ready  Part.bad" in told
     assert "taken  true" in told
+
+
+ENDED = """process P {
+  communication { channel c : int
+    var v : int = 0 }
+  composition { (c ! 1 ; c ! 2) || (c ? v) || (mu wait 1 ms) }
+}
+assert P deadlock free
+"""
+INTERRUPTED = """process P {
+  in e : int
+  communication {
+    channel c : int
+    channel d : int
+    var v : int = 0
+    var w : int = 0
+    var y : int = 0
+  }
+  composition {
+    (mu (c ! 1 ; d ? w) interrupt e ? y -> (c ! -1))
+    || (mu (c ? v ; d ! v) until v < 0)
+  }
+}
+assert P deadlock free
+"""
+LABELLED = """process A {
+  out o : int
+  composition { o ! 1 }
+}
+process P {
+  communication {
+    channel c : int
+    channel d : int
+    a : A
+    a.o -> c
+    var v : int = 0
+  }
+  composition { (wait 1 ms || wait 2 ms) ; ((a ; d ! 1 ; d ! 2) || (c ? v ; d ? v) || (mu wait 2 ms)) }
+}
+assert P deadlock free
+"""
+
+
+def waiting_lines(told: str) -> list[str]:
+    """Who waits for what, and where, without the folder of the file."""
+    return [
+        f"{who}{file}" for who, file in re.findall(r"^  (`.*` waits to .* \()(?:.*/)?(.*:\d+\))", told, re.MULTILINE)
+    ]
+
+
+@pytest.mark.parametrize("text", [ENDED, INTERRUPTED, LABELLED])
+def test_a_replay_names_who_waits_as_the_proof_does(cspdiag: Command, tmp_path: Path, text: str) -> None:
+    program, trace = tmp_path / "case.csp", tmp_path / "trace.json"
+    program.write_text(text)
+    proof = waiting_lines(cspdiag("verify", program, "--trace-out", trace).err)
+    replay = cspdiag("run", program, "--replay", trace)
+    assert replay.code == 0
+    assert proof
+    assert waiting_lines(replay.err) == proof
+
+
+def test_a_replay_says_where_others_are_in_a_delay(cspdiag: Command, tmp_path: Path) -> None:
+    program, trace = tmp_path / "case.csp", tmp_path / "trace.json"
+    program.write_text(ENDED)
+    cspdiag("verify", program, "--trace-out", trace)
+    assert re.search(r"  `3` waits until 1 ms \(.*case.csp:4\)\n", cspdiag("run", program, "--replay", trace).err)

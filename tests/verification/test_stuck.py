@@ -113,7 +113,7 @@ def test_a_replay_says_who_is_stuck_and_when(tmp_path: Path, capsys: pytest.Capt
     assert "deadlock at" not in told
     assert "stuck at 0 s" in told
     assert (
-        told.index("panel waits to write panel.command")
+        told.index("`panel` waits to write panel.command")
         < told.index("while others go on:")
-        < told.index("heart waits until")
+        < told.index("`heart` waits until")
     )

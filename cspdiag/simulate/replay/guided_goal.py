@@ -86,6 +86,20 @@ class Goal:
             if any(_PART not in channel for channel in channels)
         )
 
+    def called(self, task: Task, names: TaskNames) -> str:
+        """What the counterexample calls a task; one that it does not name has the name that it would have there."""
+        own = names.called(task)
+        path, waits = path_of(task), {channel for _, channel in _offers(task) if channel}
+        fitting = [
+            name
+            for name, (of, channels) in zip(self.trace.stuck_names, self.trace.stuck, strict=False)
+            if belongs(path, of) and waits & channels
+        ]
+        if own in fitting:
+            return own
+        others = [name for name in fitting if not name.rpartition(".")[2].isdecimal()]
+        return min(others, key=lambda name: not name.startswith(f"{own} ("), default=own)
+
     def standing(self, root: Task, names: TaskNames) -> Iterator[Standing]:
         """Who waits for ever."""
         for task in _leaves(root):

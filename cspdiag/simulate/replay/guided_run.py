@@ -103,7 +103,8 @@ class Run:
                 divergence, happened = self._lost or self._not_come(), tuple(self._happened)
                 standing = tuple(self._goal.standing(self._root, self._names))
             if self._goal.is_standstill:
-                deadlock = report_deadlock(self._root, scheduler.now, self._goal.stuck(self._root))
+                stuck = self._goal.stuck(self._root)
+                deadlock = report_deadlock(self._root, scheduler.now, stuck, self._called)
         except AstrayError as problem:
             divergence = self._lost or str(problem)
         finally:
@@ -114,6 +115,9 @@ class Run:
         cut = self._cut if self._strict and self._cut is not None else self._decisions.made
         made, instants = tuple(self._communications), tuple(self._instants)
         return GuidedRun(done, self._actions, divergence, made, deadlock, cut, happened, standing, instants)
+
+    def _called(self, task: Task) -> str:
+        return self._goal.called(task, self._names)
 
     def _go(self) -> None:
         while self._script.left or self._goal.is_standstill or self._is_to_come():

@@ -26,7 +26,7 @@ def below(report: DeadlockReport, top: str) -> DeadlockReport:
         waits = process.waits
         for channel in process.channels:
             waits = waits.replace(channel, channel.removeprefix(f"{top}."))
-        return replace(process, path=process.path.removeprefix(f"{top}."), waits=waits)
+        return replace(process, path=f"`{process.path.removeprefix(f'{top}.')}`", waits=waits)
 
     lists = (tuple(map(short, processes)) for processes in (report.waiting, report.cycle, report.others))
     return DeadlockReport(report.time, *lists)

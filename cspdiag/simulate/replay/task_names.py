@@ -36,6 +36,19 @@ class TaskNames:
             join = task.join
         return (path, f"{path}.{self._number(task, join) + 1}") if isinstance(join, Branches) else (path,)
 
+    def called(self, task: Task) -> str:
+        """What proofs call a task that has no other name: its process, or that with its number if it is a parallel branch inside of it."""
+        path = path_of(task)
+        join = task.join
+        while isinstance(join, Branches):
+            parent = join._parent
+            if path_of(parent) != path:
+                return path
+            if len(join.tasks) > 1:
+                return f"{path}.{self._number(task, join) + 1}"
+            task, join = parent, parent.join
+        return path
+
     def _number(self, task: Task, join: Branches) -> int:
         if task not in self._numbers:
             self._numbers.update((branch, number) for number, branch in enumerate(join.tasks))

@@ -49,6 +49,8 @@ class Trace:
     exact: bool
     hidden: frozenset[str] = frozenset()
     """Channels of the environment that a specification does not see."""
+    stuck_names: tuple[str, ...] = ()
+    """What those of ``stuck`` are called, in their order."""
     rounds: bool = False
     """Whether it has rounds of loops whose end the proof left open."""
 
@@ -101,6 +103,7 @@ def read_trace(text: str) -> Trace:
             rounds=any(entry["kind"] == _ROUNDS for entry in whole["steps"]),
             hidden=frozenset(f"{whole['process']}.{_text(port)}" for port in whole.get("hidden", ())),
             stuck=tuple((_text(entry["path"]), frozenset(map(_text, entry["channels"]))) for entry in whole["waiting"]),
+            stuck_names=tuple(_whole(entry["process"], whole["process"]) for entry in whole["waiting"]),
         )
     except (KeyError, TypeError, AttributeError) as problem:
         raise TraceError(f"a trace that is not whole ({type(problem).__name__}: {problem})") from None

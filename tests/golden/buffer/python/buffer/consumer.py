@@ -26,7 +26,7 @@ class Consumer(Process):
     async def run(self) -> None:
         while True:
             self.latest.value = await self.item.read()  # buffer.csp:59
-            await wait(3 * ms)
+            await wait(3 * ms)  # buffer.csp:59
             await self.done.write(self.latest.value)  # buffer.csp:59
             self.taken.value = int64(self.taken.value + 1)  # buffer.csp:59
             if self.taken.value == producers * items:

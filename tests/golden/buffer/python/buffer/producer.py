@@ -28,6 +28,6 @@ class Producer(Process):
 
     async def run(self) -> None:
         while self.made.value < items:
-            await wait(self.period)
+            await wait(self.period)  # buffer.csp:16
             await self.item.write(int64(100 * self.id_ + self.made.value))  # buffer.csp:17
             self.made.value = int64(self.made.value + 1)  # buffer.csp:18

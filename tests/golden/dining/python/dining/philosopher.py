@@ -28,10 +28,10 @@ class Philosopher(Process):
 
     async def run(self) -> None:
         while self.eaten.value < meals:
-            await wait(10 * ms)
+            await wait(10 * ms)  # table.csp:33
             await self.first.write(self.id_)  # table.csp:34
             await self.second.write(self.id_)  # table.csp:35
-            await wait(20 * ms)
+            await wait(20 * ms)  # table.csp:36
             await self.first.write(self.id_)  # table.csp:37
             await self.second.write(self.id_)  # table.csp:38
             self.eaten.value = int64(self.eaten.value + 1)  # table.csp:39
