@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 from cspdiag.diagnostics import Diagnostic, Label, Span
 from cspdiag.diagnostics.record import record
 from cspdiag.model.durations import duration
@@ -243,22 +245,33 @@ class SamplesMissed(Diagnostic):
     @property
     def help(self) -> str | None:
         if self.slower is not None:
-            return (
-                f"let an alternative read whichever comes, `mu ({self.slower} ? x -> ... []> {self.port} -> ...)`, "
-                "or a process of its own read the slower one in parallel"
-            )
+            written = self.alternative
+            remedy = "" if written is None else f", `mu ({written})`,"
+            return f"let an alternative read whichever comes{remedy} or a process of its own read the slower one in parallel"
+        own = f"put what reads `{self.port}` into a process of its own, which follows the samples only while it runs"
         if self.event is not None:
-            return (
-                f"read both in one alternative, `{self.event} ? x -> ... []> {self.port} -> ...`, or put what reads `{self.port}` into a "
-                "process of its own, which follows the samples only while it runs"
-            )
-        return (
-            f"count samples of `{self.port}` instead, wait in a process in parallel, or put what reads `{self.port}` into a process of "
-            "its own, which follows the samples only while it runs"
-        )
+            written = self.alternative
+            remedy = "" if written is None else f", `{written}`"
+            return f"read both in one alternative{remedy}, or {own}"
+        return f"count samples of `{self.port}` instead, wait in a process in parallel, or {own}"
+
+    @property
+    def alternative(self) -> str | None:
+        """What reads whichever comes, in the words of the text; None where these mean something in their place only."""
+        other = _guarded(self.slower or self.event or "", self.span)
+        read = _guarded(self.port, self.read)
+        return None if other is None or read is None else f"{other} []> {read}"
 
     @property
     def labels(self) -> tuple[Label, ...]:
         if self.read == self.earlier:
             return (Label(self.read, f"reads `{self.port}`"),)
         return (Label(self.earlier, f"reads `{self.port}`"), Label(self.read, f"reads `{self.port}` again"))
+
+
+def _guarded(port: str, read: Span) -> str | None:
+    """A branch that does what reads a port in the text, which is a communication, a guard or a control law; None where that is more, or replicated."""
+    text = read.text
+    if text == port or re.fullmatch(rf"{re.escape(port)}\s*\?\s*[\w.]+", text):
+        return f"{text} -> ..."
+    return f"{port} -> {text}" if re.fullmatch(r"[A-Za-z_]\w*", text) else None

@@ -10,6 +10,9 @@ from cspdiag.network.sample_reads import MANY, Book, Part, Reads
 from cspdiag.network.shapes import Key
 from cspdiag.network.waiting import sample_period
 
+NEVER = 1 << 63
+"""A later moment than any."""
+
 
 class Findings:
     """What is found in one process."""
@@ -19,6 +22,8 @@ class Findings:
         self.report = report
         self.tolerated = False
         """Whether nothing is said of the parts that are joined now: a missed sample is caught there, or it is not certain that they are reached."""
+        self.limit = NEVER
+        """Within how many nanoseconds the parts that are joined now are surely cut off."""
         self.said: set[tuple[Key, Span]] = set()
 
     def check(self, book: Book, between: Gap | None, one: Reads, other: Reads) -> bool:
@@ -27,6 +32,8 @@ class Findings:
         if self.tolerated or between is None or between.cause is None:
             return False
         if between.event is None and between.late < 2 * period:
+            return False
+        if between.duration + period >= self.limit:
             return False
         is_said = (book[0], between.cause) in self.said
         self.said.add((book[0], between.cause))
@@ -65,9 +72,11 @@ class Findings:
 
     def _report_turns(self, key: Key, turn: Gap, read: Span, *, slower: Key | None, is_endless: bool) -> None:
         assert turn.cause is not None
-        if (key, turn.cause) not in self.said:
+        period = sample_period(self.placed, key)
+        turns = 2 + 2 * period // turn.late if turn.late else 1
+        if turns * turn.duration + period < self.limit and (key, turn.cause) not in self.said:
             self.said.add((key, turn.cause))
-            reads = turn.credit // sample_period(self.placed, key)
+            reads = turn.credit // period
             self._report(key, turn, read, read, reads, is_certain=is_endless, slower=slower, turns=True)
 
     def _report(

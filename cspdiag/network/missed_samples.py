@@ -42,7 +42,7 @@ from cspdiag.network.actions import (
 from cspdiag.network.contexts import Placed
 from cspdiag.network.findings_of_samples import Findings
 from cspdiag.network.gaps import NOTHING, Elapsed, Gap, either, then
-from cspdiag.network.possible import decided, is_always_ready, possible_branches
+from cspdiag.network.possible import decided, is_always_ready, possible_branches, ways_of_samples
 from cspdiag.network.relations import end_key
 from cspdiag.network.sample_reads import (
     INSTANT,
@@ -55,6 +55,7 @@ from cspdiag.network.sample_reads import (
     beside,
     earlier,
     endless,
+    free_book,
     joined,
     later,
     least_time,
@@ -93,7 +94,9 @@ class _Sequence:
         self.known = known
         self.findings = Findings(placed, report)
         self.ready: frozenset[Key] = frozenset()
-        """Events that a guard has found ready, so that what follows it reads them without waiting."""
+        """Events that a guard has found ready, so that the next read of them does not wait."""
+        self._bodies: dict[tuple[int, frozenset[Key], bool], Part] = {}
+        """What follows guards, which may be looked at on several ways."""
 
     def part(self, action: Action) -> Part:
         match action:
@@ -114,11 +117,11 @@ class _Sequence:
             case SequentialSteps():
                 return self._sequence(map(self.part, action.steps))
             case ParallelSteps():
-                return beside(map(self.part, action.steps))
+                return beside(map(self._apart, action.steps))
             case Choice():
                 return self._choice(action)
             case Repeat():
-                body = self.part(action.body)
+                body = self._apart(action.body)
                 ends = action.until is not None and decided(self.placed, action.until)
                 if ends:
                     return body
@@ -127,13 +130,13 @@ class _Sequence:
             case WhileLoop():
                 if decided(self.placed, action.condition) is False:
                     return INSTANT
-                body = self.part(action.body)
+                body = self._apart(action.body)
                 self.findings.check_turns(body, is_endless=False)
                 return one_of([INSTANT, repeated(body)])
             case IfElse():
                 holds = decided(self.placed, action.condition)
                 ways = [action.then] * (holds is not False) + [action.otherwise] * (holds is not True)
-                return one_of([self.part(way) for way in ways])
+                return one_of([self._apart(way) for way in ways])
             case CatchException():
                 return self._catch(action)
             case InterruptOn():
@@ -145,6 +148,13 @@ class _Sequence:
             case _:
                 assert_never(action)
 
+    def _apart(self, action: Action) -> Part:
+        """A part that is not taken on every way: an event that was ready before it may still be so afterwards."""
+        was_ready = self.ready
+        found = self.part(action)
+        self.ready = was_ready
+        return found
+
     def _law(self, instance: InstanceShape, span: Span) -> Part:
         return self._read([key for key in inputs_of(instance) if key is not None], span)
 
@@ -153,6 +163,7 @@ class _Sequence:
         keys = list(keys)
         event = next((key for key in keys if self._is_event(key)), None)
         time = NOTHING if event is None else Gap(0, event, span)
+        self.ready -= set(keys)
         return part(time, {(key, 0): one_read(self._period(key), time, span) for key in keys if self._period(key)})
 
     def _process(self, action: RunInstance) -> Part:
@@ -170,7 +181,11 @@ class _Sequence:
         return sample_period(self.placed, key)
 
     def _choice(self, action: Choice) -> Part:
-        """One of the branches that are possible, after what is waited for before it can be chosen."""
+        """One of the branches that are possible, whether the conditions of samples hold or not."""
+        return one_of([self._chosen(way) for way in ways_of_samples(self.placed, action)])
+
+    def _chosen(self, action: Choice) -> Part:
+        """One of the branches, after what is waited for before it can be chosen."""
         branches = possible_branches(self.placed, action)
         events = [branch for branch in branches if self._event_of(branch) is not None]
         time_outs = [branch for branch in branches if isinstance(branch.event, AfterEvent)]
@@ -223,21 +238,29 @@ class _Sequence:
         waits = known_duration(self.placed, branch.event.duration)
         return Gap(waits, None, branch.event.span) if waits else None
 
-    def _branch(self, branch: Branch, until: Gap, instead: Mapping[Book, Reads]) -> Part:
-        """What follows when a branch is chosen, ``until`` a moment at the latest, ``instead`` of samples."""
+    def _branch(self, branch: Branch, until: Gap, instead: Mapping[Book, Reads], beside: Part = INSTANT) -> Part:
+        """What follows when a branch is chosen, ``until`` a moment at the latest, ``instead`` of samples; its guard stands ``beside`` a part, with a book of its own."""
         event = branch.event
         if isinstance(event, InputEvent | ReadyEvent):
             key = end_key(event.source)
-            was_ready, self.ready = self.ready, self.ready | {key}
-            following = self.part(branch.body)
+            was_ready = self.ready
+            self.ready = was_ready | {key} if isinstance(event, ReadyEvent) else was_ready - {key}
+            following = self._following(branch)
             self.ready = was_ready
             if self._period(key):
-                taken = part(NOTHING, {(key, 0): one_read(self._period(key), NOTHING, event.span)})
+                book = free_book(key, beside)
+                taken = part(NOTHING, {book: one_read(self._period(key), NOTHING, event.span)})
                 return following if isinstance(event, ReadyEvent) else self._sequence((taken, following))
         else:
-            following = self.part(branch.body)
+            following = self._following(branch)
         time = self._time_out(branch) or NOTHING if isinstance(event, AfterEvent) else until
         return self._sequence((part(time, instead), following))
+
+    def _following(self, branch: Branch) -> Part:
+        place = id(branch.body), self.ready, self.findings.tolerated
+        if place not in self._bodies:
+            self._bodies[place] = self._apart(branch.body)
+        return self._bodies[place]
 
     def _instead_of(self, sample: Key, chosen: Branch, *, waits: bool, is_first: bool, is_last: bool) -> Reads:
         """What becomes of a sample where something else is chosen: an event comes when it likes, up to the next sample.
@@ -250,11 +273,17 @@ class _Sequence:
         return not_read(held, NOTHING if is_first else None, span)
 
     def _interrupt(self, action: InterruptOn) -> Part:
-        body, branch = self.part(action.body), action.branch
-        if decided(self.placed, branch.condition) is False:
-            return body
+        branch = action.branch
+        holds = decided(self.placed, branch.condition)
+        if holds is False:
+            return self._apart(action.body)
         is_time_out = isinstance(branch.event, AfterEvent)
-        handler = self.part(branch.body) if is_time_out else self._branch(branch, NOTHING, {})
+        longest = self._longest(branch) if holds else 0
+        was_limit = self.findings.limit
+        self.findings.limit = min(was_limit, longest) if longest else was_limit
+        body = self._apart(action.body)
+        self.findings.limit = was_limit
+        handler = self._following(branch) if is_time_out else self._branch(branch, NOTHING, {}, beside=body)
         if body.time is NOTHING and not body.reads:
             return body
         event = self._event_of(branch)
@@ -265,9 +294,17 @@ class _Sequence:
         if not may_end and body.time is not None and body.time.duration < limit.duration:
             return body
         left = self._sequence((self._cut_off(body, limit), handler))
+        if not is_time_out and longest and body.time is not None and body.time.event is None:
+            may_end = body.time.duration < longest
         if not may_end:
             return replaced(left, exits=one_of_exits((body.exits, left.exits)))
         return one_of([within(body, limit) if is_time_out else body, left])
+
+    def _longest(self, branch: Branch) -> int:
+        """After how many nanoseconds a guard surely comes that is a time-out or a sample; 0 where that is not known."""
+        if isinstance(branch.event, AfterEvent):
+            return known_duration(self.placed, branch.event.duration)
+        return self._period(end_key(branch.event.source)) if isinstance(branch.event, InputEvent | ReadyEvent) else 0
 
     def _abandoned(self, body: Part, event: Key, span: Span) -> Part:
         """A body that an event ends: when it likes, at the latest with the next sample that the body waits for."""
@@ -304,9 +341,9 @@ class _Sequence:
     def _catch(self, action: CatchException) -> Part:
         was_tolerated = self.findings.tolerated
         self.findings.tolerated = was_tolerated or action.exception == "Timeout"
-        body = self.part(action.body)
+        body = self._apart(action.body)
         self.findings.tolerated = was_tolerated
-        handler = self.part(action.handler)
+        handler = self._apart(action.handler)
         if action.exception == "Timeout":
             caught = {
                 key: replaced(found, before=None, most=MANY, drift=None, pending=None)
@@ -337,6 +374,8 @@ class _Sequence:
                     reads[key] = earlier(other, before)
             elapsed.add(each.time)
             since.update(dict.fromkeys(each.reads, elapsed.position))
+            if each.time is None:
+                break  # What follows is never reached.
         return part(elapsed.since(0), _until_now(reads, since, elapsed), one_of_exits(exits))
 
     def _then(self, one: Part, other: Part) -> Part:

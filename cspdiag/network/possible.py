@@ -2,16 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import assert_never
 
-from cspdiag.diagnostics.record import record
-from cspdiag.network.actions import AfterEvent, Branch, Choice, Event, InputEvent, OutputEvent, ReadyEvent, SkipEvent
+from cspdiag.diagnostics.record import record, replaced
+from cspdiag.network.actions import (
+    AfterEvent,
+    Branch,
+    Choice,
+    Event,
+    InputEvent,
+    OutputEvent,
+    ReadyEvent,
+    SkipEvent,
+    Target,
+)
 from cspdiag.network.contexts import Placed
-from cspdiag.network.expressions import Expression
+from cspdiag.network.expression_walk import walk
+from cspdiag.network.expressions import Expression, UnaryOperation, VariableValue
 from cspdiag.network.relations import end_key
 from cspdiag.network.shapes import Key
 from cspdiag.network.waiting import constant_in, is_open, known_duration, read_may_wait, sample_period, write_may_wait
+from cspdiag.network.walk import parts
 
 
 @record
@@ -92,3 +104,45 @@ def possible_branches(placed: Placed, choice: Choice) -> tuple[Branch, ...]:
         if holds and choice.prioritized and is_always_ready(placed, branch.event):
             break
     return tuple(possible)
+
+
+def ways_of_samples(placed: Placed, choice: Choice) -> tuple[Choice, ...]:
+    """An alternative as it is where the condition of its samples holds, and where it does not and others are waited for; itself where there is no such one.
+
+    Of other conditions, only those are known to hold then that always do, or are the contrary. The samples are read before and after only where
+    the condition changes both ways: some variable of it is written with the samples and without them.
+    """
+    of_samples = {branch.condition for branch in choice.branches if _is_sample(placed, branch.event)}
+    conditions = [condition for condition in of_samples if decided(placed, condition) is None]
+    if len(conditions) != 1:
+        return (choice,)
+    condition = conditions[0]
+    assert condition is not None
+    holds = [replaced(one, condition=None) if one.condition == condition else one for one in choice.branches]
+    others = [
+        one for one in choice.branches if decided(placed, one.condition) or _are_contrary(one.condition, condition)
+    ]
+    ways = [replaced(choice, branches=tuple(holds))]
+    changed = _written(one for one in choice.branches if one.condition == condition) & _written(others)
+    if not any(isinstance(part, VariableValue) and part.channel in changed for part in walk(condition)):
+        return (choice,)
+    # Where one of the other samples comes, or something is ready, there is no waiting that the first way has not.
+    if others and not any(_is_sample(placed, one.event) for one in others):
+        ways.append(replaced(choice, branches=tuple(others)))
+    return tuple(ways)
+
+
+def _is_sample(placed: Placed, event: Event) -> bool:
+    return isinstance(event, ReadyEvent | InputEvent) and bool(sample_period(placed, end_key(event.source)))
+
+
+def _written(branches: Iterable[Branch]) -> set[str]:
+    """The variables that are written in branches, and by their guards."""
+    return {part.channel for branch in branches for part in parts(branch) if isinstance(part, Target)}
+
+
+def _are_contrary(one: Expression | None, other: Expression | None) -> bool:
+    return any(
+        isinstance(a, UnaryOperation) and a.operator == "not" and a.operand == b
+        for a, b in ((one, other), (other, one))
+    )

@@ -195,9 +195,19 @@ def beside(branches: Iterable[Part]) -> Part:
     return part(_greatest(each.time for each in parts) if ends else None, reads, exits)
 
 
+def free_book(key: Key, beside: Part) -> Book:
+    """The first book of an input that a part has not which runs beside."""
+    taken = _books_of(beside)
+    return next(book for number in count() if (book := (key, number)) not in taken)
+
+
+def _books_of(one: Part) -> set[Book]:
+    return {book for each in (one, *one.exits.values()) for book in each.reads}
+
+
 def _with_books(one: Part, taken: dict[Key, set[int]]) -> Part:
     """A parallel branch with the books that no branch before it has; ``taken`` are these, and then also its own."""
-    inside = {book for each in (one, *one.exits.values()) for book in each.reads}
+    inside = _books_of(one)
     numbers: dict[Book, Book] = {}
     for key, number in sorted(inside):
         free = (other for other in count() if other not in taken.get(key, ()))

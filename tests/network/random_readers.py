@@ -39,15 +39,19 @@ RAISED = "Hot"
 
 
 class _Reader:
-    def __init__(self, rng: Random, events: int) -> None:
+    def __init__(self, rng: Random, events: int, samples: tuple[str, ...]) -> None:
         self.rng = rng
         self.events = events
+        self.samples = samples
 
     def delay(self) -> int:
         return self.rng.choice((1, 2, 3, 4, 5, 6, 8, 10, 12, 15, 20, 25)) * MS
 
     def read(self, port: str) -> Read:
-        return Read(port, Target("v" if port == "x" else "n", INT))
+        return Read(port, Target("n" if port.startswith("e") else "v", INT))
+
+    def sample(self) -> Read:
+        return self.read(self.rng.choice(self.samples))
 
     def test(self) -> Bin:
         return Bin("==", Ref("v", INT), Lit(1, INT), BOOL)
@@ -78,8 +82,8 @@ class _Reader:
     def step(self) -> Comp:
         kind = self.rng.random()
         if kind < 0.45:
-            return self.read("x")
-        if kind < 0.85:
+            return self.sample()
+        if kind < 0.8:
             return Wait(self.delay())
         if kind < 0.9 and self.events:
             return self.read(self.event())
@@ -91,13 +95,22 @@ class _Reader:
     def body(self, depth: int) -> Comp:
         kind = self.rng.random()
         if kind < 0.4:
-            return Mu(self.read("x"))
+            return Mu(self.sample())
         if kind < 0.5:
             return Stop()
         return self.part(depth)
 
     def guard_beside(self) -> Event:
-        return self.read(self.event()) if self.events and self.rng.random() < 0.5 else After(self.delay())
+        kind = self.rng.random()
+        if kind < 0.15:
+            return self.sample()
+        return self.read(self.event()) if self.events and kind < 0.55 else After(self.delay())
+
+    def when(self, event: Event) -> Bin | Lit | None:
+        kind = self.rng.random()
+        if kind < 0.08:
+            return Lit(False, BOOL)
+        return self.test() if kind < 0.2 and isinstance(event, Read) and event.channel in self.samples else None
 
     def alternative(self, depth: int) -> Comp:
         guards: dict[str, Guarded] = {}
@@ -105,7 +118,7 @@ class _Reader:
             kind = self.rng.random()
             event: Event
             if kind < 0.4:
-                event = self.read("x")
+                event = self.sample()
             elif kind < 0.65 and self.events:
                 event = self.read(self.event())
             elif kind < 0.9:
@@ -113,34 +126,40 @@ class _Reader:
             else:
                 event = Skip()
             name = event.channel if isinstance(event, Read) else repr(event)
-            when = Lit(False, BOOL) if self.rng.random() < 0.08 else None
+            when = self.when(event)
             following = self.part(depth) if self.rng.random() < 0.6 else Skip()
             guards.setdefault(name, Guarded(event, following, when))
         return Alt(tuple(guards.values()), self.rng.random() < 0.5)
 
 
 def reader(seed: int) -> Program:
-    """A program of one process that follows samples of ``x`` in a loop."""
+    """A program of one process that follows samples of ``x``, and perhaps of ``z``, in a loop, often after something else."""
     rng = Random(seed)
     events = rng.choice((0, 0, 1, 1, 2))
-    made = _Reader(rng, events)
+    made = _Reader(rng, events, ("x", "x", "z") if rng.random() < 0.3 else ("x",))
     turn: Comp = Seq((made.part(2), made.part(1)))
     if not any(isinstance(inner, Read) and inner.channel == "x" for inner in walk(turn)):
         turn = Seq((made.read("x"), turn))
     until = made.test() if rng.random() < 0.2 else None
-    names = {inner.channel for inner in walk(turn) if isinstance(inner, Read)}
+    body: Comp = Mu(turn, until)
+    if rng.random() < 0.3:
+        body = Seq((*(made.part(1) for _ in range(rng.randint(1, 3))), body))
+    names = {inner.channel for inner in walk(body) if isinstance(inner, Read)}
     names |= {
-        inner.event.channel for inner in walk(turn) if isinstance(inner, Guarded) and isinstance(inner.event, Read)
+        inner.event.channel for inner in walk(body) if isinstance(inner, Guarded) and isinstance(inner.event, Read)
     }
     ports = [Port("x", True, INT, rng.choice((5, 10)) * MS, domain=(0, 1), values=((0, 0), (23 * MS, 1)))]
+    if "z" in names:
+        period = rng.choice((5, 10, 15, 20)) * MS
+        ports.append(Port("z", True, INT, period, domain=(0, 1), values=((0, 0), (31 * MS, 1))))
     ports += [
         Port(f"e{number}", True, INT, domain=(0, 1), values=((0, 0), (17 * MS, 1)))
         for number in range(events)
         if f"e{number}" in names
     ]
-    raising = any(isinstance(inner, Raise | Catch) for inner in walk(turn))
+    raising = any(isinstance(inner, Raise | Catch) for inner in walk(body))
     return Program(
-        body=Mu(turn, until),
+        body=body,
         variables=(Variable("n", INT, 0, 0), Variable("v", INT, 0, 0)),
         ports=tuple(ports),
         exceptions=(RAISED,) if raising else (),

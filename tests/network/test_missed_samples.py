@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import random
+import re
 import sys
 
 import pytest
@@ -140,6 +141,23 @@ LOOPS = [
     ("mu ((x ? v ; x ? v) || (x ? w ; wait 2 ms))", "each turn of the loop waits 20 ms for `x`"),
     ("mu ((wait 2 ms interrupt after 20 ms -> (e ? n ; x ? v)) ; x ? v)", None),
     ("mu ((skip -> skip [] x ? v -> wait 30 ms) ; x ? v)", None),
+    ("mu (e ? n -> e ? n []> x ? v -> skip)", "this waits for the event `e`"),
+    ("mu (e -> (e ? n ; e ? n) []> x ? v -> skip)", "this waits for the event `e`"),
+    ("mu (e -> e ? n []> x ? v -> skip)", None),
+    ("mu (e -> (if v > 1 then e ? n else e ? n) []> x ? v -> skip)", None),
+    ("mu (when v < 50 & x ? v -> skip [] after 30 ms -> v := 0)", "this waits 30 ms"),
+    ("mu (when v < 50 & x ? v -> skip [] when not (v < 50) & after 30 ms -> v := 0)", "this waits 30 ms"),
+    ("mu (when v < 50 & x ? v -> skip [] when v < 50 & after 30 ms -> v := 0)", None),
+    ("mu (when n < 50 & x ? v -> skip [] after 30 ms -> v := 0)", None),
+    ("mu (when v < 50 & x ? v -> skip [] after 30 ms -> skip)", None),
+    ("mu (when v < 50 & x ? v -> skip [] after 8 ms -> v := 0)", None),
+    ("mu (((x ? v ; wait 20 ms ; x ? v) interrupt after 5 ms -> skip) ; x ? v)", None),
+    ("mu (((x ? v ; wait 20 ms ; x ? v) interrupt after 50 ms -> skip) ; x ? v)", "this waits 20 ms"),
+    ("(mu (x ? v ; wait 11 ms)) interrupt after 60 ms -> skip", None),
+    ("(mu (x ? v ; wait 11 ms)) interrupt after 1 s -> skip", "each turn of the loop waits 11 ms"),
+    ("mu (x ? v ; (wait 20 ms interrupt x ? w -> skip))", None),
+    ("mu (mu x ? v interrupt x ? w -> wait 15 ms)", "this waits 30 ms"),
+    ("stop ; mu (x ? v ; wait 30 ms)", None),
 ]
 
 
@@ -166,6 +184,72 @@ def test_delays_are_added_up_along_a_way(composition: str, message: str | None) 
     found = said(composition)
     assert len(found) == (message is not None)
     assert all(str(message) in each for each in found)
+
+
+LAW = """submodel Law {
+  in  u : double
+  out y : double
+  y = u
+}
+"""
+
+READERS = """process Main {{
+  in  z : double @ 20 ms
+  in  u[2] : double @ 20 ms
+  in  x : double @ 10 ms
+  in  e : int
+  out q : double @ 10 ms
+  out p : double @ 20 ms
+  communication {{
+{laws}    var v : double = 0
+    var w : double = 0
+    var n : int    = 0
+  }}
+  composition {{ {composition} }}
+}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("turn", "remedy"),
+    [
+        ("z ? w ; x ? v", "mu (z ? w -> ... []> x ? v -> ...)"),
+        ("x ? v ; z ? w", "mu (z ? w -> ... []> x ? v -> ...)"),
+        ("b ; a", "mu (z -> b []> x -> a)"),
+        ("b ; x ? v", "mu (z -> b []> x ? v -> ...)"),
+        ("a || (skip ; z ? w)", "mu (z ? w -> ... []> x -> a)"),
+        ("(x -> a) ; b", "mu (z -> b []> x -> a)"),
+        ("e ? n ; x ? v", "e ? n -> ... []> x ? v -> ..."),
+        ("e ? n ; a", "e ? n -> ... []> x -> a"),
+        ("a ; (stop interrupt e ? n -> skip)", "e ? n -> ... []> x -> a"),
+        ("u[1] ? w ; x ? v", "mu (u[1] ? w -> ... []> x ? v -> ...)"),
+    ],
+)
+def test_a_remedy_can_be_put_in_place_of_the_loop(turn: str, remedy: str) -> None:
+    (found,) = warnings_of(f"mu ({turn})")
+    assert found.help is not None
+    assert f"`{remedy}`" in found.help
+    whole = remedy if remedy.startswith("mu") else f"mu ({remedy})"
+    assert warnings_of(whole.replace("...", "skip")) == []
+
+
+def test_what_is_replicated_is_not_written_as_a_remedy() -> None:
+    (found,) = warnings_of("mu ((seq i < 2 : u[i] ? w) ; x ? v)")
+    assert found.help is not None
+    assert "`" not in found.help
+
+
+def warnings_of(composition: str) -> list[SamplesMissed]:
+    wires = {"a": ("x", "q"), "b": ("z", "p")}
+    laws = "".join(
+        f"{law} : Law  {source} -> {law}.u  {law}.y -> {sink}\n"
+        for law, (source, sink) in wires.items()
+        if re.search(rf"\b{law}\b", composition)
+    )
+    source = SourceFile(name="loop.csp", text=LAW + READERS.format(composition=composition, laws=laws))
+    report = pipeline.build(source, read_source).checked.report
+    assert not report.has_errors
+    return [item for item in report.diagnostics if isinstance(item, SamplesMissed)]
 
 
 def test_what_has_elapsed_is_what_the_steps_add_up_to() -> None:

@@ -16,7 +16,7 @@ from cspdiag.sources import read_source
 from tests.network.random_readers import reader
 from tests.oracle.explore import explore
 from tests.oracle.text import text
-from tests.oracle.tree import After, Alt, Bin, If, Interrupt, Program, Skip, walk
+from tests.oracle.tree import After, Alt, Bin, Interrupt, Program, Skip, walk
 
 
 def warned(source: str) -> list[SamplesMissed] | None:
@@ -31,7 +31,7 @@ def warned(source: str) -> list[SamplesMissed] | None:
 
 def goes_by_values(program: Program) -> bool:
     """Whether a value decides the way, and perhaps twice."""
-    tests = [part.condition if isinstance(part, If) else getattr(part, "until", None) for part in walk(program.body)]
+    tests = [getattr(part, name, None) for part in walk(program.body) for name in ("condition", "until", "when")]
     return any(isinstance(test, Bin) for test in tests)
 
 
@@ -63,7 +63,7 @@ def compare(seed: int) -> str:
         return "silence by values"
     if goes_by_phases(program):
         return "silence by phases"
-    return "silence by events" if len(program.ports) > 1 else "silence"
+    return "silence by events" if any(port.period is None for port in program.ports) else "silence"
 
 
 def hunt(seeds: Iterable[int]) -> tuple[Counter[str], list[tuple[int, str]]]:
