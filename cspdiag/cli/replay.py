@@ -81,8 +81,9 @@ def _told(network: Network, trace: Trace, result: Replay) -> Iterator[str]:
         yield f"{number + 1:>5}  {when}{name}  {written(value, types[channel])}"
     if result.deadlock is not None:
         yield below(result.deadlock, trace.process).text
-    total = len(trace.steps) + len(trace.cycle)
+    total = trace.shown_before(len(trace.steps) + len(trace.cycle))
+    steps = f"{total} step{'' if total == 1 else 's'}"
     if result.divergence is None:
-        yield f"replayed: the program did all {total} steps"
+        yield f"replayed: the program did all {steps}"
     else:
-        yield f"not replayed: after {result.steps} of {total} steps, {in_words(result.divergence, trace.process)}"
+        yield f"not replayed: after {trace.shown_before(result.steps)} of {steps}, {in_words(result.divergence, trace.process)}"

@@ -381,6 +381,13 @@ def test_a_replay_names_who_waits_as_the_proof_does(cspdiag: Command, tmp_path: 
     assert waiting_lines(replay.err) == proof
 
 
+def test_a_replay_counts_the_steps_that_the_proof_tells(cspdiag: Command, tmp_path: Path) -> None:
+    program, trace = tmp_path / "case.csp", tmp_path / "trace.json"
+    program.write_text(LABELLED)
+    assert "get stuck: after 4 steps, " in cspdiag("verify", program, "--trace-out", trace).err
+    assert cspdiag("run", program, "--replay", trace).err.endswith("did all 4 steps\n")
+
+
 def test_a_replay_says_where_others_are_in_a_delay(cspdiag: Command, tmp_path: Path) -> None:
     program, trace = tmp_path / "case.csp", tmp_path / "trace.json"
     program.write_text(ENDED)

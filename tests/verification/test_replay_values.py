@@ -125,7 +125,7 @@ assert P deadlock free
 @pytest.mark.parametrize(
     ("text", "mended", "difference"),
     [
-        (WRITES, ("o ! 2", "o ! 1"), "after 0 of 1 steps, the trace has `2` at `o` in step 1, and the program `1`"),
+        (WRITES, ("o ! 2", "o ! 1"), "after 0 of 1 step, the trace has `2` at `o` in step 1, and the program `1`"),
         (COPIES, ("x % 1000", "x"), "after 1 of 2 steps, the trace has `0` at `o` in step 2, and the program `1000`"),
         (INSIDE, ("c ! 2", "c ! 77"), "after 1 of 2 steps, the trace has `2` at `c` in step 2, and the program `77`"),
     ],

@@ -16,6 +16,11 @@ SILENT: frozenset[str] = frozenset({"internal", "variable", "start", "end", "can
 """Kinds of steps that no diagram shows; they are kept for machines."""
 
 
+def is_shown(kind: str, parties: int) -> bool:
+    """Whether people are told a step of a kind in which so many take part."""
+    return kind not in SILENT or (kind == "ready" and parties > 1)
+
+
 @dataclass(frozen=True)
 class Party:
     """A process that takes part in a step: what it did before, and where the text says so. ``name`` is that below the outermost process, ``role`` as in ``Event.roles``."""
@@ -40,7 +45,7 @@ class Step:
     @property
     def shown(self) -> bool:
         """Whether people are told, also of a guard of an interrupt that is seen to be ready."""
-        return self.kind not in SILENT or (self.kind == "ready" and len(self.parties) > 1)
+        return is_shown(self.kind, len(self.parties))
 
 
 @dataclass(frozen=True)

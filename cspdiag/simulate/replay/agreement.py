@@ -80,5 +80,8 @@ def difference(trace: Trace, made: Sequence[tuple[str, Any]], types: Mapping[str
     for number, value in differing(steps, made, types).items():
         step = steps[number]
         had = "not that value" if value is None else f"`{written(value, types[step.channel])}`"
-        return number, f"the trace has `{step.value}` at `{step.channel}` in step {number + 1}, and the program {had}"
+        return (
+            number,
+            f"the trace has `{step.value}` at `{step.channel}` in step {trace.shown_before(number) + 1}, and the program {had}",
+        )
     return None

@@ -7,6 +7,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from cspdiag.analyses.counterexamples.counterexample import is_shown
+
 FORMAT = "cspdiag trace 1"
 _ROUNDS = "rounds"
 
@@ -31,6 +33,11 @@ class TraceStep:
     def __str__(self) -> str:
         return " ".join(filter(None, (self.channel or self.kind, self.value)))
 
+    @property
+    def shown(self) -> bool:
+        """Whether the table of the counterexample has it."""
+        return is_shown(self.kind, len(self.parties))
+
 
 @dataclass(frozen=True)
 class Trace:
@@ -53,6 +60,10 @@ class Trace:
     """What those of ``stuck`` are called, in their order."""
     rounds: bool = False
     """Whether it has rounds of loops whose end the proof left open."""
+
+    def shown_before(self, number: int) -> int:
+        """How many of its first steps, those of its cycle included, the table of the counterexample has."""
+        return sum(step.shown for step in (*self.steps, *self.cycle)[:number])
 
     def hides(self, channel: str) -> bool:
         """Whether a specification does not see a channel of the environment, or the array of ports that it is an element of."""
