@@ -40,6 +40,8 @@ OVER_AT_ONCE = {
     "a variable that is read": ("f ? d ; mu (wait d)", {}),
     "a parameter": ("mu wait p", {"parameters": "(p : time = 0 ms)"}),
     "a product": ("mu wait 1 ms * p", {"parameters": "(p : int = 0)"}),
+    "a branch beside others": ("(mu (x ? a)) || (mu wait 0 ms)", {}),
+    "one of several that spin": ("(mu wait d) || (mu (x ? a)) || (mu wait NONE)", {"initial": "-1 ms"}),
     "the time-out of an interrupt": ("mu ((x ? a) interrupt after 0 ms -> skip)", {}),
     "one of two ways": ("mu (if v > 3 then wait 1 ms else wait d)", {"initial": "0 ms"}),
 }

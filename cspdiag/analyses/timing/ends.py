@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from cspdiag.analyses.timing.flow import Offer
 from cspdiag.diagnostics import Span
-from cspdiag.network.actions import AssignValue, ChannelEnd, End, InputEvent, ReadValue, Step
+from cspdiag.network.actions import ChannelEnd, End, Step
 from cspdiag.network.constant_value import constant_value
-from cspdiag.network.expressions import Expression, ParameterValue, SignalValue, Value, VariableValue
+from cspdiag.network.durations import Durations
+from cspdiag.network.expressions import Expression, ParameterValue, SignalValue, Value
 from cspdiag.network.ir import Declared, Net, Network, ProcessClass
-from cspdiag.network.walk import parts
 
 
 class Ends:
@@ -18,9 +18,8 @@ class Ends:
         self._arguments = {instance.path: instance.arguments for instance in network.instances}
         self._nets = {net.path: net for net in network.nets}
         self._net_of = {end: net for net in network.nets for end in (*net.writers, *net.readers)}
-        self._classes = {entry.name: entry for entry in network.classes}
         self._class_of = {instance.path: instance.class_name for instance in network.instances}
-        self._lasting: dict[tuple[str, str], bool] = {}
+        self._durations = Durations(network)
 
     def net(self, path: str, end: End) -> Net | None:
         """The net at an end of a process or law."""
@@ -53,7 +52,11 @@ class Ends:
         """The time that passes, 0 where it is computed; nothing where it never waits."""
         known = self.constant(path, duration)
         if known is None or not isinstance(known, int):
-            return [Offer("delay", target, span, takes_time=self._lasts(path, duration))]
+            return [
+                Offer(
+                    "delay", target, span, takes_time=self._durations.surely_takes_time(self._class_of[path], duration)
+                )
+            ]
         return [Offer("delay", target, span, period=known)] if known > 0 else []
 
     def constant(self, path: str, expression: Expression) -> Value | None:
@@ -69,30 +72,6 @@ class Ends:
         """Whether only assignments and reads of a process itself change its variable, and no law or process inside it."""
         net = self._nets.get(f"{path}.{variable}")
         return net is None or not net.writers
-
-    def _lasts(self, path: str, duration: Expression) -> bool:
-        """Whether a delay that is not constant is longer than zero: a variable that is never given anything else."""
-        if not isinstance(duration, VariableValue) or not self.is_own(path, duration.channel):
-            return False
-        key = path, duration.channel
-        if key not in self._lasting:
-            given = self._given(path, duration.channel)
-            known = [None if value is None else self.constant(path, value) for value in given]
-            self._lasting[key] = all(isinstance(value, int) and value > 0 for value in known)
-        return self._lasting[key]
-
-    def _given(self, path: str, variable: str) -> list[Expression | None]:
-        """What a variable begins with, and what it is given in the body of its process; None for what is read from a channel."""
-        entry = self._classes[self._class_of[path]]
-        assert isinstance(entry, ProcessClass)
-        found = [channel.initial for channel in entry.channels if channel.name == variable]
-        for part in parts(entry.body):
-            match part:
-                case AssignValue(target=target, value=value) if target.channel == variable:
-                    found.append(value)
-                case ReadValue(target=target) | InputEvent(target=target) if target.channel == variable:
-                    found.append(None)
-        return found
 
 
 def never_waits(net: Net) -> bool:

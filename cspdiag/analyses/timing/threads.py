@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cache, partial
 from typing import assert_never
@@ -352,9 +352,10 @@ class Threads(Places):
         ranks = [(*context.priority, k) if action.prioritized else context.priority for k in range(len(action.steps))]
         if not any(self._looping.has_loop(step, context.path) for step in action.steps):
             known = len(context.thread.places)
+            inner = self._abandoned_by_others(action, context)
             for step, rank in zip(reversed(action.steps), reversed(ranks), strict=True):
                 switches = self.place(context, step, successors=[following], breaks=True)
-                following = self._action(step, replace(context, priority=rank), switches)
+                following = self._action(step, replace(inner, priority=rank), switches)
             inside = [offer for place in context.thread.places[known:] for offer in place.offers]
             opens = frozenset((offer.key, offer.period) for offer in inside if offer.kind == "sample")
             return self.place(context, action, successors=[following], opens=opens)
@@ -377,6 +378,26 @@ class Threads(Places):
         abandons = [replace(offer, opens=opens) for offer in (*abandons, *context.interrupts)]
         context.thread.places[joins].offers = [Offer("join", following, action.span), *abandons]
         return joins
+
+    def _abandoned_by_others(self, action: ParallelSteps, context: Context) -> Context:
+        """Within parallel parts, which come one after another here: an exception of one abandons what another waits for, at once."""
+        raised = {"Fault", "Timeout", *self._raised_in(action, context.path)}
+        handlers = [handler for name, handler in context.handlers if name in raised]
+        abandons = [Offer("delay", handler, action.span, is_certain=False) for handler in handlers]
+        return replace(context, interrupts=(*context.interrupts, *abandons))
+
+    def _raised_in(self, action: Action, path: str) -> Iterator[str]:
+        for part in parts(action):
+            match part:
+                case RaiseException():
+                    yield part.exception
+                case RunInstance():
+                    inner = f"{path}.{part.instance}"
+                    entry = self.classes[self.instances[inner].class_name]
+                    if isinstance(entry, ProcessClass) and entry.body is not None:
+                        yield from self._raised_in(entry.body, inner)
+                case _:
+                    pass
 
     def _named(self, step: Action, path: str) -> str:
         match step:

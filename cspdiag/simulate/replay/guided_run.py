@@ -131,6 +131,8 @@ class Run:
             self._steps += 1
             try:
                 scheduler._run_one(party)
+            except _Enough:
+                assert self._broken_off
             finally:
                 scheduler.current = nobody
             if self._repeated:
