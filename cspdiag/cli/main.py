@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from importlib import import_module
 from typing import Any, NoReturn, Protocol, cast
 
-from cspdiag import __version__
+from cspdiag import __version__, standard_streams
 from cspdiag.cli.failure import (
     BROKEN_PIPE,
     FINE,
@@ -102,10 +102,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     given = list(sys.argv[1:] if arguments is None else arguments)
     if arguments is None:
         complete_streams()
+        standard_streams.keep()
     _accept_any_character()
     code = _carried_out(given, whole_process=arguments is None)
     try:
-        sys.stdout.flush()
+        standard_streams.standard_output().flush()
     except OSError as problem:
         return _unwritten(problem, code)
     return code
@@ -221,9 +222,9 @@ def _unwritten(problem: OSError, code: int) -> int:
 def _drop_broken_output() -> None:
     """The interpreter flushes standard output once more when it ends."""
     try:
-        sys.stdout.flush()
+        standard_streams.standard_output().flush()
     except OSError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        os.dup2(os.open(os.devnull, os.O_WRONLY), standard_streams.standard_output().fileno())
 
 
 def _accept_any_character() -> None:

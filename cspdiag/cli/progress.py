@@ -6,7 +6,6 @@ On a terminal it is rewritten all the time, unless somebody else works there now
 from __future__ import annotations
 
 import os
-import sys
 import threading
 import time
 from collections.abc import Sequence
@@ -15,6 +14,7 @@ from typing import TYPE_CHECKING, Protocol
 
 from cspdiag.cli.terminal import put
 from cspdiag.runtime.signals import left_to_the_main_thread
+from cspdiag.standard_streams import standard_error
 
 if TYPE_CHECKING:
     from cspdiag.simulate.modes import ModeGroup
@@ -36,7 +36,7 @@ class Running(Protocol):
 def is_in_foreground() -> bool:
     """Whether this process is one of those that the terminal of standard error is for now: a shell has not put it into the background."""
     try:
-        return os.tcgetpgrp(sys.stderr.fileno()) == os.getpgrp()
+        return os.tcgetpgrp(standard_error().fileno()) == os.getpgrp()
     except (OSError, AttributeError):
         # It is not the terminal that controls this process, or the system knows no such thing.
         return True
@@ -45,7 +45,7 @@ def is_in_foreground() -> bool:
 def _columns() -> int:
     """Of the terminal: a longer line would go on in the next one, and be written below itself again and again."""
     try:
-        return os.get_terminal_size(sys.stderr.fileno()).columns or 80
+        return os.get_terminal_size(standard_error().fileno()).columns or 80
     except OSError:
         return 80
 
@@ -57,7 +57,7 @@ class Progress:
     """
 
     def __init__(self, recorder: Recorder, groups: Sequence[ModeGroup], interval: float | None = None) -> None:
-        self._is_terminal = sys.stderr.isatty()
+        self._is_terminal = standard_error().isatty()
         self._interval = interval or (_INTERVAL if self._is_terminal else _INTERVAL_OF_LINES)
         self._recorder = recorder
         self._groups = groups

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import sys
 import threading
 from types import TracebackType
 from typing import TYPE_CHECKING
 
 from cspdiag.cli.terminal import put
 from cspdiag.runtime.signals import left_to_the_main_thread
+from cspdiag.standard_streams import standard_error
 
 if TYPE_CHECKING:
     from cspdiag.cli.progress import Running
@@ -56,7 +56,7 @@ class Standstill:
             now = self._network.now
             if now == before:
                 # A line of progress may stand there.
-                clear = "\r\x1b[K" if sys.stderr.isatty() else ""
+                clear = "\r\x1b[K" if standard_error().isatty() else ""
                 put(f"{clear}{self.line(now)}\n")
                 return
             before = now

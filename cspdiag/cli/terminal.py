@@ -10,6 +10,7 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, TextIO
 
 from cspdiag.diagnostics.snippet import printable
+from cspdiag.standard_streams import standard_error, standard_output
 
 if TYPE_CHECKING:
     from cspdiag.diagnostics.diagnostic import Diagnostic
@@ -27,7 +28,7 @@ def show_diagnostics(diagnostics: Sequence[Diagnostic], color: str) -> None:
     if diagnostics:
         from cspdiag.diagnostics.render_text import render
 
-        put(render(diagnostics, colour=wants_colour(color, sys.stderr)))
+        put(render(diagnostics, colour=wants_colour(color, standard_error())))
 
 
 def write_out(text: str | bytes) -> None:
@@ -37,10 +38,10 @@ def write_out(text: str | bytes) -> None:
         return
     try:
         if isinstance(text, str):
-            sys.stdout.write(text)
+            standard_output().write(text)
         else:
-            sys.stdout.buffer.write(text)
-        sys.stdout.flush()
+            standard_output().buffer.write(text)
+        standard_output().flush()
     except OSError as problem:
         reason = "it is closed" if problem.errno == errno.EBADF else problem.strerror
         raise OSError(problem.errno, reason, "standard output") from None
@@ -70,9 +71,10 @@ def say(text: str) -> None:
 def put(text: str) -> None:
     """Write to standard error as it is. Where that is gone, as when its terminal was closed, nobody is told, and the command goes on."""
     try:
-        sys.stderr.write(text)
-        sys.stderr.flush()
+        stream = standard_error()
+        stream.write(text)
+        stream.flush()
     except OSError:
         # The interpreter would try once more when it ends.
         with suppress(OSError):
-            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stderr.fileno())
+            os.dup2(os.open(os.devnull, os.O_WRONLY), standard_error().fileno())

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import sys
 from argparse import ArgumentParser, ArgumentTypeError, Namespace
 from collections.abc import Sequence
 from pathlib import Path
@@ -15,6 +14,7 @@ from cspdiag.cli.output import replace_text
 from cspdiag.cli.terminal import put, say, wants_colour, write_out
 from cspdiag.cli.written import require_different, require_file
 from cspdiag.diagnostics.snippet import on_one_line
+from cspdiag.standard_streams import standard_error
 
 if TYPE_CHECKING:
     from cspdiag.analyses.verification.answer import Answer
@@ -118,7 +118,7 @@ def run(arguments: Namespace) -> int:
 def _what_matters(arguments: Namespace) -> dict[str, object]:
     """The options that what is printed depends on."""
     settled = {name: value for name, value in vars(arguments).items() if name not in {"no_cache", "trace_out", "draw"}}
-    return {**settled, "color": wants_colour(arguments.color, sys.stderr), "folder": os.getcwd()}
+    return {**settled, "color": wants_colour(arguments.color, standard_error()), "folder": os.getcwd()}
 
 
 def _ask(arguments: Namespace, read: Reader) -> Asked:
@@ -187,7 +187,7 @@ def _draw(arguments: Namespace, answers: Sequence[Answer], asked: Asked) -> None
 
 def refused(diagnostics: Sequence[Diagnostic], arguments: Namespace) -> int:
     """Tell why nothing can be proved of a program, as ``check`` tells it."""
-    colour = wants_colour(arguments.color, sys.stderr)
+    colour = wants_colour(arguments.color, standard_error())
     stdout, stderr = told_diagnostics(diagnostics, arguments.format, [arguments.file], colour=colour)
     write_out(stdout)
     put(stderr)
@@ -198,7 +198,7 @@ def told(answers: Sequence[Answer], warnings: Sequence[Diagnostic], arguments: N
     """What goes to standard output, and what to standard error. Formats that have answers and nothing else leave warnings to standard error."""
     from cspdiag.analyses.verification.diagnostics import diagnostics_of
 
-    colour = wants_colour(arguments.color, sys.stderr)
+    colour = wants_colour(arguments.color, standard_error())
     if arguments.format in {"concise", "sarif", "github"}:
         return told_diagnostics([*warnings, *diagnostics_of(answers)], arguments.format, [], colour=colour)
     _, before = told_diagnostics(warnings, "text", [], colour=colour)

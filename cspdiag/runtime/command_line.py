@@ -11,6 +11,8 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from typing import Any, NamedTuple, TypeVar
 
+from cspdiag.standard_streams import keep, standard_error, standard_output
+
 from .drivers import Driver
 from .durations import ms, ns, s, shown, us
 from .exceptions import described
@@ -46,6 +48,7 @@ def main(name: str, load: Callable[[], Program], arguments: Sequence[str] | None
     ``load`` imports the program. Without a time limit a run goes on until the program ends or a signal comes; outputs are released however it ends.
     """
     _occupy_standard_streams()
+    keep()
     with stopping.until_exit(_say_line):
         try:
             with stopping.raising():
@@ -98,8 +101,9 @@ def _say(text: str, code: int) -> int:
 
 def _say_line(text: str) -> None:
     with suppress(OSError, ValueError, AttributeError):
-        sys.stderr.write(f"{text}\n")
-        sys.stderr.flush()
+        stream = standard_error()
+        stream.write(f"{text}\n")
+        stream.flush()
 
 
 def _occupy_standard_streams() -> None:
@@ -114,7 +118,7 @@ def _occupy_standard_streams() -> None:
 def _tell(text: str, code: int, what: str = "account of the run") -> int:
     """Prints what there is to say. Where that cannot be written, the code says so, unless it says more important things already."""
     try:
-        print(text, flush=True)
+        print(text, file=standard_output(), flush=True)
     except BrokenPipeError:
         _drop_standard_output()
         return code or BROKEN_PIPE
@@ -126,7 +130,7 @@ def _tell(text: str, code: int, what: str = "account of the run") -> int:
 
 def _drop_standard_output() -> None:
     """The interpreter flushes it once more when it ends."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    os.dup2(os.open(os.devnull, os.O_WRONLY), standard_output().fileno())
 
 
 def duration(text: str) -> int:

@@ -7,6 +7,7 @@ import pty
 import resource
 import signal
 import subprocess
+import time
 from pathlib import Path
 
 import pytest
@@ -68,6 +69,10 @@ TRIED = [
     ("a write raises without a text", "package -O1", "virtual time", False),
     ("a constructor exits", "package -O1", "virtual time", False),
     ("a body interrupts", "package -O1", "virtual time", False),
+    ("a body sets streams", "run -O1", "real time", False),
+    ("a body sets streams", "package -O0", "virtual time", False),
+    ("a body closes streams", "run -O1", "virtual time", False),
+    ("a body closes streams", "package -O1", "real time", True),
     ("a body ends a generator", "package -O0", "real time", False),
     ("a body raises without a text", "package -O0", "virtual time", False),
     ("a body hangs for good", "package -O1", "real time", True),
@@ -177,4 +182,21 @@ def test_a_signal_that_was_to_be_ignored_is_ignored(folder: Path) -> None:
     wait_until(lambda: len(log_of(own)) > before + 3, process)
     process.terminate()
     assert b"stopped by SIGTERM" in process.communicate(timeout=30)[0]
+    assert process.returncode == 143
+
+
+@pytest.mark.parametrize(
+    ("fault", "start"), [("body leaves a thread", "run -O1"), ("body waits at exit", "package -O0")]
+)
+def test_what_a_program_leaves_behind_keeps_no_output_and_is_ended_by_a_signal(
+    folder: Path, fault: str, start: str
+) -> None:
+    own = folder / fault
+    process = started(own, start, "virtual time", files=["--for", "1s"], fault=fault)
+    wait_until(lambda: released_once(own), process)
+    assert process.stdout is not None
+    time.sleep(1.5)
+    assert process.poll() is None
+    process.terminate()
+    assert b"time limit" in process.communicate(timeout=30)[0]
     assert process.returncode == 143

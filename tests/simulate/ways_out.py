@@ -63,8 +63,11 @@ environment Bench for Main on miss count {
 """
 
 LAW = """
+import atexit
 import os
 import signal
+import sys
+import threading
 import time
 
 
@@ -99,6 +102,15 @@ def fail(fault):
         raise Mute
     if fault == "body forks" and os.fork() == 0:
         signal.alarm(60)
+    if fault == "body leaves a thread":
+        threading.Thread(target=time.sleep, args=(60,)).start()
+    if fault == "body waits at exit":
+        atexit.register(time.sleep, 60)
+    if fault == "body sets streams":
+        sys.stdout = sys.stderr = None
+    if fault == "body closes streams":
+        sys.stdout.close()
+        sys.stderr.close()
     if fault == "body hangs":
         time.sleep(1000)
     while fault == "body hangs for good":
@@ -321,6 +333,8 @@ WAYS = (
     WayOut("a huge number", 1, "driver Card failed to read at port Main.level: OverflowError: int too large", "huge"),
     WayOut("NaN", 1, "Fault: nan is written to Main.valve", "NaN"),
     WayOut("a body raises", 1, "RuntimeError: no such row", "body raises"),
+    WayOut("a body sets streams", 143, "stopped by SIGTERM", "body sets streams", (signal.SIGTERM,)),
+    WayOut("a body closes streams", 143, "stopped by SIGTERM", "body closes streams", (signal.SIGTERM,)),
     WayOut("a constructor exits", 1, "SystemExit: 0", "constructor exits", opened=()),
     WayOut("a body exits", 1, "SystemExit: 0, in Main.law (main.csp:11)", "body exits"),
     WayOut("a body interrupts", 1, "KeyboardInterrupt, in Main.law (main.csp:11)", "body interrupts"),
