@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import io
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -25,6 +25,7 @@ from cspdiag.simulate.plot_lanes import (
     process_lanes,
     series_lane,
 )
+from cspdiag.simulate.plot_panels import Row, lying_below, panels_of, sizes_of
 from cspdiag.simulate.plot_series import (
     DURATION,
     WHOLE_NUMBERS,
@@ -48,12 +49,13 @@ if TYPE_CHECKING:
 _LINE_COLORS = ("#1f4e79", "#c0504d", "#4f8a3c", "#7f5fa0", "#b07d2b", "#3a8f99")
 _DASHES = ((), (5, 1.5), (1, 1), (6, 1.5, 1, 1.5), (3, 1, 1, 1, 1, 1), (8, 3))
 """Colours are told apart on a screen, dashes in grey print as well."""
-_MOST_CURVES = 6
-"""Of one panel; more have another one."""
 _THIN = "   ·   thin: nobody read it"
+_SAFE = "   ·   ▾ ▴ safe value, off the scale"
 _MOST_COLUMNS = 3
 _PANEL_HEIGHT = 1.7
 _COLUMN_WIDTH = 4.8
+_LINE_WIDTH = 1.2
+_WIDER = 1.5
 _STYLE = {
     "font.family": "DejaVu Sans",
     "font.size": 9,
@@ -61,7 +63,7 @@ _STYLE = {
     "axes.spines.right": False,
     "axes.linewidth": 0.6,
     "axes.titlesize": 10,
-    "lines.linewidth": 1.2,
+    "lines.linewidth": _LINE_WIDTH,
     "legend.frameon": False,
     "legend.fontsize": 8,
     "legend.handlelength": 2.6,
@@ -75,7 +77,7 @@ class _Column(NamedTuple):
 
     group: ModeGroup
     lanes: list[Lane]
-    panels: dict[tuple[str, int], list[Series]]
+    panels: dict[Row, list[Series]]
     events: list[float]
     has_unread: bool
 
@@ -116,8 +118,15 @@ def plot(run: Run, path: Path | None) -> Figure:
             assert first is not None
             first.set_title(shortened(column.group.name, 40), fontweight="bold")
             axes.set_xlabel(f"time ({unit})" + (_THIN if column.has_unread and position == 0 else ""))
-        for row, axes in shared.items():
+        scaled = [
             _scale_to_the_run(axes, [figure.axes[row + at * len(heights)] for at in range(len(columns))])
+            for row, axes in shared.items()
+        ]
+        if any(scaled):
+            below = figure.axes[len(heights) - 1]
+            below.set_xlabel(below.get_xlabel() + _SAFE)
+        # The layout of the first time decides how many ticks there are, and these how wide their labels are.
+        figure.draw_without_rendering()
         if path is not None:
             write_whole(path, _rendered(figure, path.suffix.lstrip(".") or "svg"))
     return figure
@@ -141,26 +150,29 @@ def _rendered(figure: Figure, kind: str) -> bytes:
 def _columns(run: Run) -> list[_Column]:
     """The parallel parts, if each has modes and ports of its own to show; else everything in one column."""
     every = series_of(run)
+    size = sizes_of(every, run.outcome.time / 1e9)
     groups = mode_groups(run.network)
     with_ports = [group for group in groups if group.ports]
     if 1 < len(with_ports) <= _MOST_COLUMNS and all(len(group.modes) > 1 for group in with_ports):
-        columns = [_column(run, group, [group], _used(every, group)) for group in with_ports]
+        columns = [_column(run, group, [group], _used(every, group), size) for group in with_ports]
         if any(column.panels for column in columns):
             return columns
     ports = tuple(port.name for port in run.network.external_ports)
     modes = groups[0].modes if len(groups) == 1 else {}
     whole = ModeGroup(run.network.top, modes, ports)
     shown = [group for group in groups if len(groups) > 1 or len(group.modes) > 1]
-    return [_column(run, whole, shown, every)]
+    return [_column(run, whole, shown, every, size)]
 
 
 def _used(every: Sequence[Series], group: ModeGroup) -> list[Series]:
     return [series for series in every if series.port in group.ports]
 
 
-def _column(run: Run, group: ModeGroup, parts: Sequence[ModeGroup], every: Sequence[Series]) -> _Column:
+def _column(
+    run: Run, group: ModeGroup, parts: Sequence[ModeGroup], every: Sequence[Series], size: Callable[[Series], int]
+) -> _Column:
     lanes = activity_lanes(run, parts)
-    panels: dict[tuple[str, int], list[Series]] = {}
+    curves: list[Series] = []
     events: list[float] = []
     for series in every:
         if series.is_discrete or are_events(series):
@@ -168,44 +180,40 @@ def _column(run: Run, group: ModeGroup, parts: Sequence[ModeGroup], every: Seque
             if series.is_event:
                 events += series.time.tolist() if len(series.time) <= _MOST_MARKS else []
             continue
-        panels.setdefault(_panel_for(panels, series, every), []).append(series)
+        curves.append(series)
+    panels = panels_of(curves, size)
     if not lanes and not panels:
         lanes = process_lanes(run)
     return _Column(group, lanes, panels, events, any(bool(series.unread.any()) for series in every))
-
-
-def _panel_for(
-    panels: Mapping[tuple[str, int], list[Series]], series: Series, every: Sequence[Series]
-) -> tuple[str, int]:
-    """The last panel of the unit, unless it is full; what belongs to one port stays together as far as it fits."""
-    unit = quantity(series.type)
-    number = max((number for name, number in panels if name == unit), default=0)
-    present = panels.get((unit, number), [])
-    of_port = [other for other in every if other.port == series.port and quantity(other.type) == unit]
-    begins = series is of_port[0] and len(of_port) <= _MOST_CURVES
-    is_full = len(present) + (len(of_port) if begins else 1) > _MOST_CURVES
-    return unit, number + (is_full and bool(present))
 
 
 _MOST_MARKS = 20
 """A port with more events than this does not mark them behind the curves."""
 
 
-def _panel(run: Run, axes: Axes, column: _Column, row: tuple[str, int]) -> None:
-    unit, number = row
+def _panel(run: Run, axes: Axes, column: _Column, row: Row) -> None:
+    unit = row.unit
     end = axes.get_xlim()[1]
     for bar in one_after_the_other(run, column.group):
         axes.axvspan(bar.start, bar.end, color=bar.color, alpha=0.3, linewidth=0, zorder=0)
     for instant in column.events:
         axes.axvline(instant, color=FAINT, linewidth=0.5, linestyle=(0, (1, 2)), zorder=0.5)
     styles = ((color, _DASHES[at % len(_DASHES)]) for at, color in enumerate(_LINE_COLORS * 9))
-    for series in column.panels.get(row, ()):
+    curves = column.panels.get(row, [])
+    for series, below in zip(curves, lying_below(curves, end), strict=True):
         color, dashes = next(styles)
+        # Curves that lie on each other are told apart by widths: the ones below show on both sides of those above.
+        wide: dict[str, Any] = {"linewidth": _LINE_WIDTH + _WIDER * min(below, 4), "alpha": 0.55} if below else {}
         told = shortened(series.name) if len(series.time) else f"{shortened(series.name)} (no value)"
         is_read = not series.unread.all() or not len(series.time)
         if is_read:
             axes.plot(
-                *stairs(series, end, unread=False), label=told, color=color, linestyle=(0, dashes), **_mark(series)
+                *stairs(series, end, unread=False),
+                label=told,
+                color=color,
+                linestyle=(0, dashes),
+                **wide,
+                **_mark(series),
             )
         if series.unread.any():
             # The length of dashes is in widths of their line.
@@ -218,7 +226,7 @@ def _panel(run: Run, axes: Axes, column: _Column, row: tuple[str, int]) -> None:
         if series.is_event:
             again = apart(series.repeated, end)
             axes.plot(again.time, again.value, linestyle="", marker="|", markersize=5, color=color)
-    for name, line in _variables(run, column.group, unit).items() if number == 0 else ():
+    for name, line in _variables(run, column.group, unit).items() if row == _first(column, unit) else ():
         color, dashes = next(styles)
         axes.plot(
             *_steps(line, end), label=shortened(name), color=color, linestyle=(0, dashes), linewidth=0.8, zorder=2.5
@@ -235,7 +243,11 @@ def _panel(run: Run, axes: Axes, column: _Column, row: tuple[str, int]) -> None:
         axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1), borderaxespad=0)
 
 
-def _scale_to_the_run(axes: Axes, row: Sequence[Axes]) -> None:
+def _first(column: _Column, unit: str) -> Row:
+    return next((row for row in column.panels if row.unit == unit), Row(unit, 0, 0))
+
+
+def _scale_to_the_run(axes: Axes, row: Sequence[Axes]) -> bool:
     """The safe values that outputs are handed at the end do not decide how large everything else is drawn."""
     import numpy
 
@@ -246,13 +258,30 @@ def _scale_to_the_run(axes: Axes, row: Sequence[Axes]) -> None:
     corners = corners[numpy.isfinite(corners).all(axis=1)]
     during = corners[corners[:, 0] < axes.get_xlim()[1], 1]
     if not len(during):
-        return
+        return False
     low, high = during.min(), during.max()
-    if 0 < high - low < _LEAST_PART * numpy.ptp(corners[:, 1]):
-        axes.set_ylim(low - 0.05 * (high - low), high + 0.05 * (high - low))
+    if not 0 < high - low < _LEAST_PART * numpy.ptp(corners[:, 1]):
+        return False
+    low, high = low - 0.05 * (high - low), high + 0.05 * (high - low)
+    axes.set_ylim(low, high)
+    for panel in row:
+        _mark_outside(panel, low, high)
+    return True
 
 
-_LEAST_PART = 0.2
+def _mark_outside(panel: Axes, low: float, high: float) -> None:
+    """A mark at the edge for each curve that ends off the scale."""
+    import numpy
+
+    for line in [each for each in panel.lines if each.get_transform() == panel.transData]:
+        corners = numpy.asarray(line.get_xydata(), dtype=float)
+        end, value = corners[-1] if len(corners) else (0.0, math.nan)
+        if math.isfinite(value) and not low <= value <= high:
+            place, marker = (low, "v") if value < low else (high, "^")
+            panel.plot([end], [place], linestyle="", marker=marker, markersize=4, color=line.get_color(), clip_on=False)
+
+
+_LEAST_PART = 0.75
 """Of the height of a panel, for what happened during the run."""
 
 
@@ -267,7 +296,9 @@ def _in_unit_of_time(axis: Axis, longest: float) -> str:
 
 def _mark(series: Series) -> dict[str, Any]:
     """One value that comes at the end of a run has no line to be seen by."""
-    return {"marker": "o", "markersize": 3, "markevery": [0]} if len(series.time) == 1 else {}
+    if len(series.time) != 1 or not math.isfinite(float(series.value[0])):
+        return {}
+    return {"marker": "o", "markersize": 3, "markevery": [0], "clip_on": False}
 
 
 Points = list[tuple[float, float]]

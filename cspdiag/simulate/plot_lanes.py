@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
 MODE_COLORS = ("#dbe9f6", "#a9d18e", "#e8a35c", "#d9cbe8", "#e99aa0", "#9a9a9a")
 """Different in lightness, too, for grey print."""
+RUNNING = "#faf6e8"
+"""Of a bar that says no more than that something runs; no mode has it."""
 LITERAL_COLORS = ("#f1f6fb", "#bcd3ea", "#8bb0d6", "#dddddd", "#b9b9b9", "#979797")
 """No hues: a literal may be called ``green``."""
 INK = "#1f4e79"
@@ -60,13 +62,16 @@ def activity_lanes(run: Run, groups: Sequence[ModeGroup]) -> list[Lane]:
         bars = {path: list(_bars(run, group, path)) for path in group.modes}
         if _overlap([bar for own in bars.values() for bar in own]):
             found += [
-                Lane(group.modes[path], [bar._replace(text="", color=MODE_COLORS[0]) for bar in own])
+                Lane(group.modes[path], [bar._replace(text="", color=RUNNING) for bar in own])
                 for path, own in bars.items()
             ]
         elif any(bars.values()):
             ordered = sorted(bar for own in bars.values() for bar in own)
             found.append(
-                Lane(group.name, [bar._replace(text="") if bar.text == group.name else bar for bar in ordered])
+                Lane(
+                    group.name,
+                    [bar._replace(text="", color=RUNNING) if bar.text == group.name else bar for bar in ordered],
+                )
             )
     return found[:_MOST_LANES]
 
