@@ -7,6 +7,7 @@ from types import TracebackType
 from typing import TYPE_CHECKING
 
 from cspdiag.cli.terminal import put
+from cspdiag.runtime.places import whereabouts
 from cspdiag.runtime.signals import left_to_the_main_thread
 from cspdiag.standard_streams import standard_error
 
@@ -15,13 +16,17 @@ if TYPE_CHECKING:
     from cspdiag.simulate.recorder import Recorder
 
 PATIENCE = 3.0
+_LOOKS = 20
+"""So often is looked who runs: between two steps nobody does, and several may take turns."""
+_BETWEEN_LOOKS = 0.005
+_MOST_PLACES = 3
 _MOST_NAMES = 4
 
 
 class Standstill:
     """Looks at the time of a run in virtual time now and then, from a thread of its own, so that the run pays nothing for it.
 
-    Used as a context manager around the run; ``attach`` is to be called when the network is there. ``top`` is the outermost process. Says once that
+    Used as a context manager around the run; ``attach`` is to be called by the thread of the run, when the network is there. ``top`` is the outermost process. Says once that
     the instant is the same at two looks, ``patience`` seconds apart.
     """
 
@@ -30,12 +35,14 @@ class Standstill:
         self._top = top
         self._patience = patience
         self._network: Running | None = None
+        self._scheduler = 0
         self._ended = threading.Event()
         self.thread = threading.Thread(target=self._watch, name="standstill", daemon=True)
 
     def attach(self, network: Running) -> None:
         """Tell what runs."""
         self._network = network
+        self._scheduler = threading.get_ident()
         with left_to_the_main_thread():
             self.thread.start()
 
@@ -57,18 +64,29 @@ class Standstill:
             if now == before:
                 # A line of progress may stand there.
                 clear = "\r\x1b[K" if standard_error().isatty() else ""
-                put(f"{clear}{self.line(now)}\n")
+                put(f"{clear}{self.line(now, self._places())}\n")
                 return
             before = now
 
-    def line(self, now: int) -> str:
-        """What is said at an instant in nanoseconds."""
+    def _places(self) -> list[str]:
+        """Processes that were found at work, each with its line."""
+        found: dict[str, None] = {}
+        for _ in range(_LOOKS):
+            if at_work := whereabouts(self._scheduler, only_processes=True):
+                found[at_work] = None
+            if len(found) == _MOST_PLACES or self._ended.wait(_BETWEEN_LOOKS):
+                break
+        return list(found)
+
+    def line(self, now: int, places: list[str]) -> str:
+        """What is said at an instant in nanoseconds; ``places`` are those of the processes that were at work."""
         prefix = f"{self._top}."
         # A copy in one step: the scheduler's thread goes on meanwhile.
         names = [path.removeprefix(prefix) for path in list(self._recorder.running) if path != self._top]
         more = f" and {len(names) - _MOST_NAMES} more" if len(names) > _MOST_NAMES else ""
         running = f", with {', '.join(names[:_MOST_NAMES])}{more} running" if names else ""
+        at_work = f"; at work: {', '.join(places)}" if places else ""
         return (
-            f"cspdiag: simulated time stands still at {now / 1e9:g} s{running}: Ctrl-C ends the run, "
+            f"cspdiag: simulated time stands still at {now / 1e9:g} s{running}{at_work}: Ctrl-C ends the run, "
             f"and verify shows who goes on for ever without passing a port (assert {self._top} livelock free)"
         )

@@ -87,20 +87,33 @@ def source_line(code: CodeType, line: int) -> str | None:
     return None
 
 
-def whereabouts(thread: int) -> str:
-    """Where a thread is that does not come back: the process, the source line, and the line of what was written by hand."""
+def whereabouts(thread: int, *, only_processes: bool = False) -> str:
+    """Where a thread is that does not come back: the process, the source line, and the line of what was written by hand.
+
+    With ``only_processes`` nothing, where no process is at work.
+    """
     frame = sys._current_frames().get(thread)
     process = place = by_hand = ""
     while frame is not None and not (process and place):
         executed = _executed_by(frame)
         if not is_of_runtime(frame):
-            place = place or source_line(frame.f_code, frame.f_lineno) or (executed and executed.source) or ""
+            place = place or _place_around(frame) or (executed and executed.source) or ""
             if not place and not by_hand and not _is_of_library(frame):
                 by_hand = f"{os.path.basename(frame.f_code.co_filename)}:{frame.f_lineno} in {frame.f_code.co_name}"
         process = process or (executed.name if executed is not None else "")
         frame = frame.f_back
+    if only_processes and not process:
+        return ""
     shown = f"{process} ({place})" if process and place else process or place
     return f"{shown}, at {by_hand}" if shown and by_hand else shown or by_hand
+
+
+def _place_around(frame: FrameType) -> str | None:
+    """The place where it is; in a loop it is most often found at its head, of which the first statement has one."""
+    code = frame.f_code
+    last = max(line or 0 for _, _, line in code.co_lines())
+    below = (source_line(code, line) for line in range(frame.f_lineno + 1, last + 1))
+    return source_line(code, frame.f_lineno) or next(filter(None, below), None)
 
 
 def _is_of_library(frame: FrameType) -> bool:
@@ -113,4 +126,7 @@ def _executed_by(frame: FrameType) -> Process | Part | None:
     from .routine import Part
 
     executed = frame.f_locals.get("self")
+    if executed is None:
+        # A branch of optimized code knows its task, and its process only where it uses that.
+        executed = getattr(frame.f_locals.get("me"), "process", None)
     return executed if isinstance(executed, Process | Part) else None

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import signal
+import subprocess
+import sys
 import threading
+from pathlib import Path
 
 import pytest
 
@@ -59,3 +63,35 @@ def test_a_run_that_does_not_begin_is_left_alone(capsys: pytest.CaptureFixture[s
     with Standstill(_recorder(), "Top"):
         pass
     assert capsys.readouterr().err == ""
+
+
+STANDS = """submodel Law { in x : double  out y : double  y = 2 * x }
+process Main {
+  in p : double @ 10 ms
+  communication {
+    a : Law
+    var n : int = 0
+    p -> a.x
+    a.y -> _
+  }
+  composition {
+    (mu (n := 1 - n) until n > 3) || mu a
+  }
+}
+submodel Source { out p : double  p = 1 }
+environment Bench for Main step 5 ms { source : Source  source.p -> p }
+"""
+
+
+@pytest.mark.parametrize("level", ["-O0", "-O1"])
+def test_process_and_line_are_named_of_a_loop_in_which_time_stands_still(level: str, tmp_path: Path) -> None:
+    program = tmp_path / "stands.csp"
+    program.write_text(STANDS)
+    command = [sys.executable, "-m", "cspdiag", "run", level, str(program)]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as running:
+        assert running.stderr is not None
+        said = next(line for line in running.stderr if "stands still" in line)
+        running.send_signal(signal.SIGINT)
+        running.communicate()
+    assert "stands still at 0 s" in said
+    assert "Main (stands.csp:11)" in said
