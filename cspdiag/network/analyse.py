@@ -96,7 +96,7 @@ class Analysis:
         ):
             missed = MissedSamples(self.report)
             for placed in self._inside_out_in_context():
-                missed.process(placed)
+                missed.process(placed, is_outermost=placed in outermost)
         if len({period for placed in self.contexts.placed for period in placed.samples.values()}) > 1:
             boundaries = RateBoundaries(self.report)
             for placed in self._inside_out_in_context():

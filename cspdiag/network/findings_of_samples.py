@@ -5,6 +5,7 @@ from __future__ import annotations
 from cspdiag.diagnostics import Report, Span
 from cspdiag.network.contexts import Placed
 from cspdiag.network.diagnostics_rates import SamplesMissed
+from cspdiag.network.first_samples import Late
 from cspdiag.network.gaps import NOTHING, Gap, either, then
 from cspdiag.network.sample_reads import MANY, Book, Part, Reads
 from cspdiag.network.shapes import Key
@@ -25,6 +26,11 @@ class Findings:
         self.limit = NEVER
         """Within how many nanoseconds the parts that are joined now are surely cut off."""
         self.said: set[tuple[Key, Span]] = set()
+
+    def add_first(self, late: Late) -> None:
+        """Report what every run misses."""
+        between = Gap(late.waits, None, late.cause)
+        self._report(late.port, between, late.earlier, late.read, 1, is_certain=True, slower=late.slower)
 
     def check(self, book: Book, between: Gap | None, one: Reads, other: Reads) -> bool:
         """Report a gap in which a sample is certainly overwritten, or may be while an event is waited for."""

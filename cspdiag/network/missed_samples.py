@@ -41,6 +41,7 @@ from cspdiag.network.actions import (
 )
 from cspdiag.network.contexts import Placed
 from cspdiag.network.findings_of_samples import Findings
+from cspdiag.network.first_samples import first_late
 from cspdiag.network.gaps import NOTHING, Elapsed, Gap, either, then
 from cspdiag.network.possible import decided, is_always_ready, possible_branches, ways_of_samples
 from cspdiag.network.relations import end_key
@@ -78,12 +79,15 @@ class MissedSamples:
         self.report = report
         self._known: dict[Placed, Part] = {}
 
-    def process(self, placed: Placed) -> None:
+    def process(self, placed: Placed, *, is_outermost: bool) -> None:
         """Report what a process does between reads of an input and takes longer than its samples come."""
         body = placed.shape.body
         if body is None or placed.shape.incomplete:
             return
-        self._known[placed] = _Sequence(placed, self._known, self.report).part(body)
+        sequence = _Sequence(placed, self._known, self.report)
+        self._known[placed] = sequence.part(body)
+        if is_outermost and not sequence.findings.said and (late := first_late(placed, body)) is not None:
+            sequence.findings.add_first(late)
 
 
 class _Sequence:

@@ -211,6 +211,24 @@ READERS = """process Main {{
 
 
 @pytest.mark.parametrize(
+    ("composition", "message"),
+    [
+        ("x ? v ; x ? v ; z ? w ; mu x ? v", "waits 20 ms for `z`"),
+        ("mu (x ? v ; x ? v ; z ? w)", "waits 20 ms for `z`"),
+        ("x ? v ; z ? w ; mu x ? v", None),
+        ("((mu x ? v) interrupt after 35 ms -> wait 15 ms) ; mu x ? v", "waits 20 ms"),
+        ("((mu x ? v) interrupt after 35 ms -> wait 14 ms) ; mu x ? v", None),
+        ("x ? v ; (wait 40 ms interrupt after 30 ms -> skip) ; (skip interrupt after 1 ms -> skip)", None),
+        ("(wait 5 ms interrupt after 50 ms -> skip) ; x ? v ; x ? v ; e ? n ; z ? w ; stop", None),
+    ],
+)
+def test_the_beginning_is_stepped_through(composition: str, message: str | None) -> None:
+    found = warnings_of(composition)
+    assert len(found) == (message is not None)
+    assert all(str(message) in each.message for each in found)
+
+
+@pytest.mark.parametrize(
     ("turn", "remedy"),
     [
         ("z ? w ; x ? v", "mu (z ? w -> ... []> x ? v -> ...)"),
