@@ -107,3 +107,9 @@ def test_a_delay_that_may_be_over_at_once_is_not_proved_to_let_time_pass(name: s
 @pytest.mark.parametrize("name", LASTS)
 def test_a_delay_that_surely_takes_time_is_proved_to(name: str) -> None:
     assert answer(LASTS[name]).startswith("proved")
+
+
+def test_a_loop_that_abandons_its_delay_is_not_said_to_be_left() -> None:
+    found = answer(("mu ((wait 5 ms) interrupt skip -> skip)", {}))
+    assert not found.startswith("proved")
+    assert "leaves the loop" not in found

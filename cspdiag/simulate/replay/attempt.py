@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
-from cspdiag.analyses.proofs.verdict import Limits
+from cspdiag.analyses.proofs.verdict import LimitError, Limits
 from cspdiag.network.ir import Network
 from cspdiag.runtime.composition import end_all, task_for
 from cspdiag.runtime.deadlock import DeadlockReport, report_deadlock
@@ -33,7 +33,9 @@ from cspdiag.simulate.replay.trace import DivergenceError, Trace, TraceStep
 from cspdiag.simulate.replay.values import Values, numbers_of, written
 
 _ALLOWED = "with the values that it has there, it does what the specification allows"
-_NOTHING_DONE = "it leaves the loop, in which it does nothing but compute, by itself"
+_NOTHING_DONE = (
+    "in a round of that loop it does nothing but compute or abandon what waits, which the replay cannot see repeated"
+)
 _AT_A_TIME = 1_000
 _MOST_TURNS = 200
 """So often so many processes may get on until all halt: 10,000 that begin do so a few times each."""
@@ -138,6 +140,8 @@ class Attempt:
                 raise DivergenceError("it goes on and on, and comes to no rest")
         if self._failed is not None and (isinstance(self._failed, Fault) or not isinstance(self._failed, ProcessError)):
             error, self._failed = self._failed, None
+            if isinstance(error, LimitError):
+                raise error
             raise DivergenceError(f"it ends with {type(error).__name__}: {error}")
 
     def _perform(self, step: TraceStep) -> None:

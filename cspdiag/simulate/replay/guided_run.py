@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from heapq import heapify, heappop, heappush, nsmallest
 from typing import Any, NoReturn
 
+from cspdiag.analyses.proofs.verdict import LimitError
 from cspdiag.runtime.composition import end_all, task_for
 from cspdiag.runtime.deadlock import report_deadlock
 from cspdiag.runtime.durations import shown
@@ -141,6 +142,8 @@ class Run:
                 if self._script.left or self._goal.is_standstill:
                     raise AstrayError(self._not_come("in so many steps"))
                 return
+            if isinstance(self._error, LimitError):
+                raise self._error
             if self._failed:
                 raise AstrayError(f"it ends with {type(self._error).__name__}: {self._error}")
             if self._problem is not None:
