@@ -370,7 +370,10 @@ def waiting_lines(told: str) -> list[str]:
     ]
 
 
-@pytest.mark.parametrize("text", [ENDED, INTERRUPTED, LABELLED])
+NESTED = ENDED.replace("(c ! 1 ; c ! 2) ||", "(wait 1 ms || wait 2 ms) || (c ! 1 ; c ! 2) ||")
+
+
+@pytest.mark.parametrize("text", [ENDED, INTERRUPTED, LABELLED, NESTED])
 def test_a_replay_names_who_waits_as_the_proof_does(cspdiag: Command, tmp_path: Path, text: str) -> None:
     program, trace = tmp_path / "case.csp", tmp_path / "trace.json"
     program.write_text(text)
