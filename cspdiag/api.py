@@ -208,7 +208,7 @@ class LoadedProgram:
         Raises what ``build`` raises, ``cspdiag.simulate.execute.NoEnvironmentError``, for C also
         ``cspdiag.simulate.native.build.CompilerError``, and ValueError for a level or target that there is not, or a program that the target cannot express.
         """
-        from cspdiag.settings import parse_duration
+        from cspdiag.settings import parse_time_limit
         from cspdiag.simulate import execute
         from cspdiag.simulate.native import run as native
 
@@ -217,7 +217,7 @@ class LoadedProgram:
         if target not in ("python", "c"):
             raise ValueError(f"nothing runs the target {target!r}: it is 'python' or 'c'")
         network = self._build(None, environment, set, alone=True)
-        limit = None if until is None else parse_duration(until if isinstance(until, str) else f"{until!r} s")
+        limit = None if until is None else parse_time_limit(until if isinstance(until, str) else f"{until!r} s")
         if target == "c":
             return native.simulate(
                 network, read_source, level=level, environment=environment, until=limit, real_time=real_time

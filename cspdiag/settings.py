@@ -70,6 +70,14 @@ def parse_duration(text: str) -> int:
     return duration
 
 
+def parse_time_limit(text: str) -> int:
+    """How long a run lasts at most, in nanoseconds. Raises SettingError, also for what lies before its beginning."""
+    limit = parse_duration(text)
+    if limit < 0:
+        raise SettingError(f"a run cannot last {text}: write a positive duration, such as 20s or 500ms")
+    return limit
+
+
 @record
 class _Target:
     """What a name can mean: a constant, or a part of one, or a parameter by its path below some roots."""

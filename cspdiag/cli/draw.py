@@ -215,10 +215,10 @@ def _chosen(arguments: Namespace, pictures: Pictures) -> list[Drawn]:
 def _named(pictures: Pictures, name: str) -> Drawn:
     found = pictures.named(name)
     if found is None:
-        from cspdiag.diagnostics.spelling import Speller
+        from cspdiag.network.lower import suggestion
 
-        near = Speller().nearest(name, [each.name.text for each in pictures.drawn(imported=True)])
-        raise UsageError(f"there is no process or environment `{name}`{f' (did you mean `{near}`?)' if near else ''}")
+        known = [each.name.text for each in pictures.drawn(imported=True)]
+        raise UsageError(f"there is no process or environment `{name}`{suggestion(name, known)}")
     return found
 
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import gc
 import os
+import re
 import sys
 from argparse import Action, ArgumentParser, Namespace, RawDescriptionHelpFormatter
 from collections.abc import Sequence
@@ -72,11 +73,16 @@ class _StoreOnce(Action):
         setattr(namespace, self.dest, values)
 
 
+_NEGATIVE = re.compile(r"-\.?[0-9]")
+
+
 class _Parser(ArgumentParser):
     def __init__(self, **options: Any) -> None:
         super().__init__(**options)
         for name in (None, "store"):
             self.register("action", name, _StoreOnce)
+        # `-5s` is a value, which is then refused as what it is, and no option.
+        self._negative_number_matcher = _NEGATIVE
 
     def error(self, message: str) -> NoReturn:
         raise UsageError(f"{message} (try {self.prog} --help)")

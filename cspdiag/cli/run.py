@@ -82,10 +82,10 @@ def run(arguments: Namespace) -> int:
 
         check_picture("--draw-deadlock", arguments.draw_deadlock)
     from cspdiag.network.lower import SelectionError
-    from cspdiag.settings import SettingError, parse_duration
+    from cspdiag.settings import SettingError, parse_time_limit
 
     try:
-        until = None if arguments.until is None else parse_duration(arguments.until)
+        until = None if arguments.until is None else parse_time_limit(arguments.until)
         built = _built(arguments)
     except (SettingError, SelectionError) as problem:
         raise UsageError(str(problem)) from None

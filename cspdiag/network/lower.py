@@ -160,7 +160,7 @@ def selection(
     if environment is not None and chosen is None:
         known = [item.name.text for item in _environments(program)]
         raise SelectionError(
-            f"there is no environment `{environment}`{f' for `{top}`' if top else ''}{_suggestion(environment, known)}"
+            f"there is no environment `{environment}`{f' for `{top}`' if top else ''}{suggestion(environment, known)}"
         )
     process = _top(program, analysis, top, chosen)
     if chosen is None or alone or environment is not None:
@@ -202,13 +202,21 @@ def _top(
         return found
     if top is not None:
         processes = [name for name, item in program.definitions.items() if isinstance(item, ast.ProcessDefinition)]
-        raise SelectionError(f"there is no process `{top}`{_suggestion(top, processes)}")
+        raise SelectionError(f"there is no process `{top}`{suggestion(top, processes)}")
     raise SelectionError(f"{program.main.source.name} has no process to compile")
 
 
-def _suggestion(name: str, known: Iterable[str]) -> str:
-    near = Speller().nearest(name, known)
-    return f" (did you mean `{near}`?)" if near else ""
+def suggestion(name: str, known: Iterable[str]) -> str:
+    """What may have been meant; where nothing is near, what there is."""
+    names = sorted(known)
+    near = Speller().nearest(name, names)
+    if near:
+        return f" (did you mean `{near}`?)"
+    listed = ", ".join(f"`{each}`" for each in names[:_MOST_NAMES])
+    return f" (there is {listed}{', ...' if len(names) > _MOST_NAMES else ''})" if names else ""
+
+
+_MOST_NAMES = 8
 
 
 def _arguments(

@@ -198,3 +198,19 @@ def test_no_file_is_written_twice_or_over_the_program(
     assert "name one file: " in result.err
     assert one_line(result.err)
     assert Path(arguments[1]).read_text() == good.read_text()
+
+
+def test_a_run_of_negative_length_is_refused_as_that(cspdiag: Command, good: Path) -> None:
+    for arguments in (["--for", "-5s"], ["--for=-5s"]):
+        done = cspdiag("run", str(good), *arguments)
+        assert done.code == 2
+        assert "a run cannot last -5s: write a positive duration" in done.err
+
+
+@pytest.mark.parametrize("verb", ["draw", "verify"])
+def test_the_processes_are_listed_where_none_is_near(cspdiag: Command, tmp_path: Path, verb: str) -> None:
+    (tmp_path / "two.csp").write_text("process Left { composition { skip } }\nprocess Right { composition { skip } }\n")
+    done = cspdiag(verb, str(tmp_path / "two.csp"), "--process", "Xyzzy")
+    assert done.code == 2
+    assert "(there is `Left`, `Right`)" in done.err
+    assert "(did you mean `Right`?)" in cspdiag(verb, str(tmp_path / "two.csp"), "--process", "Rigth").err
