@@ -11,8 +11,6 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from typing import Any, NamedTuple, TypeVar
 
-from cspdiag.standard_streams import keep, standard_error, standard_output
-
 from .drivers import Driver
 from .durations import ms, ns, s, shown, us
 from .exceptions import described
@@ -20,6 +18,7 @@ from .job_control import stay_running
 from .network import Network
 from .outcome import Outcome
 from .signals import name_of_signal
+from .standard_streams import keep, standard_error, standard_output
 from .stopping import HandlerFailed, Stopped, stopping
 
 _UNITS = {"ns": ns, "us": us, "ms": ms, "s": s, "min": 60 * s}
