@@ -74,7 +74,7 @@ def _alarm(seconds: float) -> Iterator[list[int]]:
         raise _StandsStillError
 
     before = signal.signal(signal.SIGALRM, ring)
-    signal.setitimer(signal.ITIMER_REAL, seconds)
+    signal.setitimer(signal.ITIMER_REAL, seconds, 1)  # Again, if it was raised where Python ignores what is raised.
     try:
         yield rung
     finally:
