@@ -1,4 +1,7 @@
-"""The standard streams of a command, whatever the program that it runs sets or closes in their stead."""
+"""The standard streams of a command, whatever the program that it runs sets or closes in their stead.
+
+Generated packages carry this module in their runtime.
+"""
 
 from __future__ import annotations
 

@@ -108,7 +108,9 @@ def frame(
 
 def runtime_files() -> dict[str, str]:
     """The modules of the runtime, by path from its folder."""
-    return dict(_texts(package_files("cspdiag.runtime"), ""))
+    shared = "standard_streams.py"
+    own = package_files("cspdiag").joinpath(shared).read_text(encoding="utf-8")
+    return {**dict(_texts(package_files("cspdiag.runtime"), "")), shared: own}
 
 
 def _texts(folder: Traversable, prefix: str) -> list[tuple[str, str]]:
