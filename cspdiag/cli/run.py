@@ -14,7 +14,7 @@ from cspdiag.cli.written import require_different, require_file
 from cspdiag.sources import read_source
 
 if TYPE_CHECKING:
-    from cspdiag.cli.progress import Running
+    from cspdiag.cli.standstill import Visited
     from cspdiag.network.ir import Network
     from cspdiag.pipeline import Built
     from cspdiag.simulate.recorder import Recorder
@@ -155,12 +155,12 @@ def _simulate(arguments: Namespace, network: Network, until: int | None) -> Run:
     if not arguments.quiet:
         progress = Progress(recorder, mode_groups(network))
     standstill = None
-    # Against the clock, and in a program of its own, the instant that is known may lag behind.
-    if not arguments.quiet and not arguments.real_time and arguments.target == "python":
+    # Against the clock it goes on.
+    if not arguments.quiet and not arguments.real_time:
         standstill = Standstill(recorder, network.class_named(network.top).definition)
     watchers = [watcher for watcher in (progress, standstill) if watcher is not None]
 
-    def attach(running: Running) -> None:
+    def attach(running: Visited) -> None:
         for watcher in watchers:
             watcher.attach(running)
 
@@ -174,9 +174,10 @@ def _simulate(arguments: Namespace, network: Network, until: int | None) -> Run:
 
 
 def _simulate_in_python(
-    arguments: Namespace, network: Network, until: int | None, recorder: Recorder, on_start: Callable[[Running], None]
+    arguments: Namespace, network: Network, until: int | None, recorder: Recorder, on_start: Callable[[Visited], None]
 ) -> Run:
     from cspdiag import pipeline
+    from cspdiag.cli.standstill import InThread
     from cspdiag.runtime.stopping import stopping
     from cspdiag.simulate.execute import simulate
 
@@ -198,12 +199,12 @@ def _simulate_in_python(
         recorder=recorder,
         probe_variables=arguments.plot is not None,
         measured=_is_measured(arguments),
-        on_start=on_start,
+        on_start=lambda network: on_start(InThread(network)),
     )
 
 
 def _simulate_native(
-    arguments: Namespace, network: Network, until: int | None, recorder: Recorder, on_start: Callable[[Running], None]
+    arguments: Namespace, network: Network, until: int | None, recorder: Recorder, on_start: Callable[[Visited], None]
 ) -> Run:
     from cspdiag.simulate.native.run import simulate
 

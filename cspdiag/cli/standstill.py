@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import threading
+import time
 from types import TracebackType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from cspdiag.cli.terminal import put
 from cspdiag.runtime.places import whereabouts
@@ -15,6 +16,20 @@ if TYPE_CHECKING:
     from cspdiag.cli.progress import Running
     from cspdiag.simulate.recorder import Recorder
 
+
+class Visited(Protocol):
+    """A program that runs, and can be asked who is at work."""
+
+    @property
+    def now(self) -> int:
+        """The present instant in nanoseconds."""
+        ...
+
+    def at_work(self) -> list[str]:
+        """Processes that were found at work, each with its place."""
+        ...
+
+
 PATIENCE = 3.0
 _LOOKS = 20
 """So often is looked who runs: between two steps nobody does, and several may take turns."""
@@ -23,26 +38,48 @@ _MOST_PLACES = 3
 _MOST_NAMES = 4
 
 
+class InThread:
+    """A network that runs in the thread that makes this object."""
+
+    def __init__(self, network: Running) -> None:
+        self._network = network
+        self._scheduler = threading.get_ident()
+
+    @property
+    def now(self) -> int:
+        """The present instant in nanoseconds."""
+        return self._network.now
+
+    def at_work(self) -> list[str]:
+        """Processes that are found at work during a tenth of a second, each with its line."""
+        found: dict[str, None] = {}
+        for _ in range(_LOOKS):
+            if at_work := whereabouts(self._scheduler, only_processes=True):
+                found[at_work] = None
+            if len(found) == _MOST_PLACES:
+                break
+            time.sleep(_BETWEEN_LOOKS)
+        return list(found)
+
+
 class Standstill:
     """Looks at the time of a run in virtual time now and then, from a thread of its own, so that the run pays nothing for it.
 
-    Used as a context manager around the run; ``attach`` is to be called by the thread of the run, when the network is there. ``top`` is the outermost process. Says once that
-    the instant is the same at two looks, ``patience`` seconds apart.
+    Used as a context manager around the run; ``attach`` is to be called when the network is there. ``top`` is the outermost process. Says once that the instant is the same
+    at two looks, ``patience`` seconds apart.
     """
 
     def __init__(self, recorder: Recorder, top: str, patience: float = PATIENCE) -> None:
         self._recorder = recorder
         self._top = top
         self._patience = patience
-        self._network: Running | None = None
-        self._scheduler = 0
+        self._network: Visited | None = None
         self._ended = threading.Event()
         self.thread = threading.Thread(target=self._watch, name="standstill", daemon=True)
 
-    def attach(self, network: Running) -> None:
+    def attach(self, network: Visited) -> None:
         """Tell what runs."""
         self._network = network
-        self._scheduler = threading.get_ident()
         with left_to_the_main_thread():
             self.thread.start()
 
@@ -64,19 +101,9 @@ class Standstill:
             if now == before:
                 # A line of progress may stand there.
                 clear = "\r\x1b[K" if standard_error().isatty() else ""
-                put(f"{clear}{self.line(now, self._places())}\n")
+                put(f"{clear}{self.line(now, self._network.at_work()[:_MOST_PLACES])}\n")
                 return
             before = now
-
-    def _places(self) -> list[str]:
-        """Processes that were found at work, each with its line."""
-        found: dict[str, None] = {}
-        for _ in range(_LOOKS):
-            if at_work := whereabouts(self._scheduler, only_processes=True):
-                found[at_work] = None
-            if len(found) == _MOST_PLACES or self._ended.wait(_BETWEEN_LOOKS):
-                break
-        return list(found)
 
     def line(self, now: int, places: list[str]) -> str:
         """What is said at an instant in nanoseconds; ``places`` are those of the processes that were at work."""

@@ -13,7 +13,7 @@ SUPPORT = Path(__file__).parents[2] / "templates" / "c" / "support"
 PROGRAMS = tuple(sorted((HERE / "programs").glob("*.c")))
 STRICT = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror")
 SCENARIOS = ("-DCSP_TRACE=1", "-DCSP_LEVELS=3U")
-HOSTED = ("csp_signals.c", "csp_simulation.c", "csp_stream.c")
+HOSTED = ("csp_signals.c", "csp_simulation.c", "csp_stream.c", "csp_watch.c")
 """Around a run on a host: not of the kernel."""
 
 
@@ -32,5 +32,8 @@ def need(*tools: str) -> None:
 def kernel_files(port: str = "simulation") -> list[Path]:
     """The kernel with one of its ports."""
     files = [file for file in sorted(SUPPORT.glob("csp_*.c")) if file.name not in HOSTED]
-    of_port = [SUPPORT / f"csp_port_{port}.c", *([SUPPORT / "csp_signals.c"] if port == "posix" else [])]
+    of_port = [
+        SUPPORT / f"csp_port_{port}.c",
+        *([SUPPORT / "csp_signals.c", SUPPORT / "csp_watch.c"] if port == "posix" else []),
+    ]
     return [file for file in files if not file.name.startswith("csp_port_")] + of_port

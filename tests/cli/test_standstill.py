@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import signal
 import subprocess
 import sys
@@ -30,6 +31,9 @@ class _Clock:
         if self.left == 0:
             self.seen.set()
         return self._now
+
+    def at_work(self) -> list[str]:
+        return []
 
 
 def _recorder(*names: str) -> Recorder:
@@ -83,15 +87,47 @@ environment Bench for Main step 5 ms { source : Source  source.p -> p }
 """
 
 
-@pytest.mark.parametrize("level", ["-O0", "-O1"])
-def test_process_and_line_are_named_of_a_loop_in_which_time_stands_still(level: str, tmp_path: Path) -> None:
+SPINS = """process Ping { out o : int  composition { mu o ! 1 } }
+process Pong {
+  in i : int
+  communication { var v : int }
+  composition { mu i ? v }
+}
+process Main {
+  communication { ping : Ping  pong : Pong  ping.o -> pong.i }
+  composition {
+    wait 7 ms ; (ping || pong)
+  }
+}
+"""
+
+
+def _stopped_when_it_stands(text: str, tmp_path: Path, *options: str) -> tuple[str, str]:
+    """What a run says of the standstill, and, after Ctrl-C, of how it has ended."""
     program = tmp_path / "stands.csp"
-    program.write_text(STANDS)
-    command = [sys.executable, "-m", "cspdiag", "run", level, str(program)]
+    program.write_text(text)
+    command = [sys.executable, "-m", "cspdiag", "run", *options, str(program)]
     with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as running:
         assert running.stderr is not None
         said = next(line for line in running.stderr if "stands still" in line)
         running.send_signal(signal.SIGINT)
-        running.communicate()
+        _, ended = running.communicate()
+    return said, ended
+
+
+@pytest.mark.parametrize("options", [("-O0",), ("-O1",), ("--target", "c", "-O0"), ("--target", "c", "-O1")])
+def test_process_and_line_are_named_of_a_loop_in_which_time_stands_still(
+    options: tuple[str, ...], tmp_path: Path
+) -> None:
+    said, ended = _stopped_when_it_stands(STANDS, tmp_path, *options)
     assert "stands still at 0 s" in said
     assert "Main (stands.csp:11)" in said
+    assert re.search(r"simulated 0 s in [1-9][0-9.]* s", ended)
+
+
+def test_instant_and_partners_are_named_where_a_native_program_communicates_for_ever(tmp_path: Path) -> None:
+    said, ended = _stopped_when_it_stands(SPINS, tmp_path, "--target", "c", "-O0")
+    assert "stands still at 0.007 s, with ping, pong running; at work: " in said
+    assert re.search(r"Main\.(ping \(last waited at stands.csp:1\)|pong \(last waited at stands.csp:5\))", said)
+    assert "stopped by SIGINT at 7 ms" in ended
+    assert re.search(r"simulated 7 ms in [1-9][0-9.]* s", ended)

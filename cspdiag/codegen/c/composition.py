@@ -143,22 +143,33 @@ class Composition(Writer):
         return [Row(f"CSP_CALL(&{SELF}{member}.process, {place})", comment=self.comment(action))]
 
     def _repeat(self, action: Repeat) -> list[Row]:
-        body = self.rows(action.body)
+        body, behind = self._body(action)
         if action.until is None:
             return block("for (;;)", body)
         if not ends(action.body):
             return body
         setup, condition = self.condition(action.until, action)
         if not setup:
-            return block("do", body, f"}} while (!({condition}));")
-        return block("for (;;)", [*body, *setup, *block(f"if ({condition})", rows("break;"))])
+            return [*block("do", body, f"}} while (!({condition}));"), *behind]
+        return [*block("for (;;)", [*body, *setup, *block(f"if ({condition})", rows("break;"))]), *behind]
 
     def _while(self, action: WhileLoop) -> list[Row]:
         setup, condition = self.condition(action.condition, action)
-        body = self.rows(action.body)
+        body, behind = self._body(action)
         if not setup:
-            return block(f"while ({condition})", body)
-        return block("for (;;)", [*setup, *block(f"if (!{condition})", rows("break;")), *body])
+            return [*block(f"while ({condition})", body), *behind]
+        return [*block("for (;;)", [*setup, *block(f"if (!{condition})", rows("break;")), *body]), *behind]
+
+    def _body(self, action: Repeat | WhileLoop) -> tuple[list[Row], list[Row]]:
+        """The body of a loop and what follows the loop: one in which the process cannot wait is told of, as no state of the process tells of it."""
+        waiting = self._waiting_places()
+        body = self.rows(action.body)
+        if not body or self._waiting_places() > waiting:
+            return body, []
+        return [*rows(f"csp_observe_loop({quoted(self.where(action))});"), *body], rows("csp_observe_loop(NULL);")
+
+    def _waiting_places(self) -> int:
+        return sum(place.waiting != "NOTHING" for place in self.current.places)
 
     def _if(self, action: IfElse) -> list[Row]:
         setup, condition = self.condition(action.condition, action)

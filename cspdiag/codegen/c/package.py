@@ -29,7 +29,7 @@ from cspdiag.resources import template_folder
 SUPPORT = "support"
 """The folder of the kernel in a package."""
 
-_SIMULATION = ("csp_port_$(PORT).c", "csp_signals.c", "csp_simulation.c", "csp_stream.c")
+_SIMULATION = ("csp_port_$(PORT).c", "csp_signals.c", "csp_simulation.c", "csp_stream.c", "csp_watch.c")
 _CONFIGURATION = "csp_config.h"
 
 

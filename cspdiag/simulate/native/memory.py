@@ -90,9 +90,8 @@ def memory_report(network: Network, files: Mapping[str, str], level: int) -> Mem
 def _is_of_simulation(path: str) -> bool:
     """Whether a file belongs to a place to run, and not to the program."""
     stem = path.rpartition("/")[2]
-    return stem.startswith(("main_", "csp_port_", "csp_signals", "csp_simulation", "csp_stream")) or stem.endswith(
-        "_environment.c"
-    )
+    of_host = ("main_", "csp_port_", "csp_signals", "csp_simulation", "csp_stream", "csp_watch")
+    return stem.startswith(of_host) or stem.endswith("_environment.c")
 
 
 def _facts(build: Build, path: str) -> FileFacts:

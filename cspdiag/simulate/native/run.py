@@ -6,6 +6,8 @@ import os
 import signal
 import subprocess
 from collections.abc import Callable
+from dataclasses import dataclass
+from io import BufferedIOBase
 from typing import TYPE_CHECKING, Literal
 
 from cspdiag.codegen.c.refusals import refuse_devices
@@ -16,6 +18,7 @@ from cspdiag.simulate.execute import chosen_environment
 from cspdiag.simulate.native.build import Build, CompilerError
 from cspdiag.simulate.native.deadlock import deadlock_report
 from cspdiag.simulate.native.keeper import Keeper
+from cspdiag.simulate.native.looks import Looks
 from cspdiag.simulate.native.stream import EndRecord, StreamReader
 from cspdiag.simulate.recorder import Recorder
 from cspdiag.simulate.result import Run
@@ -26,6 +29,24 @@ if TYPE_CHECKING:
 
 Observed = Literal["all", "ports", "none"]
 """Which communications are told: recording a few is much faster than recording all."""
+
+
+@dataclass(frozen=True)
+class NativeRun:
+    """A native program that runs: the later of what its records and looks at it tell."""
+
+    reader: StreamReader
+    looks: Looks
+
+    @property
+    def now(self) -> int:
+        """The present instant in nanoseconds, as far as it is known."""
+        return max(self.reader.now, self.looks.now)
+
+    def at_work(self) -> list[str]:
+        """The processes that were found at work since this instant has begun, each with its place."""
+        return self.looks.at_work
+
 
 _ENDINGS: tuple[Ending, ...] = ("terminated", "failed", "deadlock", "time limit", "stopped")
 
@@ -39,7 +60,7 @@ def simulate(
     until: int | None = None,
     real_time: bool = False,
     recorder: Recorder | None = None,
-    on_start: Callable[[StreamReader], None] | None = None,
+    on_start: Callable[[NativeRun], None] | None = None,
     observed: Observed = "all",
     fused: bool = False,
     measured: bool = False,
@@ -80,7 +101,7 @@ def _run(
     recorder: Recorder,
     environment: Environment | None,
     network: Network,
-    on_start: Callable[[StreamReader], None] | None,
+    on_start: Callable[[NativeRun], None] | None,
     *,
     real_time: bool,
     flattened: bool,
@@ -90,13 +111,22 @@ def _run(
     told = None if real_time else subprocess.PIPE
     with (
         stopping,
-        subprocess.Popen(command, stdout=subprocess.PIPE, stderr=told, start_new_session=True) as running,
+        Looks() as looks,
+        subprocess.Popen(
+            [*command, "--looks", str(looks.descriptor)],
+            stdout=subprocess.PIPE,
+            stderr=told,
+            start_new_session=True,
+            pass_fds=[looks.descriptor],
+        ) as running,
         Keeper(running) as keeper,
     ):
-        assert running.stdout is not None
-        reader = StreamReader(running.stdout, network, recorder, flattened)
+        looks.started()
+        assert isinstance(running.stdout, BufferedIOBase)
+        run = NativeRun(StreamReader(running.stdout, network, recorder, flattened), looks)
+        reader = run.reader
         if on_start is not None:
-            on_start(reader)
+            on_start(run)
         try:
             reader.read()
             keeper.told()
@@ -107,7 +137,7 @@ def _run(
         except BaseException:
             running.kill()
             raise
-    outcome = _outcome(reader, keeper, environment, network)
+    outcome = _outcome(run, keeper, environment, network)
     if outcome is None:
         text = (said or b"").decode("utf-8", "replace").strip() or f"exit code {running.returncode}"
         raise CompilerError(f"the native program has failed: {text}")
@@ -115,15 +145,15 @@ def _run(
     return outcome
 
 
-def _outcome(reader: StreamReader, keeper: Keeper, environment: Environment | None, network: Network) -> Outcome | None:
+def _outcome(run: NativeRun, keeper: Keeper, environment: Environment | None, network: Network) -> Outcome | None:
     """How it ended; None if it has not said that, and nobody knows."""
     from cspdiag.runtime import Outcome
 
-    end = reader.end
+    reader, end = run.reader, run.reader.end
     if end is None:
         if not keeper.signal:
             return None
-        outcome = Outcome("stopped", reader.now, signal=keeper.signal)
+        outcome = Outcome("stopped", run.now, wall_time=run.looks.wall_time, signal=keeper.signal)
         # Otherwise it has come out of a step that hung by itself, with its outputs released and no time to tell.
         if keeper.killed:
             outcome.release_errors.append(keeper.account)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import struct
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import IO
+from io import BufferedIOBase
 
 from cspdiag.model.types import Type
 from cspdiag.network.ir import Network
@@ -53,7 +53,7 @@ class EndRecord:
 class StreamReader:
     """Hands the records of one run of a network to a recorder."""
 
-    stream: IO[bytes]
+    stream: BufferedIOBase
     network: Network
     recorder: Recorder
     flattened: bool = False
@@ -86,7 +86,7 @@ class StreamReader:
     def _has(self, size: int) -> bool:
         """Whether there are so many bytes from here, which are then in memory."""
         while len(self._data) - self._position < size:
-            more = self.stream.read(_CHUNK)
+            more = self.stream.read1(_CHUNK)  # What there is, so that it is known at once.
             if not more:
                 return False
             self._data = self._data[self._position :] + more

@@ -45,7 +45,8 @@ enum {
     CSP_CANCELLED = 1, /* ends at its next communication */
     CSP_ABANDONED = 2, /* was cancelled while it waited: goes on in the failed state of its place */
     CSP_ENDED = 4,     /* does not run */
-    CSP_BRANCH = 8     /* of a parallel or an interrupt */
+    CSP_BRANCH = 8,    /* of a parallel or an interrupt */
+    CSP_OFFERED = 16   /* no process: one of several communications that one has offered */
 };
 
 struct csp_party {
@@ -135,6 +136,9 @@ typedef struct csp_kernel {
     int64_t now;        /* nanoseconds from the start */
     uint32_t begun;     /* alternatives that have begun to wait, modulo 2^32 */
     csp_error error;    /* of the operation that has just failed */
+#if CSP_TRACE
+    const char *volatile loop; /* where the process is in a loop in which it cannot wait; NULL: in none */
+#endif
 } csp_kernel;
 
 extern csp_kernel csp;
@@ -150,12 +154,15 @@ void csp_observe_release(uint32_t port, const void *value);
 /* A process (its number), or a named group or flattened process (numbered after the processes), has begun or ended; generated code calls them. */
 void csp_observe_begin(uint32_t number);
 void csp_observe_end(uint32_t number);
+/* Around a loop in which the process cannot wait: its place in the program's text; behind it that of the loop around it, or NULL. */
+#define csp_observe_loop(where) (csp.loop = (where))
 #else
 #define csp_observe(channel, value, writer, reader) ((void)(channel), (void)(value), (void)(writer), (void)(reader))
 #define csp_observe_sample(port, value) ((void)(port), (void)(value))
 #define csp_observe_release(port, value) ((void)(port), (void)(value))
 #define csp_observe_begin(number) ((void)(number))
 #define csp_observe_end(number) ((void)(number))
+#define csp_observe_loop(where) ((void)0)
 #endif
 
 static inline void csp_enter(csp_queue *queue, csp_party *party)

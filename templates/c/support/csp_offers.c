@@ -139,6 +139,7 @@ void csp_offers_init(csp_offers *offers, csp_offer *offer, uint32_t capacity)
     offers->capacity = capacity;
     for (uint32_t index = 0U; index < capacity; index++) {
         offer[index].party.step = offer_step;
+        offer[index].party.flags = CSP_OFFERED;
         offer[index].offers = offers;
     }
 }

@@ -32,6 +32,7 @@ void *csp_object_at(const csp_process *process, const csp_place *place)
 
 csp_progress csp_raise(csp_party *party, uint16_t exception, const char *place)
 {
+    csp_observe_loop(NULL);
     csp.error = no_error;
     csp.error.exception = exception;
     csp.error.place = place;
@@ -52,6 +53,7 @@ csp_progress csp_raise_fault(csp_party *party)
 csp_progress csp_refuse(const csp_party *party)
 {
     (void)party;
+    csp_observe_loop(NULL);
     csp.error = no_error;
     csp.error.exception = CSP_CANCELLATION;
     return CSP_FAILS;

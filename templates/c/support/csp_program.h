@@ -91,9 +91,12 @@ void csp_describe_waiting(const csp_program *program, const csp_waiting_process 
 const char *csp_exception_name(const csp_program *program);
 void csp_describe_message(const csp_program *program, char *text, size_t size);
 void csp_describe_place(const csp_program *program, char *text, size_t size);
-/* The ports whose samples were overwritten untaken, and how many: "level 3, speed 1"; "none". */
 /* What the run does at present, for another thread that finds it hanging: "the device function of Machine.level has not come back". */
 void csp_describe_present(char *text, size_t size);
+/* Which process runs at present, for another thread, and where: "Main (loops.csp:12)", of a loop in which it cannot wait, or else "Main (last
+ * waited at loops.csp:12)"; "": none does. */
+void csp_describe_at_work(char *text, size_t size);
+/* The ports whose samples were overwritten untaken, and how many: "level 3, speed 1"; "none". */
 void csp_describe_missed(const csp_program *program, char *text, size_t size);
 void csp_describe_error(const csp_program *program, char *text, size_t size);
 

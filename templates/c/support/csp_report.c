@@ -311,11 +311,50 @@ void csp_describe_error(const csp_program *program, char *text, size_t size)
     }
 }
 
+/* The process that runs, as another thread sees it; NULL: none. */
+static const csp_process *present_process(void)
+{
+    const csp_party *const party = CSP_LOAD(csp.current);
+    if ((party != NULL) && ((party->flags & (unsigned)CSP_OFFERED) != 0U)) {
+        return (const csp_process *)(const void *)((const csp_offer *)(const void *)party)->offers->process;
+    }
+    return (const csp_process *)(const void *)party;
+}
+
+/* Where a process is that has waited at this place last. */
+static void append_whereabouts(const csp_place *place, char *text, size_t size)
+{
+#if CSP_TRACE
+    const char *const loop = csp.loop;
+    if (loop != NULL) {
+        append_place(loop, text, size);
+        return;
+    }
+#endif
+    const bool waited = place->waiting != (uint8_t)CSP_AT_NOTHING;
+    csp_append(text, size, waited ? " (last waited at " : " (");
+    csp_append(text, size, place->where);
+    csp_append(text, size, ")");
+}
+
+void csp_describe_at_work(char *text, size_t size)
+{
+    const csp_calls calls = csp_calls_now();
+    const csp_process *const process = present_process();
+    text[0] = '\0';
+    if ((calls.program == NULL) || (process == NULL)) {
+        return;
+    }
+    const csp_place *const place = csp_place_of(process);
+    append_process(calls.program, process, place->inner, text, size);
+    append_whereabouts(place, text, size);
+}
+
 /* It is read while it may change: a process is named by what changes least. */
 void csp_describe_present(char *text, size_t size)
 {
     const csp_calls calls = csp_calls_now();
-    const csp_process *const process = (const csp_process *)(const void *)CSP_LOAD(csp.current);
+    const csp_process *const process = present_process();
     text[0] = '\0';
     if (calls.program == NULL) {
         csp_append(text, size, "nothing runs");

@@ -6,9 +6,7 @@
 
 #include <errno.h>
 #include <pthread.h>
-#include <sched.h>
 #include <signal.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <sys/mman.h>
 #include <time.h>
@@ -16,9 +14,9 @@
 
 #include "csp_internal.h"
 #include "csp_shared.h"
+#include "csp_watch.h"
 
-enum { STACK = 65536, SIGNALLED = 128, SIGNALS = 128 /* more than there are */, TEXT = 512 };
-enum { LOOKS = 10 /* a second */, LOOK = 1000000000 / LOOKS, THREAD_STACK = 1 << 17 };
+enum { STACK = 65536, SIGNALS = 128 /* more than there are */ };
 
 /* Signals that end no process, or that cannot be handled. */
 static const int harmless[] = {SIGCHLD, SIGCONT, SIGURG, SIGTSTP, SIGTTIN, SIGTTOU, SIGSTOP, SIGKILL,
@@ -39,13 +37,6 @@ static volatile uint32_t first; /* the signal that stopped the run; 0: none */
 static struct timespec asked_at;
 static volatile bool leaving; /* another thread ends the process, when the outputs are released */
 
-static pthread_t watcher;
-static volatile bool watched;
-static volatile bool patient; /* a run that does not go on hangs */
-static volatile bool hangs;
-static volatile bool forced; /* the run, to let go */
-static volatile uint32_t parent; /* 0: any */
-
 static bool contains(const int *numbers, size_t count, int number)
 {
     bool found = false;
@@ -55,7 +46,7 @@ static bool contains(const int *numbers, size_t count, int number)
     return found;
 }
 
-static void handle(int number, void (*handler)(int), int flags)
+void csp_signals_handle(int number, void (*handler)(int), int flags)
 {
     struct sigaction action;
     action.sa_handler = handler;
@@ -76,13 +67,7 @@ static bool in_owner(void)
     return pthread_equal(pthread_self(), owner) != 0;
 }
 
-static void wait_a_look(void)
-{
-    const struct timespec look = {0, LOOK};
-    (void)nanosleep(&look, NULL);
-}
-
-static void wait_for_the_end(void)
+void csp_signals_wait_for_the_end(void)
 {
     for (;;) {
         (void)pause();
@@ -90,6 +75,16 @@ static void wait_for_the_end(void)
 }
 
 /* ---- Requests to stop ---- */
+
+uint32_t csp_signals_first(void)
+{
+    return CSP_LOAD(first);
+}
+
+bool csp_signals_leaving(void)
+{
+    return CSP_LOAD(leaving);
+}
 
 /* Long enough ago for what is left to be told. */
 static bool asked_before(void)
@@ -99,13 +94,13 @@ static bool asked_before(void)
     return (present.tv_sec - asked_at.tv_sec) > (time_t)CSP_GRACE;
 }
 
-static void ask_to_stop(int number)
+void csp_signals_ask_to_stop(int number)
 {
     if (CSP_LOAD(first) == 0U) {
         (void)clock_gettime(CLOCK_MONOTONIC, &asked_at);
         CSP_STORE(first, (uint32_t)number);
     } else if (!csp_is_driving() && asked_before()) {
-        _exit(SIGNALLED + (int)CSP_LOAD(first));
+        _exit((int)CSP_SIGNALLED + (int)CSP_LOAD(first));
     } else {
         /* It has been asked. */
     }
@@ -115,7 +110,7 @@ static void ask_to_stop(int number)
 static void stop(int number)
 {
     const int error = errno;
-    ask_to_stop(number);
+    csp_signals_ask_to_stop(number);
     errno = error;
 }
 
@@ -130,8 +125,8 @@ static void release(void)
     if (!in_owner()) {
         CSP_STORE(leaving, true);
         csp_request_stop();
-        for (uint32_t looks = 0U; csp_is_driving() && (CSP_LOAD(watched) || (looks < (CSP_GRACE * (uint32_t)LOOKS))); looks++) {
-            wait_a_look();
+        for (uint32_t looks = 0U; csp_is_driving() && (csp_watch_runs() || (looks < (CSP_GRACE * (uint32_t)CSP_LOOKS))); looks++) {
+            csp_watch_wait_a_look();
         }
     }
     csp_release_outputs();
@@ -152,144 +147,15 @@ static void crash(int number)
         CSP_STORE(first, (uint32_t)number);
     }
     release();
-    handle(number, SIG_DFL, 0);
+    csp_signals_handle(number, SIG_DFL, 0);
     (void)raise(number);
-}
-
-static void end_by_force(void)
-{
-    if (CSP_LOAD(leaving)) {
-        wait_for_the_end();
-    }
-    _exit((CSP_LOAD(first) != 0U) ? (SIGNALLED + (int)CSP_LOAD(first)) : EXIT_FAILURE);
-}
-
-/* In the thread of the run: what hangs in here is interrupted by the same again. */
-static void let_go(int number)
-{
-    const int error = errno;
-    (void)number;
-    if (CSP_LOAD(forced) && in_owner() && csp_is_driving()) {
-        csp_release_outputs();
-        end_by_force();
-    }
-    errno = error;
-}
-
-static void *release_instead(void *nothing)
-{
-    csp_release_outputs();
-    end_by_force();
-    return nothing;
-}
-
-/* The first attempt is the signal; each one after that takes the next output. A thread that holds the signal back is not waited for. */
-static void force(bool in_vain)
-{
-    pthread_attr_t attributes;
-    pthread_t helper;
-    CSP_STORE(forced, true);
-    if (!in_vain) {
-        handle(SIGURG, let_go, SA_RESTART | SA_NODEFER);
-        (void)pthread_kill(owner, SIGURG);
-    } else if (pthread_attr_init(&attributes) == 0) {
-        (void)pthread_attr_setdetachstate(&attributes, PTHREAD_CREATE_DETACHED);
-        (void)pthread_attr_setstacksize(&attributes, THREAD_STACK);
-        (void)pthread_create(&helper, &attributes, release_instead, NULL);
-        (void)pthread_attr_destroy(&attributes);
-    } else {
-        csp_release_outputs();
-    }
-}
-
-/* ---- The thread that looks on ---- */
-
-static void tell_what_hangs(void)
-{
-    char text[TEXT] = "";
-    char line[TEXT + 64] = "";
-    csp_describe_present(text, sizeof text);
-    const int length =
-        snprintf(line, sizeof line, "%s for %u s: the outputs are released\n", text, (unsigned)CSP_PATIENCE);
-    const ssize_t written = write(STDERR_FILENO, line, (size_t)length);
-    (void)written;
-}
-
-static void *watch(void *nothing)
-{
-    uint32_t turns = 0U;
-    uint32_t released = 0U;
-    uint32_t looks = 0U;
-    bool in_vain = false;
-    for (;;) {
-        wait_a_look();
-        const uint32_t looked_for = CSP_LOAD(parent);
-        if ((looked_for != 0U) && (getppid() != (pid_t)looked_for)) {
-            CSP_STORE(parent, 0U);
-            ask_to_stop(SIGTERM);
-        }
-        const bool asked = (CSP_LOAD(first) != 0U) || CSP_LOAD(leaving) || CSP_LOAD(hangs);
-        const uint32_t turns_now = csp_turns();
-        const uint32_t released_now = csp_calls_now().released;
-        const bool goes_on = (released_now != released) || (!asked && (turns_now != turns));
-        in_vain = in_vain && (released_now == released);
-        turns = turns_now;
-        released = released_now;
-        looks = (goes_on || !csp_is_driving() || !(asked || CSP_LOAD(patient))) ? 0U : (looks + 1U);
-        if (looks >= ((asked ? CSP_GRACE : CSP_PATIENCE) * (uint32_t)LOOKS)) {
-            if (!asked) {
-                tell_what_hangs();
-                CSP_STORE(hangs, true);
-            }
-            force(in_vain);
-            in_vain = true;
-            looks = 0U;
-        }
-    }
-    return nothing;
-}
-
-static void begin_watch(void)
-{
-    pthread_attr_t attributes;
-    sigset_t all;
-    sigset_t before;
-    if (pthread_attr_init(&attributes) != 0) {
-        return;
-    }
-    (void)pthread_attr_setstacksize(&attributes, THREAD_STACK);
-    (void)sigfillset(&all);
-    (void)pthread_sigmask(SIG_BLOCK, &all, &before); /* which the thread inherits */
-    const bool created = pthread_create(&watcher, &attributes, watch, NULL) == 0;
-    CSP_STORE(watched, created);
-    (void)pthread_sigmask(SIG_SETMASK, &before, NULL);
-    (void)pthread_attr_destroy(&attributes);
-}
-
-static void end_watch(void)
-{
-    if (CSP_LOAD(watched)) {
-        CSP_STORE(watched, false);
-        (void)pthread_cancel(watcher);
-        (void)pthread_join(watcher, NULL);
-    }
-}
-
-void csp_signals_watch(int priority)
-{
-    struct sched_param parameter;
-    parameter.sched_priority = priority;
-    if (CSP_LOAD(watched)) {
-        (void)pthread_setschedparam(watcher, SCHED_FIFO, &parameter); /* where that is allowed */
-    }
-    CSP_STORE(patient, true);
 }
 
 void csp_signals_end_with_parent(long number)
 {
-    handle(SIGTERM, stop, SA_RESTART);
+    csp_signals_handle(SIGTERM, stop, SA_RESTART);
     ours[SIGTERM] = true;
-    CSP_STORE(parent, (uint32_t)number);
+    csp_watch_parent((uint32_t)number);
 }
 
 /* ---- Around a run ---- */
@@ -300,7 +166,7 @@ static void give_back_signals(void)
     for (int number = 1; number < (int)SIGNALS; number++) {
         if (ours[number] && (sigaction(number, NULL, &present) == 0) &&
             ((present.sa_handler == stop) || (present.sa_handler == crash))) {
-            handle(number, SIG_DFL, 0);
+            csp_signals_handle(number, SIG_DFL, 0);
         }
         ours[number] = false;
     }
@@ -314,9 +180,9 @@ static void take_signals(void)
         }
         ours[number] = true;
         if (contains(crashes, sizeof crashes / sizeof crashes[0], number)) {
-            handle(number, crash, SA_ONSTACK | SA_NODEFER);
+            csp_signals_handle(number, crash, SA_ONSTACK | SA_NODEFER);
         } else {
-            handle(number, stop, SA_RESTART); /* of writes: waits end */
+            csp_signals_handle(number, stop, SA_RESTART); /* of writes: waits end */
         }
     }
 }
@@ -360,7 +226,7 @@ static void in_child(void)
         csp_forget_outputs();
         give_back_signals();
         begun = 0U;
-        CSP_STORE(watched, false);
+        csp_watch_forget();
     }
 }
 
@@ -388,15 +254,12 @@ void csp_signals_begin(void)
     }
     owner = pthread_self();
     CSP_STORE(first, 0U);
-    CSP_STORE(hangs, false);
-    CSP_STORE(forced, false);
-    CSP_STORE(patient, false);
     (void)pthread_once(&once, begin_once);
     (void)pthread_setspecific(end_of_owner, &owner);
     take_stack();
     take_signals();
     let_through();
-    begin_watch();
+    csp_watch_begin(owner);
 }
 
 /* After a signal the program is to end: further ones do not end it by their default, with another status. */
@@ -406,9 +269,9 @@ void csp_signals_end(void)
         begun -= (begun > 0U) ? 1U : 0U;
         return;
     }
-    end_watch();
+    csp_watch_end();
     if (CSP_LOAD(leaving)) {
-        wait_for_the_end();
+        csp_signals_wait_for_the_end();
     }
     begun = 0U;
     if (CSP_LOAD(first) == 0U) {
@@ -424,5 +287,5 @@ int csp_exit_status(csp_ending ending)
     if ((ending == CSP_TERMINATED) || (ending == CSP_TIME_LIMIT)) {
         return EXIT_SUCCESS;
     }
-    return ((ending == CSP_STOPPED) && (CSP_LOAD(first) != 0U)) ? (SIGNALLED + (int)CSP_LOAD(first)) : EXIT_FAILURE;
+    return ((ending == CSP_STOPPED) && (CSP_LOAD(first) != 0U)) ? ((int)CSP_SIGNALLED + (int)CSP_LOAD(first)) : EXIT_FAILURE;
 }

@@ -31,6 +31,10 @@ void csp_signals_end(void);
  * released, and the program ends with status 1. */
 void csp_signals_watch(int priority);
 
+/* From here to the end: ten times a second a line goes to this descriptor, which is not to block: the instant in nanoseconds, a space, and, where
+ * that is the one of the line before, who is at work: "Main (loops.csp:12)". */
+void csp_signals_tell(int descriptor);
+
 /* The program ends as by SIGTERM when the process of this number is no longer its parent, which asks it to end by SIGTERM, even if that was
  * ignored. */
 void csp_signals_end_with_parent(long parent);

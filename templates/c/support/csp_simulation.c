@@ -18,6 +18,7 @@ typedef struct request {
     const char *environment;
     int64_t until;  /* negative: for ever */
     int64_t parent; /* the number of the process with which it ends; 0: none */
+    int64_t listener; /* the descriptor that is told of each look at the run; negative: none */
     csp_observed observed;
 } request;
 
@@ -63,6 +64,8 @@ static bool read_options(int count, char **options, request *asked)
             understood = read_duration(value, &asked->until);
         } else if (strcmp(option, "--parent") == 0) {
             understood = read_duration(value, &asked->parent);
+        } else if (strcmp(option, "--looks") == 0) {
+            understood = read_duration(value, &asked->listener);
         } else if (strcmp(option, "--observe") == 0) {
             understood = read_observed(value, &asked->observed);
         } else {
@@ -70,7 +73,8 @@ static bool read_options(int count, char **options, request *asked)
         }
         if (!understood) {
             (void)fprintf(stderr,
-                          "usage: %s [--environment NAME] [--for NANOSECONDS] [--observe all|ports|none] [--parent PID]\n",
+                          "usage: %s [--environment NAME] [--for NANOSECONDS] [--observe all|ports|none] [--parent PID] "
+                          "[--looks DESCRIPTOR]\n",
                           options[0]);
             return false;
         }
@@ -149,7 +153,7 @@ static void show(const csp_program *program, csp_ending ending, double duration)
 int csp_simulate(int count, char **options, const csp_program *program, const csp_names *names,
                  const csp_scenario *scenarios, uint32_t scenario_count)
 {
-    request asked = {NULL, -1, 0, CSP_SILENT};
+    request asked = {NULL, -1, 0, -1, CSP_SILENT};
     if (!read_options(count, options, &asked)) {
         return EXIT_WRONG_OPTION;
     }
@@ -172,6 +176,7 @@ int csp_simulate(int count, char **options, const csp_program *program, const cs
     if (asked.parent != 0) {
         csp_signals_end_with_parent((long)asked.parent);
     }
+    csp_signals_tell((int)asked.listener);
     csp_stream_begin(&run, names, asked.observed);
     const double began = seconds_now();
     const csp_ending ending = csp_run(&run, asked.until);

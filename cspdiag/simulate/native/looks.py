@@ -1,0 +1,64 @@
+"""Where a native program is while it runs: what a thread of its own tells of its looks at the run."""
+
+from __future__ import annotations
+
+import os
+import threading
+import time
+
+from cspdiag.runtime.signals import left_to_the_main_thread
+
+
+class Looks:
+    """Reads lines ``7000000 Ring.cell[3] (ring.csp:12)`` from a pipe: the instant in nanoseconds and, where it is that of the line before, who is at work.
+
+    Used as a context manager around the run. The program inherits ``descriptor``, which never blocks it; ``started`` is called when it has.
+    """
+
+    def __init__(self) -> None:
+        self._reading, self.descriptor = os.pipe()
+        os.set_blocking(self.descriptor, False)
+        self._thread = threading.Thread(target=self._read, name="looks at the native program", daemon=True)
+        self._began = time.monotonic()
+        self._at_work: dict[str, None] = {}
+        self.now = 0
+        """The instant of the last look, in nanoseconds."""
+
+    @property
+    def wall_time(self) -> float:
+        """Seconds since the program was started."""
+        return time.monotonic() - self._began
+
+    @property
+    def at_work(self) -> list[str]:
+        """The processes that looks since the present instant have found at work, each with its place."""
+        # A copy in one step: the thread goes on meanwhile.
+        return list(self._at_work)
+
+    def started(self) -> None:
+        """The program runs, and alone can write from here on."""
+        os.close(self.descriptor)
+        self.descriptor = -1
+        self._began = time.monotonic()
+        with left_to_the_main_thread():
+            self._thread.start()
+
+    def __enter__(self) -> Looks:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self.descriptor >= 0:
+            os.close(self.descriptor)
+        else:
+            self._thread.join()
+        os.close(self._reading)
+
+    def _read(self) -> None:
+        with os.fdopen(self._reading, "r", encoding="utf-8", errors="replace", closefd=False) as lines:
+            for line in lines:
+                instant, _, text = line.rstrip("\n").partition(" ")
+                if int(instant) != self.now:
+                    self._at_work = {}
+                self.now = int(instant)
+                if text:
+                    self._at_work[text] = None

@@ -1,0 +1,225 @@
+/* See csp_watch.h. */
+#define _XOPEN_SOURCE 700 /* POSIX */
+
+#include "csp_watch.h"
+
+#include <errno.h>
+#include <inttypes.h>
+#include <sched.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "csp_internal.h"
+#include "csp_shared.h"
+
+enum { TEXT = 512, LOOK = 1000000000 / CSP_LOOKS, THREAD_STACK = 1 << 17 };
+
+static pthread_t owner; /* the thread of the run */
+static pthread_t watcher;
+static volatile bool watched;
+static volatile bool patient; /* a run that does not go on hangs */
+static volatile bool hangs;
+static volatile bool forced;       /* the run, to let go */
+static volatile uint32_t parent;   /* 0: any */
+static volatile int listener = -1; /* who is told of each look; negative: nobody */
+
+void csp_watch_wait_a_look(void)
+{
+    const struct timespec look = {0, LOOK};
+    (void)nanosleep(&look, NULL);
+}
+
+/* ---- Releases by force ---- */
+
+static void end_by_force(void)
+{
+    if (csp_signals_leaving()) {
+        csp_signals_wait_for_the_end();
+    }
+    const uint32_t first = csp_signals_first();
+    _exit((first != 0U) ? ((int)CSP_SIGNALLED + (int)first) : EXIT_FAILURE);
+}
+
+/* In the thread of the run: what hangs in here is interrupted by the same again. */
+static void let_go(int number)
+{
+    const int error = errno;
+    (void)number;
+    if (CSP_LOAD(forced) && (pthread_equal(pthread_self(), owner) != 0) && csp_is_driving()) {
+        csp_release_outputs();
+        end_by_force();
+    }
+    errno = error;
+}
+
+static void *release_instead(void *nothing)
+{
+    csp_release_outputs();
+    end_by_force();
+    return nothing;
+}
+
+/* The first attempt is the signal; each one after that takes the next output. A thread that holds the signal back is not waited for. */
+static void force(bool in_vain)
+{
+    pthread_attr_t attributes;
+    pthread_t helper;
+    CSP_STORE(forced, true);
+    if (!in_vain) {
+        csp_signals_handle(SIGURG, let_go, SA_RESTART | SA_NODEFER);
+        (void)pthread_kill(owner, SIGURG);
+    } else if (pthread_attr_init(&attributes) == 0) {
+        (void)pthread_attr_setdetachstate(&attributes, PTHREAD_CREATE_DETACHED);
+        (void)pthread_attr_setstacksize(&attributes, THREAD_STACK);
+        (void)pthread_create(&helper, &attributes, release_instead, NULL);
+        (void)pthread_attr_destroy(&attributes);
+    } else {
+        csp_release_outputs();
+    }
+}
+
+/* ---- What is told ---- */
+
+static void tell_what_hangs(void)
+{
+    char text[TEXT] = "";
+    char line[TEXT + 64] = "";
+    csp_describe_present(text, sizeof text);
+    const int length =
+        snprintf(line, sizeof line, "%s for %u s: the outputs are released\n", text, (unsigned)CSP_PATIENCE);
+    const ssize_t written = write(STDERR_FILENO, line, (size_t)length);
+    (void)written;
+}
+
+/* Its halves may be of two instants where a processor stores them one after the other; not twice the same, however. */
+static int64_t instant_now(void)
+{
+    const volatile int64_t *const now = &csp.now;
+    int64_t before = 0;
+    int64_t found = *now;
+    do {
+        before = found;
+        found = *now;
+    } while (found != before);
+    return found;
+}
+
+/* A line, in one piece: the instant, and who is at work where that is the instant of the look before, too. Who does not listen misses it. */
+static void tell_of_look(int64_t *told)
+{
+    const int descriptor = CSP_LOAD(listener);
+    char text[TEXT] = "";
+    char line[TEXT + 64] = "";
+    if ((descriptor < 0) || !csp_is_driving()) {
+        return;
+    }
+    const int64_t now = instant_now();
+    if (now == *told) {
+        csp_describe_at_work(text, sizeof text);
+    }
+    *told = now;
+    const int length = snprintf(line, sizeof line, "%" PRId64 " %s\n", now, text);
+    const ssize_t written = write(descriptor, line, (size_t)length);
+    (void)written;
+}
+
+/* ---- The thread ---- */
+
+static void *watch(void *nothing)
+{
+    uint32_t turns = 0U;
+    uint32_t released = 0U;
+    uint32_t looks = 0U;
+    int64_t told = -1;
+    bool in_vain = false;
+    for (;;) {
+        csp_watch_wait_a_look();
+        tell_of_look(&told);
+        const uint32_t looked_for = CSP_LOAD(parent);
+        if ((looked_for != 0U) && (getppid() != (pid_t)looked_for)) {
+            CSP_STORE(parent, 0U);
+            csp_signals_ask_to_stop(SIGTERM);
+        }
+        const bool asked = (csp_signals_first() != 0U) || csp_signals_leaving() || CSP_LOAD(hangs);
+        const uint32_t turns_now = csp_turns();
+        const uint32_t released_now = csp_calls_now().released;
+        const bool goes_on = (released_now != released) || (!asked && (turns_now != turns));
+        in_vain = in_vain && (released_now == released);
+        turns = turns_now;
+        released = released_now;
+        looks = (goes_on || !csp_is_driving() || !(asked || CSP_LOAD(patient))) ? 0U : (looks + 1U);
+        if (looks >= ((asked ? CSP_GRACE : CSP_PATIENCE) * (uint32_t)CSP_LOOKS)) {
+            if (!asked) {
+                tell_what_hangs();
+                CSP_STORE(hangs, true);
+            }
+            force(in_vain);
+            in_vain = true;
+            looks = 0U;
+        }
+    }
+    return nothing;
+}
+
+void csp_watch_begin(pthread_t run)
+{
+    pthread_attr_t attributes;
+    sigset_t all;
+    sigset_t before;
+    owner = run;
+    CSP_STORE(hangs, false);
+    CSP_STORE(forced, false);
+    CSP_STORE(patient, false);
+    if (pthread_attr_init(&attributes) != 0) {
+        return;
+    }
+    (void)pthread_attr_setstacksize(&attributes, THREAD_STACK);
+    (void)sigfillset(&all);
+    (void)pthread_sigmask(SIG_BLOCK, &all, &before); /* which the thread inherits */
+    const bool created = pthread_create(&watcher, &attributes, watch, NULL) == 0;
+    CSP_STORE(watched, created);
+    (void)pthread_sigmask(SIG_SETMASK, &before, NULL);
+    (void)pthread_attr_destroy(&attributes);
+}
+
+void csp_watch_end(void)
+{
+    if (CSP_LOAD(watched)) {
+        CSP_STORE(watched, false);
+        (void)pthread_cancel(watcher);
+        (void)pthread_join(watcher, NULL);
+    }
+}
+
+void csp_watch_forget(void)
+{
+    CSP_STORE(watched, false);
+}
+
+bool csp_watch_runs(void)
+{
+    return CSP_LOAD(watched);
+}
+
+void csp_watch_parent(uint32_t number)
+{
+    CSP_STORE(parent, number);
+}
+
+void csp_signals_tell(int descriptor)
+{
+    CSP_STORE(listener, descriptor);
+}
+
+void csp_signals_watch(int priority)
+{
+    struct sched_param parameter;
+    parameter.sched_priority = priority;
+    if (CSP_LOAD(watched)) {
+        (void)pthread_setschedparam(watcher, SCHED_FIFO, &parameter); /* where that is allowed */
+    }
+    CSP_STORE(patient, true);
+}

@@ -1,0 +1,27 @@
+/* The thread that looks on while a program runs: what the files around signals tell each other. */
+#ifndef CSP_WATCH_H
+#define CSP_WATCH_H
+
+#include <pthread.h>
+
+#include "csp_signals.h"
+
+enum { CSP_LOOKS = 10 /* a second */, CSP_SIGNALLED = 128 };
+
+/* Around a run, whose thread is `run`. */
+void csp_watch_begin(pthread_t run);
+void csp_watch_end(void);
+/* In a child that was forked: there is no such thread. */
+void csp_watch_forget(void);
+bool csp_watch_runs(void);
+void csp_watch_parent(uint32_t number);
+void csp_watch_wait_a_look(void);
+
+/* Of csp_signals.c: the signal that stopped the run, 0: none; whether another thread ends the process, when the outputs are released. */
+uint32_t csp_signals_first(void);
+bool csp_signals_leaving(void);
+void csp_signals_ask_to_stop(int number);
+void csp_signals_handle(int number, void (*handler)(int), int flags);
+void csp_signals_wait_for_the_end(void);
+
+#endif
