@@ -16,7 +16,7 @@ from cspdiag.analyses.transitions.explore import TransitionError
 from cspdiag.analyses.transitions.told_apart import Apart, AsSpecification
 from cspdiag.analyses.verification.answer import Answer
 from cspdiag.analyses.verification.prove import answered, not_replayed, prove
-from cspdiag.analyses.verification.question import Question
+from cspdiag.analyses.verification.question import Property, Question
 
 if TYPE_CHECKING:
     from cspdiag.analyses.counterexamples.counterexample import Counterexample
@@ -154,16 +154,22 @@ class Verifier:
             answer = self._confirmed(replace(answer, counterexample=other), rest)
             if answer.outcome == "refuted":
                 return self._advised(answer, limits)
-        return self._stuck(question, limits) if question.claim == "terminates" else None
+        return self._kept_from_its_end(question, limits) if question.claim == "terminates" else None
 
-    def _stuck(self, question: Question, limits: Limits) -> Answer | None:
-        """A deadlock or a knot, which keeps the process from its end."""
-        if limits.remaining <= 0:
-            return None
-        rest = Limits(limits.remaining, limits.memory)
-        asked = replace(question, claim="deadlock free")
-        answer = self._confirmed(prove(asked, self.system, rest, self._method), rest)
-        return replace(answer, question=question) if answer.outcome == "refuted" else None
+    def _kept_from_its_end(self, question: Question, limits: Limits) -> Answer | None:
+        """A deadlock, a knot or a livelock, which keep the process from its end."""
+        claims: tuple[Property, ...] = ("deadlock free", "livelock free")
+        for claim in claims:
+            if limits.remaining <= 0:
+                break
+            rest = Limits(limits.remaining, limits.memory)
+            answer = self._confirmed(prove(replace(question, claim=claim), self.system, rest, self._method), rest)
+            if answer.outcome != "refuted" or answer.counterexample is None:
+                continue
+            found = answer.counterexample
+            told = replace(found, failure="no termination") if claim == "livelock free" else found
+            return replace(answer, question=question, counterexample=told)
+        return None
 
     def _asked_spin(self, question: Question, limits: Limits) -> Answer:
         from cspdiag.simulate import spin

@@ -50,6 +50,8 @@ ENDLESS = [
     ("(mu (n := 0 ; (mu (c ! n ; n := n + 1) until n >= 3))) || mu (c ? a)", "livelock free"),
     (f"{PAIR} || (mu (wait 1 ms ; n := 1 - n))", "terminates"),
     (f"{PAIR} || (mu (d ! n ; wait 2 ms ; n := n + 1)) || mu (d ? a)".replace("d ? a", "d ? b"), "terminates"),
+    ("mu (skip -> skip [] skip -> n := 1) until n == 1", "livelock free"),
+    ("mu (skip -> skip [] skip -> n := 1) until n == 1", "terminates"),
 ]
 
 

@@ -117,3 +117,21 @@ def test_a_replay_says_who_is_stuck_and_when(tmp_path: Path, capsys: pytest.Capt
         < told.index("while others go on:")
         < told.index("`heart` waits until")
     )
+
+
+def test_who_is_abandoned_at_once_does_not_come() -> None:
+    """The writer stops before it has written, so that its reader waits for ever."""
+    text = """process Main {
+      communication {
+        var x : int = 0
+
+        channel c : int sync
+      }
+
+      composition { ((c ! 1) interrupt skip -> stop) || c ? x || mu wait 1 ms }
+    }
+
+    assert Main deadlock free
+    """
+    answer = answer_to(text)
+    assert (answer.outcome, answer.replayed) == ("refuted", True), answer.reason

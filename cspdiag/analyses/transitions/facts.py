@@ -1,7 +1,7 @@
 """What is known of the classes of a network before any process is followed.
 
-**Relevant** are variables, ports and channels whose values decide a condition somewhere: a condition reads them, or they flow into such.
-Only their values are followed. **Deciding** are those that decide a condition or how long a delay lasts: what a run does next, and when.
+**Relevant** are variables, ports and channels whose values decide a condition somewhere: a condition reads them, or they flow into such; and parameters by which a
+delay takes time or none. Only their values are followed. **Deciding** are those that decide a condition or how long a delay lasts: what a run does next, and when.
 """
 
 from __future__ import annotations
@@ -59,11 +59,15 @@ class Facts:
         self._told_apart = told_apart
         self.boundaries = boundaries(program, {port: apart.cuts for port, apart in told_apart.items()})
         outputs = {port.name for port in program.network.external_ports if port.direction == "out"}
-        self.relevant = _relevant(program, {*told_apart, *(outputs if specification is not None else ())})
+        self.durations = Durations(program.network)
+        self.relevant = _relevant(
+            program,
+            {*told_apart, *(outputs if specification is not None else ())},
+            _parameters_of_delays(program, self.durations),
+        )
         self._copied = handed_to(program, outputs) if specification is not None else frozenset()
         self.sampled = _sampled_ports(program)
         self.faults = Faults(program.network)
-        self.durations = Durations(program.network)
         self._escaping: dict[Node, frozenset[str]] = {}
         self.catches_faults = any(
             isinstance(part, CatchException) and part.exception == FAULT
@@ -84,7 +88,7 @@ class Facts:
         return self.specification is not None and _base(port) in self.specification.free
 
     def parameters(self, one: Class) -> tuple[str, ...]:
-        """The parameters of a class that decide a condition."""
+        """The parameters of a class that decide a condition, or whether a delay takes time."""
         names = (parameter.name for parameter in one.definition.parameters)
         return tuple(name for name in names if ("parameter", one.name, name) in self.relevant)
 
@@ -171,6 +175,21 @@ def _deciding_faults(program: Program) -> set[Item]:
             seeds |= {("channel", one.name, state.name) for state in made.states}
             seeds |= {("port", one.name, port.name) for port in made.ports if port.direction == "in"}
     return seeds
+
+
+def _parameters_of_delays(program: Program, durations: Durations) -> set[Item]:
+    """The parameters by which a delay takes time in some instances of a class, and in others none."""
+    return {
+        item
+        for one in program.classes.values()
+        if isinstance(one.definition, ProcessClass)
+        for part in parts(one.definition.body)
+        if isinstance(part, WaitStep | AfterEvent)
+        and not durations.surely_takes_time(one.name, part.duration)
+        and not durations.is_over_at_once(one.name, part.duration)
+        for item in items_in(part.duration, one)
+        if item[0] == "parameter"
+    }
 
 
 def _sampled_ports(program: Program) -> frozenset[tuple[str, str]]:

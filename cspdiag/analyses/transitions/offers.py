@@ -50,6 +50,8 @@ class Offers(Communications):
         """All edges out of a settled configuration; what they lead to is not settled."""
         assert c.stack is not None
         frame, rest = c.stack
+        if is_point(frame) and self._is_abandoned_at_once(rest):
+            return self._interruptions(c, frame)
         found = self._own(c, frame, rest)
         if is_point(frame) or (frame[0] == "join" and frame[3] == "wait"):
             found += self._interruptions(c, frame)
@@ -206,6 +208,16 @@ class Offers(Communications):
     def _left_open(self, context: Context, condition: Expression) -> None:
         where = context.definition.name
         self.thread.abstracted(f"`{expression_text(condition)}` in `{where}` may hold or not", condition.span)
+
+    def _is_abandoned_at_once(self, stack: Stack) -> bool:
+        """Whether an interrupt around a place has a guard that is always ready: nothing is done in its body where it could wait."""
+        while stack is not None:
+            frame, stack = stack
+            if frame[0] == "interrupt":
+                _, node, context, _ = frame
+                if self._is_always_ready(context, node.action.branch):
+                    return True
+        return False
 
     def _interruptions(self, c: Configuration, present: Frame) -> list[Move]:
         """The guards of the interrupts around what waits."""

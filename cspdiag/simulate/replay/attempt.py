@@ -199,16 +199,22 @@ class Attempt:
 
     def _choose_silently(self, step: TraceStep, *, necessary: bool = False) -> bool:
         """A process takes a guard that is always ready, if it is at one; whether it did. ``necessary``: otherwise the step cannot come."""
-        for gate in list(conductor.halted.values()):
-            silent = [option for option in gate.options if option.action == "skip"]
-            if silent and any(belongs(gate.path, path) for _, path in step.parties):
-                others = len(silent) < len(gate.options) and not necessary
-                chosen = self._decisions.choose(len(silent) + others)
-                if chosen < len(silent):
-                    conductor.release(gate, silent[chosen])
-                    self._settle()
-                    return True
-        return False
+        silent = [
+            (option, candidate)
+            for option, candidate in self._offers(("skip",), None)
+            if any(belongs(candidate.path, path) for _, path in step.parties)
+        ]
+        optional = not necessary and any(_may_do_otherwise(candidate) for _, candidate in silent)
+        chosen = self._decisions.choose(len(silent) + optional) if silent else 0
+        if chosen == len(silent):
+            return False
+        option, candidate = silent[chosen]
+        if isinstance(candidate, Interruption):
+            candidate.fire()
+        else:
+            conductor.release(candidate, option)
+        self._settle()
+        return True
 
     def _read_after_guard(self, channel: str, task: Task) -> None:
         """A process that was told that it can read does so first: ``task``, or a branch of it."""
@@ -335,7 +341,11 @@ class Attempt:
         return judgement
 
     def _end_silently(self) -> None:
-        """Nobody stays where a guard is always ready: transition systems leave out steps that make no difference."""
+        """Nobody stays where a guard is always ready, also that of an interrupt: transition systems leave out steps that make no difference."""
+        for interruption in list(conductor.interruptions):
+            if interruption in conductor.interruptions and interruption.options[0].action == "skip":
+                interruption.fire()
+                self._settle()
         gates = [gate for gate in conductor.halted.values() if any(option.action == "skip" for option in gate.options)]
         for gate in gates:
             silent = [option for option in gate.options if option.action == "skip"]
@@ -385,3 +395,8 @@ class Attempt:
 
 def _order(option: Option, candidate: Gate | Interruption) -> tuple[bool, bool]:
     return isinstance(candidate, Interruption) or len(candidate.options) > 1, option.action == "write"
+
+
+def _may_do_otherwise(candidate: Gate | Interruption) -> bool:
+    """Whether a process that has a guard that is always ready may go on without it."""
+    return isinstance(candidate, Interruption) or any(option.action != "skip" for option in candidate.options)
