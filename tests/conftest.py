@@ -4,6 +4,7 @@ import ctypes
 import os
 import signal
 import sys
+import threading
 import time
 from collections.abc import Generator
 from contextlib import suppress
@@ -33,19 +34,29 @@ def pytest_configure(config: pytest.Config) -> None:
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_call(item: pytest.Item) -> Generator[None, None, None]:
-    """No test leaves a process behind, its own or one that its own has left."""
+    """No test leaves a process behind, its own or one that its own has left, or a thread: it may yet raise."""
     before = _processes()
+    threads = set(threading.enumerate())
     try:
         yield
     finally:
         left = _processes() - before
         deadline = time.monotonic() + 2
+        going_on = [thread.name for thread in set(threading.enumerate()) - threads if _goes_on(thread, deadline)]
         while left and time.monotonic() < deadline:
             time.sleep(0.02)
             left &= _processes()
         names = [_killed(process) for process in left]
     if names:
         pytest.fail(f"processes were left behind: {', '.join(names)}")
+    if going_on:
+        pytest.fail(f"threads were left behind: {', '.join(going_on)}")
+
+
+def _goes_on(thread: threading.Thread, deadline: float) -> bool:
+    """Whether it has not ended at the deadline. When it has, pytest knows what it has raised."""
+    thread.join(max(0, deadline - time.monotonic()))
+    return thread.is_alive()
 
 
 def _processes() -> set[int]:
