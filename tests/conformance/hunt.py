@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from random import SystemRandom
 
 from cspdiag.diagnostics import SourceFile
+from cspdiag.network.ir import Network
 from tests.conformance.kit import judge
 from tests.conformance.sources import JUST_AFTER, network_of
-from tests.conformance.targets import Target
+from tests.conformance.targets import REFERENCE, Target
+from tests.conformance.traces import Execution
 from tests.properties.drawing import draw_programs
 
 LIMIT = 60_000_000 + JUST_AFTER
@@ -19,6 +22,17 @@ A_START = 15
 
 class DifferenceFoundError(Exception):
     """A program, and how it differs."""
+
+
+@lru_cache(maxsize=64)
+def _network(text: str) -> Network:
+    return network_of(SourceFile(name="random.csp", text=text))
+
+
+@lru_cache(maxsize=64)
+def _done_by_reference(text: str) -> Execution:
+    """The same for every target; they are compared on the same programs."""
+    return REFERENCE.run(_network(text), None, LIMIT)
 
 
 def hunt(target: Target, count: int, start: int | None = None, *, shrink: bool = True) -> str | None:
@@ -40,6 +54,5 @@ def hunt(target: Target, count: int, start: int | None = None, *, shrink: bool =
 
 def difference_of(target: Target, text: str) -> str:
     """How a program differs; empty where it does not, or where the target takes no such program."""
-    network = network_of(SourceFile(name="random.csp", text=text))
-    verdict = judge(target, network, None, LIMIT)
+    verdict = judge(target, _network(text), None, LIMIT, wanted=_done_by_reference(text))
     return verdict.details if verdict.result in ("differs", "crashed") else ""

@@ -58,15 +58,26 @@ def parsed(name: str) -> Network:
     return network_of(read(name))
 
 
-def judge(target: Target, network: Network, environment: str | None, until: int, name: str = "") -> Verdict:
-    """Runs a program, of the file ``name`` if it has one, on a target and on the reference, and compares."""
+def judge(
+    target: Target,
+    network: Network,
+    environment: str | None,
+    until: int,
+    name: str = "",
+    wanted: Execution | None = None,
+) -> Verdict:
+    """Runs a program, of the file ``name`` if it has one, on a target and on the reference, and compares.
+
+    ``wanted`` is what the reference does, where that is known already.
+    """
     try:
         done = target.run(network, environment, until)
     except RefusedError as refusal:
         return Verdict(name, environment, "refused", details=str(refusal))
     except Exception as crash:
         return Verdict(name, environment, "crashed", details="".join(traceback.format_exception(crash)[-6:]))
-    wanted = _done_by_reference(name, environment, until) if name else REFERENCE.run(network, environment, until)
+    if wanted is None:
+        wanted = _done_by_reference(name, environment, until) if name else REFERENCE.run(network, environment, until)
     if not target.inside:
         external = external_channels(network)
         wanted, done = (

@@ -12,7 +12,7 @@ from cspdiag.analyses.proofs.verdict import Limits
 from cspdiag.cli.alarm import ended_by_alarm
 from cspdiag.diagnostics import SourceFile
 from cspdiag.simulate import suggest
-from cspdiag.simulate.replay import attempts
+from cspdiag.simulate.replay import attempt, attempts
 from cspdiag.simulate.replay.trace import Trace
 from cspdiag.simulate.verify import Verifier, replayed
 
@@ -47,8 +47,9 @@ def read(path: str) -> SourceFile:
     raise FileNotFoundError(path)
 
 
-def test_a_replay_that_comes_to_no_rest_ends() -> None:
+def test_a_replay_that_comes_to_no_rest_ends(monkeypatch: pytest.MonkeyPatch) -> None:
     """The trace says that two processes are stuck which communicate for ever."""
+    monkeypatch.setattr(attempt, "_MOST_TURNS", 20)
     built = pipeline.build(SourceFile(name="case.csp", text=ENDLESS), read)
     assert built.network is not None
     channel = frozenset({"Both.writes.c"})
