@@ -83,7 +83,7 @@ def accepted(type_: Type, imports: Imports) -> Code:
         case TextType():
             return Atom(imports.runtime("text"))
         case EnumType():
-            return Atom(imports.type_(type_.name))
+            return Call(imports.runtime("enumeration"), (Argument(Atom(imports.type_(type_.name))),))
         case StructType():
             fields = [accepted(field, imports) for _, field in type_.fields]
             made = (Atom(imports.type_(type_.name)), *fields)

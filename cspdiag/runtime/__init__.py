@@ -6,7 +6,7 @@ in prioritized parallel, in virtual or in real time. Needs nothing but the stand
 
 from __future__ import annotations
 
-from .accepted import array, boolean, double, integer, record, single, text
+from .accepted import array, boolean, double, enumeration, integer, record, single, text
 from .alternative import Alternative
 from .any_channel import AnyChannel
 from .arithmetic import (
@@ -138,6 +138,7 @@ __all__ = [
     "double",
     "element",
     "end_group",
+    "enumeration",
     "exp",
     "finite",
     "float32",

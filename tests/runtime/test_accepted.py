@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from enum import IntEnum
+from fractions import Fraction
 from typing import Any, NamedTuple
 
 import numpy
@@ -16,6 +17,7 @@ from cspdiag.runtime import (
     array,
     boolean,
     double,
+    enumeration,
     int8,
     integer,
     ms,
@@ -36,7 +38,8 @@ class Pose(NamedTuple):
     gear: int
 
 
-pose = record(Pose, double, Gear)
+gear = enumeration(Gear)
+pose = record(Pose, double, gear)
 
 
 @pytest.mark.parametrize(
@@ -49,7 +52,14 @@ pose = record(Pose, double, Gear)
         (boolean, False, False),
         (boolean, numpy.True_, True),
         (integer(int8), numpy.int64(-128), -128),
-        (Gear, 1, Gear.drive),
+        (gear, 1, Gear.drive),
+        (gear, Gear.park, Gear.park),
+        (gear, numpy.uint8(1), Gear.drive),
+        (double, numpy.array(0.5), 0.5),
+        (double, Fraction(1, 4), 0.25),
+        (integer(int8), numpy.array(3), 3),
+        (boolean, numpy.array(True), True),
+        (boolean, numpy.int8(0), False),
         (text, "x", "x"),
         (array(double, 2), [1, 2.5], (1.0, 2.5)),
         (array(double, 2), numpy.array([1.0, 2.5]), (1.0, 2.5)),
@@ -81,8 +91,25 @@ def test_a_value_is_made_one_of_the_type(accepts: Any, given: Any, value: Any) -
         (integer(int8), 128, Fault),
         (integer(int8), 10**400, Fault),
         (integer(int8), float("nan"), TypeError),
-        (Gear, 7, ValueError),
-        (Gear, None, ValueError),
+        (gear, 7, ValueError),
+        (gear, None, TypeError),
+        (gear, True, TypeError),
+        (gear, numpy.False_, TypeError),
+        (gear, 1.0, TypeError),
+        (gear, numpy.float64(1.0), TypeError),
+        (gear, "drive", TypeError),
+        (pose, (1.0, True), TypeError),
+        (double, numpy.array(True), TypeError),
+        (double, numpy.array("1.5"), TypeError),
+        (double, numpy.array([1.0]), TypeError),
+        (double, numpy.complex128(1 + 2j), TypeError),
+        (double, numpy.timedelta64(5, "s"), TypeError),
+        (integer(int8), numpy.array(True), TypeError),
+        (integer(int8), numpy.array([1]), TypeError),
+        (boolean, numpy.array([True]), TypeError),
+        (boolean, numpy.float64(1.0), TypeError),
+        (array(double, 2), {1.0, 2.0}, TypeError),
+        (array(double, 2), {0: 1.0, 1: 2.0}, TypeError),
         (text, 1, TypeError),
         (array(double, 2), [1.0], TypeError),
         (array(double, 2), "12", TypeError),
@@ -94,6 +121,11 @@ def test_a_value_is_made_one_of_the_type(accepts: Any, given: Any, value: Any) -
 def test_another_value_is_refused(accepts: Any, given: Any, error: type[Exception]) -> None:
     with pytest.raises(error):
         accepts(given)
+
+
+def test_a_refusal_says_what_is_wanted() -> None:
+    with pytest.raises(TypeError, match=r"^True is no Gear$"):
+        gear(True)
 
 
 @pytest.mark.parametrize("real_time", [False, True])

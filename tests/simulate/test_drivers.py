@@ -169,3 +169,37 @@ def test_a_run_against_the_clock_says_how_many_samples_it_missed(program: Path, 
     told = re.search(r"missed samples: (Main\.)?level (\d+)", done.stdout + done.stderr)
     assert told is not None, done.stdout + done.stderr
     assert int(told[2]) >= 5
+
+
+@pytest.mark.parametrize("level", ["-O0", "-O1"])
+@pytest.mark.parametrize(
+    ("type_", "returned", "said"),
+    [
+        ("Gear", "True", "TypeError: True is no Gear"),
+        ("Gear", "1.0", "TypeError: 1.0 is no Gear"),
+        ("Gear", "7", "ValueError: 7 is not a valid Gear"),
+        ("int8", "True", "TypeError: True is no integer"),
+        ("int8", "1.0", "TypeError: 1.0 is no integer"),
+        ("double", "True", "TypeError: True is no number"),
+        ("bool", "1.0", "TypeError: 1.0 is neither True nor False"),
+        ("Gear[2]", "(0, True)", "TypeError: True is no Gear"),
+        ("Gear[2]", "{0, 1}", "TypeError: {0, 1} is no sequence of 2 values"),
+        ("Pose", "(1.0, False)", "TypeError: False is no Gear"),
+    ],
+)
+def test_a_value_of_another_type_is_refused_with_driver_and_port(
+    level: str, type_: str, returned: str, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    program = tmp_path / "main.csp"
+    program.write_text(
+        "enum Gear { park, drive }\n"
+        "struct Pose { x : double  gear : Gear }\n"
+        f'driver Card python "card.py:Card" {{ out level : {type_} }}\n'
+        f"process Main {{ in level : {type_} @ 10 ms\n"
+        f"  communication {{ var last : {type_} }}\n"
+        "  composition { mu (level ? last) }\n}\n"
+        "environment Bench for Main { card : Card  card.level -> level }\n"
+    )
+    (tmp_path / "card.py").write_text(f"class Card:\n    def read(self, port):\n        return {returned}\n")
+    assert main(["run", level, str(program), "--for", "20ms"]) == 1
+    assert f"driver Card failed to read at port Main.level: {said}\n" in capsys.readouterr().err
