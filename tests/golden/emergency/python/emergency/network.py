@@ -12,6 +12,7 @@ from .runtime import (
     SampledInput,
     SampledOutput,
     double,
+    enumeration,
     ms,
 )
 from .spindle import Spindle
@@ -22,7 +23,9 @@ PORTS: tuple[str, ...] = ("panel", "feedback", "control", "brake", "halted")
 
 def build(drivers: Mapping[str, Driver]) -> Network:
     """Connect the outermost process to its drivers, one for each name in `PORTS`."""
-    panel = EventInput[Button]("Spindle.panel", driver=drivers["panel"], accepts=Button)
+    panel = EventInput[Button](
+        "Spindle.panel", driver=drivers["panel"], accepts=enumeration(Button)
+    )
     feedback = SampledInput[float](
         "Spindle.feedback", period=2 * ms, driver=drivers["feedback"], accepts=double
     )
