@@ -95,6 +95,11 @@ def _merged(runs: list[Run]) -> tuple[Run, ...]:
     return tuple(merged)
 
 
+def has_badge(mark: Mark) -> bool:
+    """Whether a mark has a badge at its element; one that only highlights has it for numbers."""
+    return mark.kind != "highlighted" or bool(mark.numbers)
+
+
 def badge_width(mark: Mark) -> float:
     """The width of a badge in pixels."""
     return max(2 * BADGE, text_width(_badge_text(mark), 11, Face.BOLD) + 9)

@@ -8,8 +8,8 @@ from typing import assert_never
 
 from cspdiag.diagnostics import Diagnostic
 from cspdiag.draw import symbols
-from cspdiag.draw.annotations import BADGE, SMALLEST_ROW, badge, badge_width, heading, messages
-from cspdiag.draw.communication_graph import Caption, CommunicationGraph, communication_graph
+from cspdiag.draw.annotations import BADGE, SMALLEST_ROW, badge, badge_width, has_badge, heading, messages
+from cspdiag.draw.communication_graph import BADGE_GAP, Caption, CommunicationGraph, communication_graph
 from cspdiag.draw.elements.diagram import Arrow, Box, CommunicationDiagram, ParentPort, Sink, Store, Value, Vertex
 from cspdiag.draw.elements.marks import WHOLE, Mark, Marks
 from cspdiag.draw.geometry import Point, Rectangle
@@ -27,6 +27,10 @@ ROW_GAP = 24.0
 """Around elements that stand apart."""
 GAP = 26.0
 """Between heading, drawing, legend and messages."""
+CORNER_RISE = 2.0
+"""How far the middle of a badge at a corner is outside of the shape, so that it leaves the text within free."""
+TEXT_MARGIN = 3.0
+"""Between the side of a node that is only a text, where its arrows end, and the text."""
 
 
 def draw_communication(
@@ -42,10 +46,10 @@ def draw_communication(
     ``marks`` are by the key of the element, below that of the box around it (``horizontal/alignL``), and by WHOLE for the diagram as a whole; ``links`` lead from a
     definition to an address. Raises what ``lay_out`` raises.
     """
-    made = communication_graph(diagram, hidden)
-    layout = _with_row(lay_out(made.graph), made.apart) if made.graph.nodes else _with_row(Layout(0, 0, {}), made.apart)
     marks = dict(marks or {})
     mark_of_whole = marks.pop(WHOLE, None)
+    made = communication_graph(diagram, hidden, marks)
+    layout = _with_row(lay_out(made.graph), made.apart) if made.graph.nodes else _with_row(Layout(0, 0, {}), made.apart)
     picture = _Drawing(made, layout, marks, links or {}).picture()
     parts: list[Item] = [heading(_title(diagram), diagram.doc, mark_of_whole)]
     if picture:
@@ -97,15 +101,14 @@ class _Drawing:
         self.layout = layout
         self.marks = marks
         self.links = links
-        self.badges: list[Rectangle] = []
-        """Where badges of arrows are."""
+        self.corners: list[Rectangle] = []
+        """Where there are badges at corners."""
 
     def picture(self) -> tuple[Item, ...]:
         """Boxes, outer ones first, then the arrows above them, then badges."""
         boxes = [self._vertex(name, vertex) for name, vertex in self.made.vertices.items()]
         arrows = [self._arrow(name, arrow) for name, arrow in self.made.arrows.items()]
-        marked = sorted(self.marks, key=lambda name: name not in self.layout.nodes)
-        badges = [self._badge(name, self.marks[name]) for name in marked]
+        badges = [self._badge(name, mark) for name, mark in self.marks.items()]
         return (*boxes, *arrows, *(item for item in badges if item is not None))
 
     def _vertex(self, name: str, vertex: Vertex) -> Item:
@@ -160,7 +163,7 @@ class _Drawing:
     def _beside(self, name: str, place: Rectangle, anchor: Anchor, mark: Mark | None) -> Item:
         caption = self.made.captions[name]
         baseline = place.centre.y + (ASCENT - line_height(1) / 2) * caption.size
-        x = place.right - 3 if anchor is Anchor.END else place.x + 3
+        x = place.right - TEXT_MARGIN if anchor is Anchor.END else place.x + TEXT_MARGIN
         return Text(Point(x, baseline), _inked(caption.lines[0], mark), caption.size, anchor)
 
     def _arrow(self, name: str, arrow: Arrow) -> Item:
@@ -170,8 +173,8 @@ class _Drawing:
         caption = self.made.captions.get(f"{name}#label")
         place = self.layout.labels.get(f"{name}#label")
         if caption is not None and place is not None:
-            marked = Caption(tuple(_inked(line, mark) for line in caption.lines), caption.size)
-            items += _lines(marked, place, Anchor.START)
+            inked = replace(caption, lines=tuple(_inked(line, mark) for line in caption.lines))
+            items += _lines(inked, place, Anchor.START)
         kind = " ".join(("channel", *arrow.kinds)) if not arrow.by_composition else "communication"
         return Group(kind, tuple(items), name, _with_note(arrow_tooltip(arrow), mark))
 
@@ -206,56 +209,43 @@ class _Drawing:
         return port is not None and port.direction == direction
 
     def _badge(self, name: str, mark: Mark) -> Item | None:
-        if mark.kind == "highlighted" and not mark.numbers:
+        """At a corner of a shape, the upper right one where that is free, and beside a text or a line."""
+        vertex, place = self.made.vertices.get(name), self.layout.nodes.get(name)
+        if not has_badge(mark):
             return None
-        place = self.layout.nodes.get(name)
-        if place is not None:
-            return badge(mark, self._free([self._badge_place(name, place, badge_width(mark))], badge_width(mark)))
+        half = badge_width(mark) / 2
+        if vertex is not None and place is not None:
+            if not isinstance(vertex, ParentPort | Value):
+                return badge(mark, self._free(_corners(place, half), half))
+            away = TEXT_MARGIN + self.made.captions[name].text_width + BADGE_GAP + half
+            is_left = isinstance(vertex, Value) or vertex.direction == "in"
+            return badge(mark, Point(place.right - away if is_left else place.x + away, place.centre.y))
         label = self.layout.labels.get(f"{name}#label")
-        if label is not None:
-            return badge(mark, Point(label.right + badge_width(mark) / 2 + 4, label.centre.y))
-        route = self.layout.routes.get(f"{name}#edge")
-        if route is not None and not self._goes_with_value(name):
-            return badge(mark, self._free(_middles(route), badge_width(mark)))
+        if label is not None and self.made.captions[f"{name}#label"].mark is not None:
+            return badge(mark, Point(label.right - half, label.bottom - BADGE))
         return None
 
-    def _goes_with_value(self, name: str) -> bool:
-        """Whether an arrow belongs to an expression that has a badge of its own."""
-        arrow = self.made.arrows[name]
-        prefix = name[: len(name) - len(arrow.key)]
-        ends = [f"{prefix}{end.element}" for end in (*arrow.sources, *arrow.sinks)]
-        return any(end in self.marks and isinstance(self.made.vertices.get(end), Value) for end in ends)
-
-    def _free(self, candidates: Sequence[Point], width: float) -> Point:
-        """The first place where a badge lies on no label and on no other badge."""
-        taken = [*self.layout.labels.values(), *self.badges]
-        rooms = [Rectangle(at.x - width / 2, at.y - BADGE, width, 2 * BADGE) for at in candidates]
-        free = [position for position, room in enumerate(rooms) if not any(room.overlaps(other) for other in taken)]
+    def _free(self, candidates: Sequence[Point], half: float) -> Point:
+        """The first place where a badge lies on no label and on no other badge, or else the first."""
+        taken = [*self.layout.labels.values(), *self.corners]
+        rooms = [Rectangle(at.x - half, at.y - BADGE, 2 * half, 2 * BADGE) for at in candidates]
+        free = [place for place, room in enumerate(rooms) if not any(room.overlaps(other) for other in taken)]
         chosen = free[0] if free else 0
-        self.badges.append(rooms[chosen])
+        self.corners.append(rooms[chosen])
         return candidates[chosen]
 
-    def _badge_place(self, name: str, place: Rectangle, width: float) -> Point:
-        """At the upper right corner of a shape; beside a text that has none."""
-        vertex = self.made.vertices[name]
-        if not isinstance(vertex, ParentPort | Value):
-            return Point(place.right - 4, place.y)
-        away = self.made.captions[name].width + width / 2 + BADGE
-        is_left = isinstance(vertex, Value) or vertex.direction == "in"
-        return Point(place.right - away if is_left else place.x + away, place.centre.y)
 
-
-def _middles(route: Route) -> list[Point]:
-    """Places on the straight pieces of a line, the middle of the longest one first."""
-    pieces = [pair for section in route.sections for pair in zip(section.points, section.points[1:], strict=False)]
-    pieces.sort(key=lambda pair: -abs(pair[0].x - pair[1].x) - abs(pair[0].y - pair[1].y))
-    return [Point(a.x + (b.x - a.x) * part, a.y + (b.y - a.y) * part) for part in (0.5, 0.25, 0.75) for a, b in pieces]
+def _corners(place: Rectangle, half: float) -> list[Point]:
+    """Where the middle of a badge may be that sits on a corner of a shape: the right ones first, and the upper ones of those."""
+    left, right = place.x - BADGE + BADGE_GAP + half, place.right + BADGE - BADGE_GAP - half
+    return [Point(x, y) for x in (right, left) for y in (place.y - CORNER_RISE, place.bottom + CORNER_RISE)]
 
 
 def _lines(caption: Caption, place: Rectangle, anchor: Anchor) -> list[Item]:
     x = {Anchor.START: place.x, Anchor.MIDDLE: place.centre.x, Anchor.END: place.right}[anchor]
+    top = place.y if caption.mark is None else place.bottom - BADGE - caption.text_height / 2
     return [
-        Text(Point(x, place.y + ASCENT * caption.size + row * line_height(caption.size)), line, caption.size, anchor)
+        Text(Point(x, top + ASCENT * caption.size + row * line_height(caption.size)), line, caption.size, anchor)
         for row, line in enumerate(caption.lines)
     ]
 

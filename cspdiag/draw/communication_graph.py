@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import assert_never
 
+from cspdiag.draw.annotations import BADGE, badge_width, has_badge
 from cspdiag.draw.elements.diagram import (
     Arrow,
     Box,
@@ -17,8 +18,10 @@ from cspdiag.draw.elements.diagram import (
     Value,
     Vertex,
 )
+from cspdiag.draw.elements.marks import Mark, Marks
 from cspdiag.draw.hiding import Hidden
 from cspdiag.draw.layout.graph import Edge, Graph, Label, Layer, Node, Padding, Port, Side
+from cspdiag.draw.layout.question import HEADROOM
 from cspdiag.draw.ordering import ordered
 from cspdiag.draw.scene import Face, Ink, Run
 from cspdiag.draw.text_metrics import line_height, runs_width
@@ -34,6 +37,10 @@ SINK_SIZE = 12.0
 STORE_HEIGHT = 26.0
 STORE_GAP = 12.0
 """Between the sides of a variable and its text."""
+BADGE_GAP = 4.0
+"""Between a text and the badge beside it."""
+BADGE_HEIGHT = 2 * BADGE + HEADROOM
+"""Of labels with a badge: unlike letters it fills all of its room."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,16 +49,30 @@ class Caption:
 
     lines: tuple[tuple[Run, ...], ...]
     size: float
+    mark: Mark | None = None
+    """The mark whose badge stands beside the text; it takes room even where there is no text."""
+
+    @property
+    def text_width(self) -> float:
+        """In pixels, without the badge."""
+        return max((runs_width(line, self.size) for line in self.lines), default=0)
+
+    @property
+    def text_height(self) -> float:
+        """In pixels, without the badge."""
+        return len(self.lines) * line_height(self.size)
 
     @property
     def width(self) -> float:
         """In pixels."""
-        return max((runs_width(line, self.size) for line in self.lines), default=0)
+        if self.mark is None:
+            return self.text_width
+        return self.text_width + (BADGE_GAP if self.lines else 0) + badge_width(self.mark)
 
     @property
     def height(self) -> float:
         """In pixels."""
-        return len(self.lines) * line_height(self.size)
+        return max(self.text_height, 0 if self.mark is None else BADGE_HEIGHT)
 
 
 @dataclass
@@ -67,13 +88,14 @@ class CommunicationGraph:
     arrows: dict[str, Arrow] = field(default_factory=dict)
 
 
-def communication_graph(diagram: CommunicationDiagram, hidden: Hidden) -> CommunicationGraph:
+def communication_graph(diagram: CommunicationDiagram, hidden: Hidden, marks: Marks) -> CommunicationGraph:
     """The graph of a diagram and of everything that it shows inside its boxes.
 
     An element has its key as identifier, below that of the box around it: ``horizontal/alignL``. A port of a box is ``horizontal/alignL|max``.
+    Badges of ``marks`` get room beside texts and lines; at the corner of a shape they need none.
     """
     made = CommunicationGraph()
-    nodes, edges = _Level(made, hidden, "").level(diagram)
+    nodes, edges = _Level(made, hidden, marks, "").level(diagram)
     made.graph = Graph(nodes=nodes, edges=edges)
     return made
 
@@ -81,9 +103,12 @@ def communication_graph(diagram: CommunicationDiagram, hidden: Hidden) -> Commun
 class _Level:
     """Makes the nodes and edges of one diagram; ``prefix`` begins the identifiers of what is inside a box."""
 
-    def __init__(self, made: CommunicationGraph, hidden: Hidden, prefix: str, around: Box | None = None) -> None:
+    def __init__(
+        self, made: CommunicationGraph, hidden: Hidden, marks: Marks, prefix: str, around: Box | None = None
+    ) -> None:
         self.made = made
         self.hidden = hidden
+        self.marks = marks
         self.prefix = prefix
         self.around = around
         self.at_border: dict[str, str] = {}
@@ -143,8 +168,11 @@ class _Level:
                 caption = self._store_caption(vertex)
                 return self._small(name, caption, caption.width + 2 * STORE_GAP, STORE_HEIGHT, Layer.ANY, is_used)
             case Value():
-                caption = Caption(((Run(vertex.text, Face.MONO, Ink.FAINT),),), PORT_SIZE)
-                return self._small(name, caption, caption.width + 6, caption.height + 4, Layer.ANY, is_used)
+                text = (Run(vertex.text, Face.MONO, Ink.FAINT),)
+                caption = Caption((text,), PORT_SIZE, self._badged(name))
+                return self._small(
+                    name, caption, caption.width + 6, max(caption.text_height + 4, caption.height), Layer.ANY, is_used
+                )
             case Sink():
                 return self._small(name, None, SINK_SIZE, SINK_SIZE, Layer.ANY, is_used)
             case _:
@@ -174,7 +202,7 @@ class _Level:
         edges: tuple[Edge, ...] = ()
         padding = Padding()
         if box.inside is not None:
-            children, edges = _Level(self.made, self.hidden, f"{name}/", box).level(box.inside)
+            children, edges = _Level(self.made, self.hidden, self.marks, f"{name}/", box).level(box.inside)
             left, right = (
                 max((port.label.width for port in ports if port.label and port.side is side), default=0)
                 for side in (Side.WEST, Side.EAST)
@@ -195,10 +223,17 @@ class _Level:
         name = self._id(arrow.key)
         self.made.arrows[name] = arrow
         caption = self._arrow_caption(arrow)
-        label = self._label(f"{name}#label", caption) if caption.lines else None
+        if caption.lines or not self._goes_with_value(arrow):
+            caption = replace(caption, mark=self._badged(name))
+        label = self._label(f"{name}#label", caption) if caption.width > 0 else None
         sources = tuple(dict.fromkeys(self._end(end, ">") for end in arrow.sources))
         sinks = tuple(dict.fromkeys(self._end(end, "<") for end in arrow.sinks))
         return Edge(f"{name}#edge", sources, sinks, label, priority=0 if arrow.by_composition else 10)
+
+    def _goes_with_value(self, arrow: Arrow) -> bool:
+        """Whether an arrow belongs to an expression that has a badge of its own."""
+        ends = [self._id(end.element) for end in (*arrow.sources, *arrow.sinks)]
+        return any(end in self.marks and isinstance(self.made.vertices.get(end), Value) for end in ends)
 
     def _end(self, end: End, side: str) -> str:
         if end.element in self.at_border:
@@ -219,7 +254,12 @@ class _Level:
             runs.append(Run(f": {port.type}", ink=Ink.FAINT))
         if port.period is not None and not self.hidden.hides("periods"):
             runs.append(Run(f" @{port.period}", Face.ITALIC))
-        return Caption((tuple(runs),), NAME_SIZE)
+        return Caption((tuple(runs),), NAME_SIZE, self._badged(self._id(port.key)))
+
+    def _badged(self, name: str) -> Mark | None:
+        """The mark of an element if it has a badge."""
+        mark = self.marks.get(name)
+        return mark if mark is not None and has_badge(mark) else None
 
     def _store_caption(self, store: Store) -> Caption:
         runs = [Run(store.key)]

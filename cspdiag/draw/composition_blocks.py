@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
-from cspdiag.draw.annotations import badge
+from cspdiag.draw.annotations import BADGE, badge, badge_width
 from cspdiag.draw.elements.marks import Mark
 from cspdiag.draw.geometry import Point, Rectangle
 from cspdiag.draw.scene import Anchor, Box, Dash, Ellipse, Face, Group, Ink, Item, Run, Text
@@ -19,6 +19,8 @@ LINE = 16
 """From one line of a text to the next."""
 PARENTHESIS = 7
 """The diameter of the little circle at the end of a line that belongs to a group."""
+CORNER = 4
+"""From the corner of an element to the middle of its badge, where that is no wider than high."""
 PADDING = 14
 """Between a frame and what it holds."""
 LONGEST = 220
@@ -80,7 +82,10 @@ def look(mark: Mark | None, stroke: Ink, fill: Ink) -> Look:
 
 def badges(mark: Mark | None, right: float) -> tuple[Item, ...]:
     """The numbers of messages, or the sign of a change, at the upper right corner of an element; none where nothing is said about it by itself."""
-    return (badge(mark, Point(right - 4, 0)),) if mark is not None and (mark.numbers or mark.note) else ()
+    if mark is None or not (mark.numbers or mark.note):
+        return ()
+    # A wide badge goes to the left, where the element is: to the right of it lines lead on.
+    return (badge(mark, Point(right + BADGE - CORNER - badge_width(mark) / 2, 0)),)
 
 
 def group(kind: str, key: str, items: Iterable[Item], title: str, mark: Mark | None, link: str = "") -> Group:

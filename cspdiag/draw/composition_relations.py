@@ -9,8 +9,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from cspdiag.draw.annotations import badge_width
+from cspdiag.draw.annotations import BADGE, badge_width
 from cspdiag.draw.composition_blocks import (
+    CORNER,
     LINE,
     PARENTHESIS,
     Block,
@@ -103,7 +104,8 @@ def _direction(start: Point, end: Point) -> tuple[float, float]:
 def _whole(parts: Sequence[_Placed], relations: Sequence[Item], axis: float, width: float = 0) -> Block:
     width = max([width, *(part.right for part in parts)])
     height = max(part.bottom for part in parts)
-    items = (*(item for part in parts for item in part.items()), *relations)
+    # Badges at the corners of the parts lie above the lines.
+    items = (*relations, *(item for part in parts for item in part.items()))
     return Block(width, height, Point(0, axis), Point(width, axis), min(width / 2, 80), items)
 
 
@@ -293,7 +295,8 @@ def _condition(condition: Condition | None, mark: Mark | None, lines: Sequence[s
         ground = look(mark, Ink.LINE, Ink.PAPER)
         place = Rectangle(at.x - 4, at.y - 4 - height, width + 8, height + 1)
         items = [Box(place, ground.fill, ground.stroke, 3, 1.2, ground.dash), *items]
-        items += (moved(item, place.right + badge_width(mark) / 2 + 2, place.centre.y) for item in badges(mark, 4))
+        right = place.right + badge_width(mark) + 2 + CORNER - BADGE
+        items += (moved(item, 0, place.centre.y) for item in badges(mark, right))
     return (group("condition", condition.key, items, f"condition {condition.text}", mark),)
 
 

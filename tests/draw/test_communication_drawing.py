@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import random
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import get_args
 
@@ -12,17 +13,19 @@ import pytest
 from cspdiag.diagnostics import SourceFile
 from cspdiag.draw import symbols
 from cspdiag.draw.communication import draw_communication
+from cspdiag.draw.composition import draw_composition
 from cspdiag.draw.elements.diagram import Box as InstanceBox
 from cspdiag.draw.elements.diagram import BoxKind, CommunicationDiagram, Store
 from cspdiag.draw.elements.marks import Mark, MarkKind
 from cspdiag.draw.geometry import Point, Rectangle
 from cspdiag.draw.hiding import ALL_LABELS, NOTHING_HIDDEN, Hidden
 from cspdiag.draw.layout.elk import engine_available
-from cspdiag.draw.pictures import Pictures, Wish
+from cspdiag.draw.pictures import Pictures, Wish, places_of
 from cspdiag.draw.scene import Box, Dash, Ellipse, Group, Ink, Item, Line, Scene, Text
 from cspdiag.draw.scene_geometry import every
 from cspdiag.pipeline import check
 from cspdiag.sources import read_source
+from tests.draw.geometry_rules import faults
 
 ROOT = Path(__file__).parents[2]
 JIWY = str(ROOT / "models/jiwy/jiwy.csp")
@@ -135,6 +138,36 @@ def test_the_legend_explains_what_occurs_and_nothing_else(joint: CommunicationDi
         "sampled at the period @",
         "event from or to the environment",
     ]
+
+
+MARKED = ["dining/dining.csp", "emergency/emergency.csp", "buffer/buffer.csp", "jiwy/jiwy.csp"]
+
+
+def random_marks(generator: random.Random, keys: Iterable[str]) -> dict[str, Mark]:
+    """Marks of all kinds on every fifth to every one of the elements, with up to five messages each."""
+    share = generator.choice((0.2, 0.5, 1))
+    return {
+        key: Mark(
+            generator.choice(get_args(MarkKind)), tuple(sorted(generator.sample(range(1, 40), generator.randint(1, 5))))
+        )
+        for key in keys
+        if generator.random() < share
+    }
+
+
+@pytest.mark.parametrize("name", MARKED)
+def test_badges_lie_on_nothing_however_many_there_are(name: str) -> None:
+    generator = random.Random(name)
+    found = pictures(name)
+    for definition in found.drawn():
+        shown = found.communication(definition, generator.choice((1, 2)))
+        scene = draw_communication(shown, marks=random_marks(generator, places_of(shown)))
+        assert faults(scene) == [], definition.name.text
+        composed = found.composition(definition)
+        for _ in range(0 if composed is None else 4):
+            assert composed is not None
+            marks = random_marks(generator, [element.key for element in composed.elements()])
+            assert faults(draw_composition(composed, marks=marks)) == [], definition.name.text
 
 
 @pytest.mark.parametrize(("kind", "sign"), [("error", "!"), ("added", "+"), ("removed", "−"), ("changed", "Δ")])  # noqa: RUF001
