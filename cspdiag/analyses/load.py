@@ -17,6 +17,7 @@ from cspdiag.network.actions import (
     AssignValue,
     CatchException,
     Choice,
+    CountedLoop,
     Group,
     IfElse,
     InterruptOn,
@@ -92,7 +93,7 @@ class _Loads:
                 return sum(self._action(path, step) for step in action.steps)
             case Choice():
                 return max((self._action(path, branch.body) for branch in action.branches), default=0.0)
-            case Repeat() | WhileLoop() | Group():
+            case Repeat() | WhileLoop() | CountedLoop() | Group():
                 return self._action(path, action.body)
             case IfElse():
                 return max(self._action(path, action.then), self._action(path, action.otherwise))

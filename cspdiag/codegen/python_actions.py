@@ -37,6 +37,7 @@ from cspdiag.network.actions import (
     Branch,
     CatchException,
     Choice,
+    CountedLoop,
     End,
     Event,
     Group,
@@ -119,6 +120,9 @@ class Composition:
             case WhileLoop(condition=condition, body=body):
                 head = Line("while ", self.printer.print(condition), ":", self._place_of_fault(condition, action))
                 return (Block(head, self.statements(body)),)
+            case CountedLoop(turns=turns, body=body):
+                inside = self.statements(body)
+                return (Block(Line(f"for _ in range({turns}):"), inside),) if inside else ()
             case IfElse():
                 return self._if(action)
             case CatchException():

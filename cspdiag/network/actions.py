@@ -1,4 +1,4 @@
-"""What a process does: the composition, resolved and unrolled.
+"""What a process does: the composition, resolved, and unrolled but for long sequences of turns that are all the same.
 
 The last few actions are not in the text: the passes of ``network.optimize`` make them.
 """
@@ -208,6 +208,14 @@ class WhileLoop(Step):
 
 
 @record(kw_only=True)
+class CountedLoop(Step):
+    """A replicated ``seq`` whose turns are all the same: runs the body ``turns`` times, which is at least twice."""
+
+    body: Action
+    turns: int
+
+
+@record(kw_only=True)
 class IfElse(Step):
     """A condition; ``otherwise`` is SkipStep where nothing was said."""
 
@@ -350,6 +358,7 @@ Action: TypeAlias = (
     | Choice
     | Repeat
     | WhileLoop
+    | CountedLoop
     | IfElse
     | CatchException
     | InterruptOn

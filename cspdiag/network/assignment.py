@@ -20,6 +20,7 @@ from cspdiag.network.actions import (
     Branch,
     CatchException,
     Choice,
+    CountedLoop,
     Group,
     IfElse,
     InputEvent,
@@ -179,7 +180,7 @@ class _Walk:
                 return self._abandoned(lambda: self.action(action.body), lambda: self.action(action.handler))
             case InterruptOn():
                 return self._abandoned(lambda: self.action(action.body), lambda: self._branch(action.branch))
-            case Group():
+            case CountedLoop() | Group():
                 return self.action(action.body)
             case OptimizedStep():
                 raise AssertionError("made by the optimizer, later")

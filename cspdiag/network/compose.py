@@ -16,6 +16,7 @@ from cspdiag.network.actions import (
     CatchException,
     ChannelEnd,
     Choice,
+    CountedLoop,
     End,
     Event,
     Group,
@@ -50,13 +51,16 @@ from cspdiag.network.lower_expression import LoweringContext, lower_expression
 from cspdiag.network.places import ChannelPlace, Places, ProcessPort
 from cspdiag.network.relations import end_key
 from cspdiag.network.shapes import Shape
-from cspdiag.network.syntax_walk import names
+from cspdiag.network.syntax_walk import names, nodes
 from cspdiag.syntax import ast
 
 if TYPE_CHECKING:
     from cspdiag.network.elaborate import Elaboration
 
 Values: TypeAlias = Mapping[ast.Node, Value]
+
+MOST_UNROLLED = 16
+"""Turns of a replicated ``seq`` that are written down one by one; more of them that are all the same are a loop."""
 
 
 def compose(elaboration: Elaboration, shape: Shape, places: Places, composition: ast.Composition) -> Action:
@@ -168,12 +172,23 @@ class _Composer:
             if not branches:
                 return StopStep(span=part.span)
             return Choice(span=part.span, branches=branches, prioritized=prioritized)
-        steps = tuple(self.action(part.process, inner) for inner in self._repeated(part.replicator, values))
+        repetitions = self._repeated(part.replicator, values)
+        if (
+            part.operator == "seq"
+            and len(repetitions) > MOST_UNROLLED
+            and not self._is_used(part.replicator, part.process)
+        ):
+            return CountedLoop(span=part.span, body=self.action(part.process, repetitions[0]), turns=len(repetitions))
+        steps = tuple(self.action(part.process, inner) for inner in repetitions)
         if not steps:
             return SkipStep(span=part.span)
         if part.operator == "seq":
             return SequentialSteps(span=part.span, steps=steps)
         return ParallelSteps(span=part.span, steps=steps, prioritized=part.operator == "pripar")
+
+    def _is_used(self, replicator: ast.Replicator, process: ast.Composition) -> bool:
+        """Whether the index makes a difference between the repetitions of a process."""
+        return any(self.program.bindings.get(node) is replicator for node in nodes(process))
 
     def _repeated(self, replicator: ast.Replicator, values: Values) -> list[dict[ast.Node, Value]]:
         what = f"the replicator `{replicator.name.text}`"

@@ -12,6 +12,7 @@ from cspdiag.network.actions import (
     Branch,
     CatchException,
     Choice,
+    CountedLoop,
     End,
     Event,
     Group,
@@ -101,6 +102,9 @@ def action_lines(action: Action) -> Iterator[str]:
             yield from _inside(action.body)
         case WhileLoop():
             yield f"while {expression_text(action.condition)}"
+            yield from _inside(action.body)
+        case CountedLoop():
+            yield f"repeat {action.turns} times"
             yield from _inside(action.body)
         case IfElse():
             yield f"if {expression_text(action.condition)}"

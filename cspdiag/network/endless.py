@@ -9,6 +9,7 @@ from cspdiag.network.actions import (
     AssignValue,
     CatchException,
     Choice,
+    CountedLoop,
     Group,
     IfElse,
     InterruptOn,
@@ -71,6 +72,8 @@ class _Ends:
                 return self.of(action.body) and action.until is not None
             case WhileLoop():
                 return True
+            case CountedLoop():
+                return self.of(action.body)
             case IfElse():
                 return self.of(action.then) or self.of(action.otherwise)
             case CatchException():

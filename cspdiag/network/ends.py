@@ -12,6 +12,7 @@ from cspdiag.network.actions import (
     Branch,
     CatchException,
     Choice,
+    CountedLoop,
     End,
     Group,
     IfElse,
@@ -75,7 +76,7 @@ class ReadingEnds:
                 for branch in action.branches:
                     self._event(branch, path)
                     self._walk(branch.body, path)
-            case Repeat() | WhileLoop() | Group():
+            case Repeat() | WhileLoop() | CountedLoop() | Group():
                 self._walk(action.body, path)
             case IfElse():
                 self._walk(action.then, path)
@@ -204,7 +205,7 @@ def with_ends(action: Action, ends: ReadingEnds) -> Action:
                 return replaced(part, steps=tuple(map(inner, part.steps)))
             case Choice():
                 return replaced(part, branches=tuple(map(branch, part.branches)))
-            case Repeat() | WhileLoop() | Group():
+            case Repeat() | WhileLoop() | CountedLoop() | Group():
                 return replaced(part, body=inner(part.body))
             case IfElse():
                 return replaced(part, then=inner(part.then), otherwise=inner(part.otherwise))
@@ -257,7 +258,7 @@ def actions_inside(action: Action) -> tuple[Action, ...]:
             return action.steps
         case Choice():
             return tuple(branch.body for branch in action.branches)
-        case Repeat() | WhileLoop() | Group():
+        case Repeat() | WhileLoop() | CountedLoop() | Group():
             return (action.body,)
         case IfElse():
             return (action.then, action.otherwise)

@@ -13,6 +13,7 @@ from cspdiag.diagnostics.record import record
 from cspdiag.network.actions import (
     Action,
     AfterEvent,
+    CountedLoop,
     Group,
     InterruptOn,
     ReadValue,
@@ -108,6 +109,9 @@ class _Beginning:
                 self._all(action.steps)
             case Group():
                 self.do(action.body)
+            case CountedLoop():
+                for _ in range(action.turns):
+                    self.do(action.body)
             case Repeat():
                 while True:
                     self.do(action.body)

@@ -19,6 +19,7 @@ from cspdiag.network.actions import (
     Branch,
     CatchException,
     Choice,
+    CountedLoop,
     Group,
     IfElse,
     InputEvent,
@@ -135,7 +136,7 @@ class _Beginnings:
                 return _of_parallel(map(self.of, action.steps))
             case Choice():
                 return _of_alternatives(map(self._branch, action.branches), action.span)
-            case Repeat() | Group():
+            case Repeat() | CountedLoop() | Group():
                 return self.of(action.body)
             case WhileLoop():
                 found = self.of(action.body)

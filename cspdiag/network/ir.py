@@ -2,7 +2,7 @@
 
 A program is a set of classes and a tree of instances. A class is a definition in one shape: two instances of a definition share a class when they
 differ only in the values of constants; where array sizes or the structure below differ they have classes of their own.
-Kinds of channels, sample periods, priorities and reader ends are decided, replicators are unrolled, defaults are filled in.
+Kinds of channels, sample periods, priorities and reader ends are decided, replicators are unrolled (but for ``CountedLoop``), defaults are filled in.
 Names stay those of the text; an element of an array is called ``cell[3]``.
 
 Every backend, analysis and picture reads this and nothing else.

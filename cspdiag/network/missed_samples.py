@@ -9,6 +9,7 @@ without reads one turn. What parallel branches both read has books of its own in
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from itertools import chain, repeat
 from typing import assert_never
 
 from cspdiag.diagnostics import Report, Span
@@ -20,6 +21,7 @@ from cspdiag.network.actions import (
     Branch,
     CatchException,
     Choice,
+    CountedLoop,
     Group,
     IfElse,
     InputEvent,
@@ -137,6 +139,8 @@ class _Sequence:
                 body = self._apart(action.body)
                 self.findings.check_turns(body, is_endless=False)
                 return one_of([INSTANT, repeated(body)])
+            case CountedLoop():
+                return self._turns(action)
             case IfElse():
                 holds = decided(self.placed, action.condition)
                 ways = [action.then] * (holds is not False) + [action.otherwise] * (holds is not True)
@@ -151,6 +155,11 @@ class _Sequence:
                 raise AssertionError("made by the optimizer, later")
             case _:
                 assert_never(action)
+
+    def _turns(self, loop: CountedLoop) -> Part:
+        """What was ready before the first turn may be read in it; the others begin all alike."""
+        first = self.part(loop.body)
+        return self._sequence(chain((first,), repeat(self.part(loop.body), loop.turns - 1)))
 
     def _apart(self, action: Action) -> Part:
         """A part that is not taken on every way: an event that was ready before it may still be so afterwards."""

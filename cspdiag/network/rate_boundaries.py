@@ -13,6 +13,7 @@ from cspdiag.diagnostics.record import record
 from cspdiag.network.actions import (
     Action,
     CatchException,
+    CountedLoop,
     Group,
     InterruptOn,
     ParallelSteps,
@@ -176,7 +177,7 @@ def _repeated(body: Action) -> Iterator[str]:
                 pending.append((action.body, True))
             case SequentialSteps() | ParallelSteps():
                 pending.extend((step, is_repeated) for step in action.steps)
-            case Group() | CatchException() | InterruptOn():
+            case CountedLoop() | Group() | CatchException() | InterruptOn():
                 pending.append((action.body, is_repeated))
             case _:
                 # What is chosen, or follows an exception, does not run at every turn.

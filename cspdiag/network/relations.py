@@ -18,6 +18,7 @@ from cspdiag.network.actions import (
     Branch,
     CatchException,
     Choice,
+    CountedLoop,
     End,
     Event,
     Group,
@@ -233,7 +234,7 @@ class _Walk:
                 waiting = self._event(action.branch.event, action.branch.condition)
                 both = self._fold([self._action(action.body), waiting], True)
                 return self._fold([both, self._action(action.branch.body)], False)
-            case Group():
+            case CountedLoop() | Group():
                 return self._action(action.body)
             case OptimizedStep():
                 raise AssertionError("made by the optimizer, later")

@@ -16,6 +16,7 @@ from cspdiag.network.actions import (
     CatchException,
     ChannelEnd,
     Choice,
+    CountedLoop,
     Group,
     IfElse,
     InputEvent,
@@ -114,7 +115,7 @@ class _Flow:
                 return self._all((self.after(body, written), self.after(handler, written)))
             case InterruptOn(body=body, branch=branch):
                 return self._all((self.after(body, written), self._branch(branch, written)))
-            case Group(body=body) | ProcessScope(body=body):
+            case CountedLoop(body=body) | Group(body=body) | ProcessScope(body=body):
                 return self.after(body, written)
             case StopStep() | RaiseException():
                 return self.variables

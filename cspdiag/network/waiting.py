@@ -11,6 +11,7 @@ from cspdiag.network.actions import (
     Branch,
     CatchException,
     Choice,
+    CountedLoop,
     Group,
     IfElse,
     InterruptOn,
@@ -111,7 +112,7 @@ class Waiting:
                 return any(self.action(placed, step) for step in action.steps)
             case Choice():
                 return all(self._branch(placed, branch) for branch in action.branches)
-            case Repeat() | WhileLoop() | Group():
+            case Repeat() | WhileLoop() | CountedLoop() | Group():
                 return self.action(placed, action.body)
             case IfElse():
                 return self.action(placed, action.then) or self.action(placed, action.otherwise)

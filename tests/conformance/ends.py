@@ -70,7 +70,9 @@ def _inside(action: act.Action) -> tuple[act.Action, ...]:
             return (action.then, action.otherwise)
         case act.CatchException():
             return (action.body, action.handler)
-        case act.Repeat(body=body) | act.WhileLoop(body=body) | act.Group(body=body) | act.ProcessScope(body=body):
+        case act.Repeat(body=body) | act.WhileLoop(body=body) | act.CountedLoop(body=body):
+            return (body,)
+        case act.Group(body=body) | act.ProcessScope(body=body):
             return (body,)
         case _:
             return ()

@@ -220,6 +220,9 @@ class ProcessInstance:
             case act.WhileLoop():
                 while self.value(action.condition):
                     yield from self.steps(action.body)
+            case act.CountedLoop():
+                for _ in range(action.turns):
+                    yield from self.steps(action.body)
             case act.IfElse():
                 yield from self.steps(action.then if self.value(action.condition) else action.otherwise)
             case act.CatchException():

@@ -180,7 +180,7 @@ def decorated(draw: st.DrawFn, text: str) -> str:
         case "interrupt":
             return f"(({text}) interrupt after {draw(st.integers(1, 20))} ms -> skip)"
         case "seq":
-            return f"(seq i < {draw(st.integers(1, 3))} : ({text}))"
+            return f"(seq i < {draw(st.sampled_from([1, 2, 3, 17, 200]))} : ({text}))"
         case "group":
             return f"(work: ({text}))"
         case _:

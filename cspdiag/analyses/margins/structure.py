@@ -10,6 +10,7 @@ from cspdiag.network.actions import (
     CatchException,
     ChannelEnd,
     Choice,
+    CountedLoop,
     End,
     Group,
     IfElse,
@@ -88,7 +89,7 @@ def _parts(action: Action) -> Iterator[tuple[str, int, Action]]:
             yield from (("other", k, step) for k, step in enumerate(action.steps))
         case ParallelSteps():
             yield from (("parallel", k, step) for k, step in enumerate(action.steps))
-        case Repeat() | WhileLoop():
+        case Repeat() | WhileLoop() | CountedLoop():
             yield "loop", 0, action.body
         case Group():
             yield "other", 0, action.body

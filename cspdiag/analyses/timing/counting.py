@@ -14,6 +14,7 @@ from cspdiag.network.actions import (
     AssignValue,
     CatchException,
     Choice,
+    CountedLoop,
     Event,
     Group,
     IfElse,
@@ -110,6 +111,13 @@ class Counting:
                 return self._after(path, body, values, left)
             case Repeat() | WhileLoop():
                 return self._through(path, action, values, left)
+            case CountedLoop(body=body, turns=turns):
+                for _ in range(turns):
+                    left[0] -= 1
+                    if left[0] < 0:
+                        raise _TooManyRoundsError
+                    values = self._after(path, body, values, left)
+                return values
             case _:
                 return without(values, action)
 
@@ -221,6 +229,8 @@ class Counting:
                 return of(body)
             case Repeat(body=body):
                 return of(body) if of(body) >= 0 else -inf
+            case CountedLoop(body=body, turns=turns):
+                return turns * of(body)
             case WhileLoop(body=body):
                 return 0 if of(body) >= 0 else -inf
             case CatchException(body=body, handler=handler):

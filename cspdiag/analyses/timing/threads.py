@@ -8,7 +8,7 @@ from dataclasses import replace
 from functools import cache, partial
 from typing import assert_never
 
-from cspdiag.analyses.timing.counting import Loop
+from cspdiag.analyses.timing.counting import MOST_ROUNDS, Loop
 from cspdiag.analyses.timing.ends import never_waits
 from cspdiag.analyses.timing.flow import Circle, Move, Offer, Thread
 from cspdiag.analyses.timing.looping import Looping
@@ -22,6 +22,7 @@ from cspdiag.network.actions import (
     CatchException,
     ChannelEnd,
     Choice,
+    CountedLoop,
     Group,
     IfElse,
     InputEvent,
@@ -202,6 +203,8 @@ class Threads(Places):
                 return self._choice(action, context, following)
             case Repeat() | WhileLoop():
                 return self._loop(action, context, following)
+            case CountedLoop():
+                return self._turns(action, context, following)
             case IfElse():
                 known = self.ends.constant(context.path, action.condition)
                 if isinstance(known, bool):
@@ -271,6 +274,18 @@ class Threads(Places):
             after.append(following)
         context.thread.places[again].successors = after
         return again if isinstance(action, WhileLoop) else body
+
+    def _turns(self, action: CountedLoop, context: Context, following: int) -> int:
+        """Turn by turn, so that it is known what all of them take; very many as a loop that ends some day."""
+        if action.turns > MOST_ROUNDS:
+            again = self.place(context, action)
+            turn = replace(context.changed(action.body), is_first=False)
+            body = self._action(action.body, turn, again)
+            context.thread.circles.append(Circle(again, len(context.thread.places), lambda: True))
+            context.thread.places[again].successors = [body, following]
+            return body
+        turns = SequentialSteps(span=action.span, steps=(action.body,) * action.turns)
+        return self._action(turns, replace(context, is_first=False), following)
 
     def _choice(self, action: Choice, context: Context, following: int) -> int:
         branches = [branch for branch in action.branches if self.may_hold(branch, context)]

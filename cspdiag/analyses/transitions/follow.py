@@ -19,6 +19,7 @@ from cspdiag.network.actions import (
     AssignValue,
     CatchException,
     Choice,
+    CountedLoop,
     Group,
     IfElse,
     InputEvent,
@@ -203,6 +204,18 @@ class Follower(LawSteps):
         again = (("run", node.children[0], context), (("run", node, context), rest))
         return self._decided(c, context, node.action.condition, again, rest)
 
+    def _turns(self, c: Configuration, node: Node, context: Context, rest: Stack) -> Configuration | None:
+        assert isinstance(node.action, CountedLoop)
+        return c._replace(stack=(("turns", node, context, node.action.turns), rest))
+
+    def _next_turn(self, c: Configuration, frame: tuple[object, ...], rest: Stack) -> Configuration | None:
+        """The turns that are left: the last one is followed by what comes after the loop."""
+        _, node, context, left = frame
+        assert isinstance(node, Node)
+        assert isinstance(left, int)
+        below = rest if left == 1 else (("turns", node, context, left - 1), rest)
+        return c._replace(stack=(("run", node.children[0], context), below))
+
     def _if(self, c: Configuration, node: Node, context: Context, rest: Stack) -> Configuration | None:
         assert isinstance(node.action, IfElse)
         then, otherwise = ((("run", child, context), rest) for child in node.children)
@@ -358,6 +371,7 @@ _STEPS: dict[type, Callable[[Follower, Configuration, Node, Context, Stack], Con
     RaiseException: Follower._raise,
     Repeat: Follower._repeat,
     WhileLoop: Follower._while,
+    CountedLoop: Follower._turns,
     IfElse: Follower._if,
     CatchException: Follower._catch,
     Choice: Follower._choice,
@@ -378,6 +392,7 @@ _FRAMES: dict[str, Callable[[Follower, Configuration, tuple[object, ...], Stack]
     "offering": Follower._offering,
     "reading": Follower._reading,
     "compute": Follower._compute,
+    "turns": Follower._next_turn,
     "storing": Follower._storing,
     "writing": Follower._writing,
 }

@@ -16,7 +16,7 @@ from cspdiag.codegen.c.laws_in_processes import (
     run_law_rows,
     write_outputs_rows,
 )
-from cspdiag.codegen.c.members import SELF
+from cspdiag.codegen.c.members import SELF, Member
 from cspdiag.codegen.c.names import PackageNames
 from cspdiag.codegen.c.parallels import parallel_rows
 from cspdiag.codegen.c.plain_steps import assign_rows, read_rows, stop_rows, wait_rows, write_rows
@@ -29,6 +29,7 @@ from cspdiag.network.actions import (
     AssignValue,
     CatchException,
     Choice,
+    CountedLoop,
     Group,
     IfElse,
     InterruptOn,
@@ -88,6 +89,8 @@ class Composition(Writer):
                 return self._repeat(action)
             case WhileLoop():
                 return self._while(action)
+            case CountedLoop():
+                return self._turns(action)
             case IfElse():
                 return self._if(action)
             case CatchException():
@@ -170,6 +173,15 @@ class Composition(Writer):
 
     def _waiting_places(self) -> int:
         return sum(place.waiting != "NOTHING" for place in self.current.places)
+
+    def _turns(self, action: CountedLoop) -> list[Row]:
+        body = self.rows(action.body)
+        if not body or not ends(action.body):
+            return body
+        turn = self.members.names.fresh("turn")
+        self.members.work.append(Member(f"uint32_t {turn}"))
+        turn = f"{SELF}{turn}"
+        return block(f"for ({turn} = 0U; {turn} < {action.turns}U; {turn}++)", body)
 
     def _if(self, action: IfElse) -> list[Row]:
         setup, condition = self.condition(action.condition, action)

@@ -6,6 +6,7 @@ from cspdiag.network.actions import (
     Action,
     CatchException,
     Choice,
+    CountedLoop,
     Group,
     IfElse,
     ProcessScope,
@@ -29,7 +30,7 @@ def ends(action: Action) -> bool:
             return any(ends(branch.body) for branch in branches)
         case CatchException():
             return ends(action.body) or ends(action.handler)
-        case Group(body=body) | ProcessScope(body=body):
+        case CountedLoop(body=body) | Group(body=body) | ProcessScope(body=body):
             return ends(body)
         case _:
             return True

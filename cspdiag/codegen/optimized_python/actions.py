@@ -22,6 +22,7 @@ from cspdiag.network.actions import (
     AssignValue,
     CatchException,
     Choice,
+    CountedLoop,
     Group,
     IfElse,
     InterruptOn,
@@ -97,6 +98,10 @@ class Composition(Alternatives, LawSteps):
             case WhileLoop(condition=condition, body=body):
                 with self._loop():
                     return (Block(self._head("while ", condition, action), self.statements(body)),)
+            case CountedLoop(turns=turns, body=body):
+                with self._loop():
+                    inside = self.statements(body)
+                return (Block(text(f"for _ in range({turns}):"), inside),) if inside else ()
             case IfElse():
                 return self._if(action)
             case CatchException():

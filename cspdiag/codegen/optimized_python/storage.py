@@ -14,6 +14,7 @@ from cspdiag.network.actions import (
     CatchException,
     ChannelEnd,
     Choice,
+    CountedLoop,
     End,
     Group,
     IfElse,
@@ -148,7 +149,7 @@ class _Flow:
                 return _either(self.after(then, written), self.after(otherwise, written))
             case CatchException(body=body, handler=handler):
                 return _either(self.after(body, written), self.after(handler, written))
-            case Group(body=body) | ProcessScope(body=body):
+            case CountedLoop(body=body) | Group(body=body) | ProcessScope(body=body):
                 return self.after(body, written)
         assert_never(action)
 
@@ -185,7 +186,7 @@ def run_again(network: Network) -> frozenset[str]:
 
 def _loops(process: ProcessClass) -> Iterator[Action]:
     for part in parts(process.body):
-        if isinstance(part, Repeat | WhileLoop):
+        if isinstance(part, Repeat | WhileLoop | CountedLoop):
             yield part
 
 

@@ -18,6 +18,7 @@ from cspdiag.network.actions import (
     AssignValue,
     CatchException,
     Choice,
+    CountedLoop,
     Group,
     IfElse,
     ParallelSteps,
@@ -68,7 +69,7 @@ def _in_loops(body: Action) -> list[object]:
     """Everything that stands in a loop."""
     found: list[object] = []
     for part in parts(body):
-        if isinstance(part, Repeat | WhileLoop):
+        if isinstance(part, Repeat | WhileLoop | CountedLoop):
             found.extend(parts(part.body))
     return found
 
@@ -100,7 +101,7 @@ def _without_priorities(action: Action) -> Action:
             return replaced(action, prioritized=False)
         case SequentialSteps():
             return changed(action, steps=mapped(action.steps, _without_priorities))
-        case Repeat() | WhileLoop() | Group():
+        case Repeat() | WhileLoop() | CountedLoop() | Group():
             return changed(action, body=_without_priorities(action.body))
         case CatchException():
             return changed(action, body=_without_priorities(action.body), handler=_without_priorities(action.handler))
@@ -117,7 +118,7 @@ def _can_wait(action: Action) -> bool:
             return any(map(_can_wait, action.steps))
         case IfElse():
             return _can_wait(action.then) or _can_wait(action.otherwise)
-        case Repeat() | WhileLoop() | Group():
+        case Repeat() | WhileLoop() | CountedLoop() | Group():
             return _can_wait(action.body)
         case CatchException():
             return _can_wait(action.body) or _can_wait(action.handler)

@@ -12,6 +12,7 @@ from cspdiag.network.actions import (
     Branch,
     CatchException,
     Choice,
+    CountedLoop,
     Group,
     IfElse,
     InterruptOn,
@@ -47,7 +48,7 @@ def with_inner_actions(action: Action, change: Callable[[Action], Action]) -> Ac
             return changed(action, steps=mapped(action.steps, change))
         case Choice():
             return changed(action, branches=mapped(action.branches, lambda branch: _branch(branch, change)))
-        case Repeat() | WhileLoop() | Group() | ProcessScope():
+        case Repeat() | WhileLoop() | CountedLoop() | Group() | ProcessScope():
             return changed(action, body=change(action.body))
         case IfElse():
             return changed(action, then=change(action.then), otherwise=change(action.otherwise))

@@ -14,6 +14,7 @@ from cspdiag.network.actions import (
     CatchException,
     ChannelEnd,
     Choice,
+    CountedLoop,
     InputEvent,
     InputRead,
     PortEnd,
@@ -107,6 +108,8 @@ def never_ends(action: Action) -> bool:
             return True
         case SequentialSteps(steps=steps):
             return never_ends(steps[-1])
+        case CountedLoop(body=body):
+            return never_ends(body)
         case _:
             return False
 

@@ -11,6 +11,7 @@ from collections import Counter
 from cspdiag.network.actions import (
     AssignValue,
     CatchException,
+    CountedLoop,
     InputEvent,
     ParallelSteps,
     ReadValue,
@@ -30,7 +31,7 @@ def refuse_seen_cancellation(entry: ProcessClass) -> None:
     repeated = {
         id(part)
         for loop in parts(entry.body)
-        if isinstance(loop, Repeat | WhileLoop)
+        if isinstance(loop, Repeat | WhileLoop | CountedLoop)
         for part in parts(loop)
         if isinstance(part, CatchException)
     }

@@ -18,6 +18,7 @@ from cspdiag.network.actions import (
     CatchException,
     ChannelEnd,
     Choice,
+    CountedLoop,
     End,
     Group,
     IfElse,
@@ -45,6 +46,9 @@ from cspdiag.network.actions import (
 )
 from cspdiag.network.expressions import Expression
 from cspdiag.network.ir import MediumKind, ProcessClass
+
+MOST_TURNS = 1_000
+"""A loop of more turns that communicate stays one."""
 
 
 class NotStaticError(Exception):
@@ -223,6 +227,8 @@ class Code:
                 self._add(Close(process), around)
             case IfElse() | WhileLoop() | Repeat():
                 self._add_decision(action, around)
+            case CountedLoop():
+                self._add_turns(action, around)
             case Choice():
                 self._add_choice(action, around)
             case ParallelSteps():
@@ -258,6 +264,12 @@ class Code:
                 assert until is not None
                 self._add_action(action.body, around)
                 self._add(Decide(until, start, action.span), around)
+
+    def _add_turns(self, loop: CountedLoop, around: Around) -> None:
+        if loop.turns > MOST_TURNS:
+            raise NotStaticError(f"{loop.turns} turns are too many to write down", loop.span)
+        for _ in range(loop.turns):
+            self._add_action(loop.body, around)
 
     def _add_choice(self, choice: Choice, around: Around) -> None:
         place = self._add(Jump(0), around)
@@ -309,7 +321,7 @@ class Code:
                 return False
             case IfElse():
                 return self.computes(action.then) and self.computes(action.otherwise)
-            case WhileLoop(body=body) | Group(body=body):
+            case WhileLoop(body=body) | CountedLoop(body=body) | Group(body=body):
                 return self.computes(body)
             case Repeat(body=body, until=until):
                 return until is not None and self.computes(body)

@@ -10,11 +10,13 @@ from collections.abc import Mapping
 from typing import Any, TypeVar
 
 from cspdiag.diagnostics.record import replaced
+from cspdiag.model.types import BOOL
 from cspdiag.network.actions import (
     Action,
     AssignValue,
     ChannelEnd,
     Choice,
+    CountedLoop,
     Group,
     IfElse,
     ProcessScope,
@@ -25,7 +27,7 @@ from cspdiag.network.actions import (
     WriteValue,
 )
 from cspdiag.network.everywhere import rewritten
-from cspdiag.network.expressions import VariableValue
+from cspdiag.network.expressions import LiteralValue, VariableValue
 from cspdiag.network.optimize.changes import with_inner_actions
 from cspdiag.network.optimize.dead import never_ends
 from cspdiag.network.walk import parts
@@ -65,6 +67,8 @@ def _after(action: Action, copies: Copies) -> tuple[Action, Copies | None]:
             return replaced(action, condition=condition, then=then, otherwise=otherwise), _both(one, other)
         case Repeat():
             return _repeated(action, copies)
+        case CountedLoop():
+            return _turns(action, copies)
         case WhileLoop():
             return _while(action, copies)
         case Group() | ProcessScope():
@@ -89,6 +93,13 @@ def _repeated(loop: Repeat, copies: Copies) -> tuple[Action, Copies | None]:
         entry = again
     until = loop.until if loop.until is None else _origins(loop.until, after or NOTHING)
     return replaced(loop, body=body, until=until), None if loop.until is None else after
+
+
+def _turns(loop: CountedLoop, copies: Copies) -> tuple[Action, Copies | None]:
+    once = Repeat(span=loop.span, body=loop.body, until=LiteralValue(type=BOOL, value=False))
+    repeated, after = _repeated(once, copies)
+    assert isinstance(repeated, Repeat)
+    return replaced(loop, body=repeated.body), after
 
 
 def _while(loop: WhileLoop, copies: Copies) -> tuple[Action, Copies | None]:
