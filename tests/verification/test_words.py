@@ -59,3 +59,37 @@ def test_alternatives_write_and_read_and_memories_have_no_column() -> None:
         ["2", "requests", "?16"],
         ["lines", "of", "case.csp", "!", "writes,", "?", "reads"],
     ]
+
+
+READS_IN_TIME = """process Main {
+  communication {
+    var x : int = 0
+
+    channel c : int sync
+  }
+
+  composition {
+    (skip -> c ! 3 []> skip -> c ! 3) || skip || (wait 1 ms ; ((c ? x) interrupt after 2 ms -> skip)) || mu wait 1 ms
+  }
+}
+
+assert Main deadlock free
+"""
+
+
+def test_who_would_have_ended_is_not_said_to_have_ended() -> None:
+    """The third branch reads at 1 ms, in every run: that it gives up at 3 ms is only what a proof without times supposes."""
+    answer = answer_to(READS_IN_TIME)
+    assert answer.outcome == "unknown"
+    assert "`3` does not come to `after 2 ms`" in answer.reason
+    assert answer.candidate == (
+        "after `wait 1 ms` of `3`, `after 2 ms` of `3`:",
+        "`1` waits to write c (case.csp:9), for `3`, which would have ended",
+    )
+
+
+def test_a_long_way_to_what_is_supposed_is_told_by_its_end() -> None:
+    text = READS_IN_TIME.replace("(wait 1 ms ; ", f"({'wait 1 ms ; ' * 7}")
+    assert answer_to(text).candidate[0] == "after 8 steps, the last of them " + "`wait 1 ms` of `3`, " * 4 + (
+        "`after 2 ms` of `3`:"
+    )

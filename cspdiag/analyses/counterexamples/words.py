@@ -4,13 +4,31 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from cspdiag.analyses.counterexamples.counterexample import Counterexample, Waiting
+from cspdiag.analyses.counterexamples.counterexample import Counterexample, Step, Waiting
+from cspdiag.analyses.counterexamples.table import event_text
 
 MOST_OTHERS = 8
+MOST_STEPS = 5
+"""So many steps of a counterexample are told in a sentence."""
 
 
-def waiting_lines(found: Counterexample) -> Iterator[str]:
-    """A line for each process that never goes on, those that wait for each other first."""
+def supposed_lines(found: Counterexample) -> Iterator[str]:
+    """What a counterexample that no run was found to follow supposes: what has happened by then, and who would wait."""
+    happened = [f"`{event_text(step, found.process)}`{_alone(step)}" for step in found.steps if step.shown]
+    if len(happened) > MOST_STEPS:
+        yield f"after {len(happened)} steps, the last of them {', '.join(happened[-MOST_STEPS:])}:"
+    elif happened:
+        yield f"after {', '.join(happened)}:"
+    yield from waiting_lines(found, supposed=True)
+
+
+def _alone(step: Step) -> str:
+    """Whose step it is, if nobody else takes part."""
+    return f" of `{step.parties[0].name}`" if len(step.parties) == 1 else ""
+
+
+def waiting_lines(found: Counterexample, *, supposed: bool = False) -> Iterator[str]:
+    """A line for each process that never goes on, those that wait for each other first; ``supposed`` where no run was found that comes to it."""
     by_name = {entry.name: entry for entry in found.waiting}
     following = (*found.ring[1:], *found.ring[:1])
     for name, partner in zip(found.ring, following, strict=True):
@@ -19,7 +37,8 @@ def waiting_lines(found: Counterexample) -> Iterator[str]:
     for entry in others[:MOST_OTHERS]:
         partners = listed(entry.partners[:MOST_OTHERS])
         if entry.partners and entry.ended == entry.partners:
-            partners += f", which {'has' if len(entry.ended) == 1 else 'have'} ended"
+            have = "would have" if supposed else "has" if len(entry.ended) == 1 else "have"
+            partners += f", which {have} ended"
         yield f"{_told(entry)}, for {partners}" if partners else _told(entry)
     if len(others) > MOST_OTHERS:
         yield f"and {len(others) - MOST_OTHERS} more"

@@ -172,10 +172,10 @@ def not_replayed(answer: Answer, divergence: str) -> Answer:
     reason = f"a counterexample was found{believed}, but the program does not follow it: {divergence}"
     if left_open:
         reason += f" (left open in the proof: {left_open})"
-    return replace(answer, outcome="unknown", reason=reason, counterexample=None, candidate=_waiting(found))
+    return replace(answer, outcome="unknown", reason=reason, counterexample=None, candidate=_supposed(found))
 
 
-def _waiting(found: Counterexample) -> tuple[str, ...]:
-    from cspdiag.analyses.counterexamples.words import waiting_lines
+def _supposed(found: Counterexample) -> tuple[str, ...]:
+    from cspdiag.analyses.counterexamples.words import supposed_lines
 
-    return tuple(waiting_lines(found))
+    return tuple(supposed_lines(found))

@@ -137,7 +137,14 @@ class Conductor:
             return
         duration = option.duration
         entry = Passed(
-            self.names.key(task), path_of(task), option.action, option.channel, option.index, duration, together
+            self.names.key(task),
+            path_of(task),
+            option.action,
+            option.channel,
+            option.index,
+            duration,
+            together,
+            name=self.names.called(task),
         )
         self.passed.append(entry)
         self._last[task, option.channel] = entry

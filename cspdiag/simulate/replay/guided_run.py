@@ -29,6 +29,7 @@ from cspdiag.simulate.replay.task_names import Key, TaskNames, path_of
 
 MOST_CHOICES = 6
 """So many of the processes that are ready are tried as the next."""
+_TRIED = "in the runs that were tried"
 _LEFT_OUT = ", and proofs leave {} out"
 
 
@@ -140,7 +141,7 @@ class Run:
                 return
             if self._broken_off:
                 if self._script.left or self._goal.is_standstill:
-                    raise AstrayError(self._not_come("in so many steps"))
+                    raise AstrayError(self._not_come(_TRIED))
                 return
             if isinstance(self._error, LimitError):
                 raise self._error
@@ -149,7 +150,7 @@ class Run:
             if self._problem is not None:
                 raise AstrayError(self._problem)
             if self._actions > self._limit:
-                raise AstrayError(self._not_come("in so many steps"))
+                raise AstrayError(self._not_come(_TRIED))
             if self._has_repeated():
                 return
         if self._goal.period:
@@ -281,7 +282,7 @@ class Run:
         if head is None or _is(head, chosen[1], chosen[2], chosen[0]):
             return
         if any(_is(head, action, channel, index) for index, action, channel in ready):
-            words = f"`{head.path}` prefers `{chosen[2] or chosen[1]}` to `{_words(head)}`"
+            words = f"`{head.name or head.path}` prefers `{chosen[2] or chosen[1]}` to `{_words(head)}`"
             self._lose(words + _LEFT_OUT.format("priorities"))
 
     def did(self, party: Party, action: str, channel: str = "", index: int = 0, duration: int = 0) -> None:
@@ -321,8 +322,7 @@ class Run:
         return False
 
     def _other(self, party: Party, done: str, head: Passed | None) -> str:
-        path = "" if party.process is None else party.process.name
-        words = f"at {shown(scheduler.now)}, `{path}` goes on with `{done}`"
+        words = f"at {shown(scheduler.now)}, `{self._names.called(task_of(party))}` goes on with `{done}`"
         if head is not None:
             words += f" before `{_words(head)}`"
         timed = head is not None and head.action in {"wait", "after"}
@@ -343,7 +343,7 @@ class Run:
             return f"it does not come to a halt {when}".rstrip()
         entry = self._script.entries[number]
         when = when or f": at {shown(scheduler.now)} nothing goes on any more"
-        return f"`{entry.path}` does not come to `{_words(entry)}`{'' if when[0] == ':' else ' '}{when}"
+        return f"`{entry.name or entry.path}` does not come to `{_words(entry)}`{'' if when[0] == ':' else ' '}{when}"
 
     def wrote(self, channel: str, value: Any, writer: Party) -> None:
         """See ``Guide.wrote``."""

@@ -15,7 +15,7 @@ LATER = 1 << 60
 
 @dataclass
 class Passed:
-    """Something that a task is to do; ``path`` is its process.
+    """Something that a task is to do; ``path`` is its process, ``name`` what proofs call the task.
 
     ``action`` and ``index`` (of a guard) as in ``gates.Option``; ``miss`` where a sample is found overwritten. ``together``: its order among those beside it is open, as when a submodel
     reads its inputs. ``value`` is what the environment is to offer.
@@ -29,6 +29,7 @@ class Passed:
     duration: int = 0
     together: bool = False
     value: Any = None
+    name: str = ""
 
     def __str__(self) -> str:
         return self.channel or self.action
