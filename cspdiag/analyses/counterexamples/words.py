@@ -13,7 +13,9 @@ MOST_STEPS = 5
 
 
 def supposed_lines(found: Counterexample) -> Iterator[str]:
-    """What a counterexample that no run was found to follow supposes: what has happened by then, and who would wait."""
+    """What a counterexample that no run was found to follow supposes: who would wait, and what has happened by then."""
+    if not found.waiting:
+        return
     happened = [f"`{event_text(step, found.process)}`{_alone(step)}" for step in found.steps if step.shown]
     if len(happened) > MOST_STEPS:
         yield f"after {len(happened)} steps, the last of them {', '.join(happened[-MOST_STEPS:])}:"
