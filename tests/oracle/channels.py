@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator
 from tests.oracle.link import Linked
 from tests.oracle.policy import Policy
 from tests.oracle.state import Choice, Frame, Joint, Offer, Op, State, Thread
-from tests.oracle.tree import Value
+from tests.oracle.tree import Interrupt, Value
 
 KIND = {"?": "read", "!": "write"}
 OTHER = {"?": "!", "!": "?"}
@@ -57,14 +57,22 @@ class Channels:
         """Lets alternatives look, in the order in which they stand in the program, and then interrupts by their age."""
         found = list(self.offers(st, channel, end))
         boxed = self.linked.program.boxed
-        choices = {thread.tid: thread for _, thread, depth in found if depth is None}
+        choices = {thread.tid: thread for _, thread, depth in found if depth is None and not self._interrupts(thread)}
         for thread in sorted(choices.values(), key=lambda each: (each.branch not in boxed, each.tid)):
             if only is None or thread.branch == only:
                 self.ready(st, thread)
-        guards = [(offer.seq, thread, depth) for offer, thread, depth in found if depth is not None]
+        guards = [(offer.seq, thread, depth) for offer, thread, depth in found if thread.tid not in choices]
         for _, thread, depth in sorted(guards, key=lambda each: each[0]):
-            if (only is None or thread.branch == only) and thread.stack[depth].status == "armed":
+            if only is not None and thread.branch != only:
+                continue
+            if depth is None:
+                self.ready(st, thread)
+            elif thread.stack[depth].status == "armed":
                 self.fire(st, thread, depth)
+
+    def _interrupts(self, thread: Thread) -> bool:
+        """Whether the guard with which a thread waits is that of an interrupt, of which the body has ended."""
+        return isinstance(thread.wait, Choice) and isinstance(self.linked.nodes[thread.wait.node].comp, Interrupt)
 
     def ready(self, st: State, thread: Thread) -> None:
         if thread.tid not in st.ready and st.running != thread.tid:

@@ -98,6 +98,15 @@ def test_an_interrupted_body_ends_at_its_next_communication() -> None:
     assert page_run(program(body), 20 * MS).trace == [(2 * MS, "o", 2)]
 
 
+def test_the_guard_of_an_interrupt_without_a_body_is_served_after_alternatives() -> None:
+    lost = Interrupt(Stop(), Guarded(Write("c", number(2)), Skip()))
+    later = Alt((Guarded(Write("c", number(3)), Skip()), Guarded(After(5 * MS), Skip())), False)
+    reads = Seq((read("c"), Wait(2 * MS), read("c"), read("c")))
+    body = Par((lost, Seq((Wait(MS), later)), reads, write("c", 1)))
+    run = page_run(program(body, channels=(Channel("c", INT, "any"),)), 20 * MS)
+    assert (run.trace, run.ending) == ([(0, "c", 1), (2 * MS, "c", 3), (2 * MS, "c", 2)], "terminated")
+
+
 def test_an_exception_ends_the_other_branches_at_their_next_communication() -> None:
     body = Catch(Par((Seq((Wait(MS), Raise("Alarm"))), read("c"))), "Alarm", write("o", 4))
     assert page_run(program(body), 20 * MS).trace == [(MS, "o", 4)]
