@@ -42,7 +42,8 @@ def pytest_runtest_call(item: pytest.Item) -> Generator[None, None, None]:
     finally:
         left = _processes() - before
         deadline = time.monotonic() + 2
-        going_on = [thread.name for thread in set(threading.enumerate()) - threads if _goes_on(thread, deadline)]
+        started = [thread for thread in threading.enumerate() if thread not in threads and not _is_kept(thread)]
+        going_on = [thread.name for thread in started if _goes_on(thread, deadline)]
         while left and time.monotonic() < deadline:
             time.sleep(0.02)
             left &= _processes()
@@ -51,6 +52,11 @@ def pytest_runtest_call(item: pytest.Item) -> Generator[None, None, None]:
         pytest.fail(f"processes were left behind: {', '.join(names)}")
     if going_on:
         pytest.fail(f"threads were left behind: {', '.join(going_on)}")
+
+
+def _is_kept(thread: threading.Thread) -> bool:
+    """Whether it is of the layout engine, which waits for the next drawing."""
+    return thread.name.startswith(("layout", "quickjs-worker"))
 
 
 def _goes_on(thread: threading.Thread, deadline: float) -> bool:
