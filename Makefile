@@ -22,7 +22,7 @@ run: $(VENV)/.stamp-run ## Compile JIWY, drive the plant, leave a picture and a 
 	@echo "the picture is build/jiwy.svg, the summary build/jiwy.txt, the controller build/jiwy/"
 
 test: $(VENV)/.stamp-dev ## Run the whole test suite
-	$(BIN)/pytest -n 2
+	$(BIN)/pytest -n 2 --dist worksteal
 
 hunt: $(VENV)/.stamp-dev ## Look for errors in random and damaged programs, for some hours
 	$(BIN)/python -m tests.robustness.hunt --count 100000
