@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import errno
+import os
+import stat
 import sys
 
 from cspdiag.diagnostics.span import SourceFile
@@ -12,21 +14,49 @@ MAXIMUM_SIZE = 64 * 1024 * 1024
 
 STANDARD_INPUT = "-"
 
+_OPEN_ALREADY = ("/dev/fd", "/proc/self/fd")
+"""Folders whose entries are what the process was started with, such as what a shell makes of ``<(command)``."""
+
+_KINDS = (
+    (stat.S_ISFIFO, "a named pipe"),
+    (stat.S_ISSOCK, "a socket"),
+    (stat.S_ISCHR, "a device"),
+    (stat.S_ISBLK, "a device"),
+)
+
 
 def read_source(path: str) -> SourceFile:
     """The text of a file, or of standard input for ``-``, with line ends as ``\\n``.
 
-    Raises OSError, with a ``strerror`` for people, for a file that cannot be read, is not UTF-8 text or is too large.
+    Raises OSError, with a ``strerror`` for people, for a file that cannot be read, is none, is not UTF-8 text or is too large.
     """
     try:
         if path == STANDARD_INPUT:
             data = _standard_input()
         else:
+            require_ordinary_file(path)
             with open(path, "rb") as file:
                 data = file.read(MAXIMUM_SIZE + 1)
     except ValueError as problem:
         raise OSError(errno.EINVAL, str(problem), path) from None
     return SourceFile(name=path, text=decoded(data, path))
+
+
+def require_ordinary_file(path: str) -> None:
+    """Raise OSError for what is there and is no file: from a pipe or a device nothing may ever come.
+
+    Standard input by its name, and what the process was started with, are read as they are. What is not there is left to who opens it.
+    """
+    place = os.path.abspath(path)
+    if place == "/dev/stdin" or os.path.dirname(place) in _OPEN_ALREADY:
+        return
+    try:
+        mode = os.stat(path).st_mode
+    except OSError:
+        return
+    for is_kind, name in _KINDS:
+        if is_kind(mode):
+            raise OSError(errno.EINVAL, f"it is {name}, and no file", path)
 
 
 def _standard_input() -> bytes:

@@ -15,7 +15,7 @@ from cspdiag.cli.terminal import put, say, show_diagnostics, write_out
 from cspdiag.cli.verify import refused, told
 from cspdiag.cli.written import require_different, require_file
 from cspdiag.diagnostics.snippet import on_one_line, printable
-from cspdiag.sources import read_source
+from cspdiag.sources import read_source, require_ordinary_file
 
 if TYPE_CHECKING:
     from cspdiag.analyses.timing.measured import Measured
@@ -125,6 +125,7 @@ def measured_times(path: str) -> list[Measured]:
 
     how = f"write it with cspdiag run --real-time --target c --trace {shlex.quote(path)}, or with -O0"
     try:
+        require_ordinary_file(path)
         with open(path, encoding="utf-8") as file:
             content = json.load(file)
     except UnicodeDecodeError:

@@ -15,8 +15,8 @@ class ImportFailure(Diagnostic):
 class UnreadableImport(ImportFailure):
     """An imported file cannot be read.
 
-    The path of an import is relative to the folder of the file that imports it. The file must exist and be a text in UTF-8. While an
-    import is missing, names that may come from it are not reported as unknown.
+    The path of an import is relative to the folder of the file that imports it. The file must exist and be a text in UTF-8:
+    a pipe or a device is not waited for. While an import is missing, names that may come from it are not reported as unknown.
 
     Refused::
 

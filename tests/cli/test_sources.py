@@ -1,0 +1,94 @@
+"""What is no file is refused wherever a file is read: nobody may ever write to a pipe."""
+
+from __future__ import annotations
+
+import json
+import os
+import socket
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from cspdiag.sources import read_source
+
+PROGRAM = "process Main {\n  composition { skip }\n}\n"
+PATIENCE = 60
+"""Seconds after which a command has waited for a writer."""
+
+
+def cspdiag(folder: Path, *arguments: str, text: str | None = None) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "cspdiag", *arguments]
+    given = {"stdin": subprocess.DEVNULL} if text is None else {"input": text}
+    return subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=PATIENCE, check=False, **given)
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    os.mkfifo(tmp_path / "pipe.csp")
+    (tmp_path / "main.csp").write_text(PROGRAM)
+    (tmp_path / "importer.csp").write_text(f'import "pipe.csp"\n\n{PROGRAM}')
+    (tmp_path / "link.csp").symlink_to("pipe.csp")
+    return tmp_path
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("check", "pipe.csp"),
+        ("check", "link.csp"),
+        ("check", "main.csp", "pipe.csp"),
+        ("run", "pipe.csp"),
+        ("compile", "--emit", "ast", "pipe.csp"),
+        ("draw", "pipe.csp"),
+        ("fmt", "--check", "pipe.csp"),
+        ("diff", "main.csp", "pipe.csp"),
+        ("verify", "pipe.csp"),
+        ("verify", "--timing", "--wcet-from", "pipe.csp", "main.csp"),
+        ("run", "--replay", "pipe.csp", "main.csp"),
+    ],
+    ids=" ".join,
+)
+def test_a_named_pipe_on_the_command_line_is_refused(folder: Path, arguments: tuple[str, ...]) -> None:
+    result = cspdiag(folder, *arguments)
+    assert (result.returncode, result.stdout) == (2, "")
+    named = "link.csp" if "link.csp" in arguments else "pipe.csp"
+    assert result.stderr.splitlines()[-1] == f"cspdiag: {named}: it is a named pipe, and no file"
+
+
+def test_an_import_of_a_named_pipe_is_refused_at_its_place(folder: Path) -> None:
+    result = cspdiag(folder, "check", "--format", "json", "importer.csp")
+    found = json.loads(result.stdout)
+    assert result.returncode == 1
+    assert [(each["code"], each["message"]) for each in found] == [
+        ("E0120", 'cannot import "pipe.csp": it is a named pipe, and no file')
+    ]
+
+
+def test_an_external_body_that_is_a_named_pipe_is_refused(folder: Path) -> None:
+    os.mkfifo(folder / "stick.py")
+    (folder / "main.csp").write_text(
+        'driver Stick python "stick.py:Stick" {\n  out x : int\n}\n'
+        "process Main {\n  in x : int\n  communication { var v : int }\n  composition { x ? v }\n}\n"
+        "environment Bench for Main {\n  stick : Stick\n  stick.x -> x\n}\n"
+    )
+    result = cspdiag(folder, "run", "main.csp")
+    assert result.returncode == 2
+    assert "stick.py: it is a named pipe, and no file" in result.stderr
+
+
+def test_sockets_and_devices_are_no_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    with socket.socket(socket.AF_UNIX) as listening:
+        listening.bind("socket.csp")
+        with pytest.raises(OSError, match="it is a socket, and no file"):
+            read_source("socket.csp")
+    with pytest.raises(OSError, match="it is a device, and no file"):
+        read_source("/dev/zero")
+
+
+@pytest.mark.parametrize("name", ["-", "/dev/stdin", "/dev/fd/0"])
+def test_standard_input_is_read_from_a_pipe(tmp_path: Path, name: str) -> None:
+    result = cspdiag(tmp_path, "check", name, text=PROGRAM)
+    assert (result.returncode, result.stderr) == (0, "checked 1 file: no errors\n")
