@@ -200,30 +200,20 @@ def test_many_signals_are_as_one(machine: Path, count: int) -> None:
     assert found.releases == BOTH
 
 
-def test_a_device_that_hangs_keeps_no_output_driven(machine: Path) -> None:
-    found = ended(machine, "read hangs", signals=[signal.SIGTERM])
-    assert found.status == 128 + signal.SIGTERM
-    assert found.releases == BOTH
-
-
-def test_a_device_that_hangs_is_noticed_without_a_signal(machine: Path) -> None:
-    found = ended(machine, "read hangs")
+@pytest.mark.parametrize(
+    ("trouble", "says"),
+    [
+        ("read hangs", "the device function of Machine.level has not come back for 2 s: the outputs are released"),
+        ("read spins", "the device function of Machine.level has not come back for 2 s: the outputs are released"),
+        ("polled and safe value hangs", "Machine.drive does not take its safe value for 2 s"),
+    ],
+)
+def test_a_device_that_hangs_is_noticed_and_named(machine: Path, trouble: str, says: str) -> None:
+    """One that spins asks for the time for ever."""
+    found = ended(machine, trouble)
     assert found.status == 1
     assert found.releases == BOTH
-    assert "the device function of Machine.level has not come back for 2 s: the outputs are released" in found.errors
-
-
-def test_a_device_that_asks_for_the_time_for_ever_is_noticed(machine: Path) -> None:
-    found = ended(machine, "read spins")
-    assert found.status == 1
-    assert found.releases == BOTH
-
-
-def test_a_safe_value_that_hangs_is_named(machine: Path) -> None:
-    found = ended(machine, "polled and safe value hangs")
-    assert found.status == 1
-    assert found.releases == BOTH
-    assert "Machine.drive does not take its safe value for 2 s" in found.errors
+    assert says in found.errors
 
 
 def test_a_control_law_that_hangs_is_named(tmp_path: Path) -> None:
@@ -233,8 +223,9 @@ def test_a_control_law_that_hangs_is_named(tmp_path: Path) -> None:
     assert "Spinning.law (spinning.csp:2) has not come to its next communication for 2 s" in found.errors
 
 
-def test_a_safe_value_that_hangs_keeps_no_other_output_driven(machine: Path) -> None:
-    found = ended(machine, "safe value hangs", signals=[signal.SIGTERM])
+@pytest.mark.parametrize("hanging", ["read", "safe value"])
+def test_a_device_that_hangs_keeps_no_output_driven(machine: Path, hanging: str) -> None:
+    found = ended(machine, f"{hanging} hangs", signals=[signal.SIGTERM])
     assert found.status == 128 + signal.SIGTERM
     assert found.releases == BOTH
 

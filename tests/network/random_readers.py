@@ -7,6 +7,7 @@ from random import Random
 from tests.oracle.tree import (
     BOOL,
     INT,
+    MS,
     After,
     Alt,
     Bin,
@@ -34,7 +35,6 @@ from tests.oracle.tree import (
     walk,
 )
 
-MS = 10**6
 RAISED = "Hot"
 
 

@@ -9,6 +9,7 @@ from tests.oracle.text import uses
 from tests.oracle.tree import (
     BOOL,
     INT,
+    MS,
     REAL,
     After,
     Alt,
@@ -38,8 +39,6 @@ from tests.oracle.tree import (
     Write,
     walk,
 )  # fmt: skip
-
-MS = 10**6
 
 
 def forever(body: Comp) -> Comp:

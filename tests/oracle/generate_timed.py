@@ -11,6 +11,7 @@ from tests.oracle.text import uses
 from tests.oracle.tree import (
     BOOL,
     INT,
+    MS,
     After,
     Alt,
     Assign,
@@ -42,7 +43,6 @@ from tests.oracle.tree import (
     walk,
 )  # fmt: skip
 
-MS = 10**6
 WCET = (100_000, 300_000, 700_000, 1_100_000, 1_900_000)
 
 

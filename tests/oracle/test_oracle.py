@@ -7,10 +7,12 @@ from tests.oracle.judged import verify
 from tests.oracle.page_run import page_run
 from tests.oracle.properties import decide
 from tests.oracle.shrink import tidy
+from tests.oracle.steps import O, read, write
 from tests.oracle.text import text
 from tests.oracle.tree import (
     BOOL,
     INT,
+    MS,
     After,
     Alt,
     Assign,
@@ -29,7 +31,6 @@ from tests.oracle.tree import (
     Port,
     Program,
     Raise,
-    Read,
     Ready,
     Ref,
     Run,
@@ -42,23 +43,13 @@ from tests.oracle.tree import (
     Write,
 )  # fmt: skip
 
-MS = 10**6
 SYNC = (Channel("c", INT, "sync"), Channel("d", INT, "sync"))
 X = Port("x", True, INT, 10 * MS, values=((0, 0), (15 * MS, 1)), domain=(0,))
-O = Port("o", False, INT)  # noqa: E741
 LAW = Law("a", (("x", INT, "x"),), (("y", INT, "v", Ref("x", INT)),), (), 1000, 0)
 
 
 def number(value: int) -> Expr:
     return Lit(value, INT)
-
-
-def read(channel: str, variable: str = "v") -> Read:
-    return Read(channel, Target(variable, INT))
-
-
-def write(channel: str, value: int) -> Write:
-    return Write(channel, number(value))
 
 
 def program(body: Comp, *, channels: tuple[Channel, ...] = SYNC, laws: tuple[Law, ...] = ()) -> Program:
@@ -142,7 +133,7 @@ def test_a_run_that_always_takes_the_same_guard_is_a_run(what: str) -> None:
     chooses = Mu(Alt((one, other)), Bin("==", Ref("w", INT), number(1), BOOL))
     made = program(Par((chooses, Mu(write("c", 1)), Mu(write("d", 1)))))
     assert decide(made, what).holds is False
-    assert verify(text(tidy(made), what)).verdict == "refuted"
+    assert verify(text(tidy(made), what), seconds=60).verdict == "refuted"
 
 
 def test_two_that_read_first_are_deadlocked() -> None:

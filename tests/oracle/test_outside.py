@@ -5,9 +5,11 @@ import pytest
 from tests.oracle.page_run import page_run
 from tests.oracle.properties import decide
 from tests.oracle.refine import refines
+from tests.oracle.steps import O, read, write
 from tests.oracle.tree import (
     BOOL,
     INT,
+    MS,
     REAL,
     After,
     Alt,
@@ -34,11 +36,9 @@ from tests.oracle.tree import (
     Write,
 )  # fmt: skip
 
-MS = 10**6
 E = Port("e", True, BOOL, domain=(False, True), values=((0, False),))
 F = Port("f", True, BOOL, domain=(False, True), values=((0, False),))
 X = Port("x", True, INT, 10 * MS, values=((0, 0),), domain=(0,))
-O = Port("o", False, INT)  # noqa: E741
 H = Port("h", False, INT)
 
 
@@ -49,14 +49,6 @@ def made(body: Comp, *ports: Port, channels: tuple[Channel, ...] = ()) -> Progra
 
 def event(port: str) -> Read:
     return Read(port, Target("b", BOOL))
-
-
-def read(channel: str, variable: str) -> Read:
-    return Read(channel, Target(variable, INT))
-
-
-def write(channel: str, value: int) -> Write:
-    return Write(channel, Lit(value, INT))
 
 
 # ---- what comes from outside ----

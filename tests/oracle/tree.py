@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
+MS = 10**6
+"""Nanoseconds, as all times."""
+
 # ---- types ----
 
 

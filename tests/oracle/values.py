@@ -80,23 +80,10 @@ def _called(name: str, numbers: list[int | float]) -> int | float:
             return math.sqrt(first)
 
 
-def _real(op: str, a: float, b: float) -> float:
-    match op:
-        case "+":
-            return a + b
-        case "-":
-            return a - b
-        case "*":
-            return a * b
-        case _:
-            if b == 0:
-                raise FaultError("division by zero")
-            return a / b
-
-
 def _arithmetic(op: str, a: int | float, b: int | float) -> int | float:
-    if isinstance(a, float) or isinstance(b, float):
-        return _real(op, float(a), float(b))
+    real = isinstance(a, float) or isinstance(b, float)
+    if real:
+        a, b = float(a), float(b)
     match op:
         case "+":
             return a + b
@@ -107,6 +94,8 @@ def _arithmetic(op: str, a: int | float, b: int | float) -> int | float:
         case _:
             if b == 0:
                 raise FaultError("division by zero")
+            if real:
+                return a / b
             quotient = abs(a) // abs(b) * (1 if (a < 0) == (b < 0) else -1)
             return quotient if op == "/" else a - b * quotient
 

@@ -1,0 +1,15 @@
+"""Steps of the programs that tests of the oracle write down."""
+
+from __future__ import annotations
+
+from tests.oracle.tree import INT, Lit, Port, Read, Target, Write
+
+O = Port("o", False, INT)  # noqa: E741
+
+
+def read(channel: str, variable: str = "v") -> Read:
+    return Read(channel, Target(variable, INT))
+
+
+def write(channel: str, value: int) -> Write:
+    return Write(channel, Lit(value, INT))
