@@ -92,9 +92,11 @@ def _refused(thread: Thread, gap: Gap) -> Refusal:
     name = net.rpartition(".")[2]
     if gap.untaken:
         return Refusal(
-            place.path, f"the sample of `{name}` may not have been taken when it waits for the next of {duration(period)}", place.span,
+            place.path,
+            f"the sample of `{name}` may not have been taken when this waits for the next samples, {duration(period)} later: it would be overwritten",
+            place.span,
             "take the samples of all inputs of a period in every round, or give the loops a process each",
-        )  # fmt: skip
+        )
     if place.is_end:
         what = "stands still here" if place.halts else "ends here"
         return Refusal(

@@ -154,7 +154,7 @@ class Jobs:
         for place, books in around:
             if self._lets_pass(place, books):
                 raise UnboundedError(
-                    "between its samples it waits for time to pass again and again, without bound", place.span
+                    "between its samples it waits for time to pass in a loop, nobody knows how often", place.span
                 )
         if any(place.cost or place.offers for place, _ in around):
             place = self.thread.places[back[0]]
