@@ -75,15 +75,22 @@ def _told(network: Network, trace: Trace, result: Replay) -> Iterator[str]:
     yield f"replay of the counterexample to `{trace.assertion}`"
     instants = [f"{shown(instant)}  " for instant in result.instants] if any(result.instants) else []
     width = max(map(len, instants), default=0)
+    round_from = None if result.divergence is not None else result.round_from
     for number, (channel, value) in enumerate(result.communications):
+        if number == round_from:
+            yield "then again and again:"
         when = instants[number].rjust(width) if instants else ""
         name = channel.removeprefix(f"{trace.process}.")
         yield f"{number + 1:>5}  {when}{name}  {written(value, types[channel])}"
+    if round_from == len(result.communications):
+        yield f"then again and again, {trace.round}"
     if result.deadlock is not None:
         yield below(result.deadlock, trace.process).text
     total = trace.shown_before(len(trace.steps) + len(trace.cycle))
     steps = f"{total} step{'' if total == 1 else 's'}"
-    if result.divergence is None:
+    if round_from is not None:
+        yield "replayed: the program " + (f"did all {steps}, and " if total else "") + "can go on so for ever"
+    elif result.divergence is None:
         yield f"replayed: the program did all {steps}"
     else:
         yield f"not replayed: after {trace.shown_before(result.steps)} of {steps}, {in_words(result.divergence, trace.process)}"

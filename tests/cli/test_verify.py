@@ -396,3 +396,70 @@ def test_a_replay_says_where_others_are_in_a_delay(cspdiag: Command, tmp_path: P
     program.write_text(ENDED)
     cspdiag("verify", program, "--trace-out", trace)
     assert re.search(r"  `3` waits until 1 ms \(.*case.csp:4\)\n", cspdiag("run", program, "--replay", trace).err)
+
+
+ROUNDS = """process Main {
+  in go : int
+
+  communication {
+    var t : int = 0
+    var u : int = 0
+
+    channel c : int sync
+    channel d : int sync
+  }
+
+  composition { go ? t ; ROUND }
+}
+
+assert Main livelock free
+"""
+
+
+@pytest.mark.parametrize(
+    ("composition", "lines"),
+    [
+        (
+            "((c ! 1 ; mu (d ? t ; c ! t)) || mu (c ? u ; d ! u))",
+            [
+                "    1  go  0",
+                "    2  c  1",
+                "then again and again:",
+                "    3  d  1",
+                "    4  c  1",
+                "replayed: the program did all 4 steps, and can go on so for ever",
+            ],
+        ),
+        (
+            "mu wait 0 ms",
+            [
+                "    1  go  0",
+                "then again and again, without a communication: `wait 0 s` of `Main`",
+                "replayed: the program did all 2 steps, and can go on so for ever",
+            ],
+        ),
+        (
+            "mu (skip -> skip [] skip -> u := 1) until u == 1",
+            [
+                "    1  go  0",
+                "then again and again, without a communication or a delay: `Main`",
+                "replayed: the program did all 1 step, and can go on so for ever",
+            ],
+        ),
+    ],
+)
+def test_a_replay_says_what_is_repeated(cspdiag: Command, tmp_path: Path, composition: str, lines: list[str]) -> None:
+    file, trace = tmp_path / "rounds.csp", tmp_path / "trace.json"
+    file.write_text(ROUNDS.replace("ROUND", composition))
+    told = cspdiag("verify", file, "--trace-out", trace)
+    assert "then again and again" in told.err
+    replay = cspdiag("run", file, "--replay", trace)
+    assert replay.code == 0
+    assert replay.err.splitlines()[-len(lines) :] == lines
+
+
+def test_a_loop_that_no_diagram_shows_is_found_in_the_text(cspdiag: Command, tmp_path: Path) -> None:
+    file = tmp_path / "rounds.csp"
+    file.write_text(ROUNDS.replace("ROUND", "mu (skip -> skip [] skip -> u := 1) until u == 1"))
+    told = cspdiag("verify", file).err
+    assert f"then again and again, without a communication or a delay: `Main` ({file}:12)" in told

@@ -21,8 +21,9 @@ def table(found: Counterexample, width: int = 120) -> str:
     steps = [step for step in found.steps if step.shown]
     cycle = [step for step in found.cycle if step.shown]
     names = list(dict.fromkeys(party.name for step in (*steps, *cycle) for party in step.parties if party.role != "."))
+    silent = f"{_silent_round(found)}\n" if found.cycle and not cycle else ""
     if not names:
-        return ""
+        return silent
     files = {party.span.file for step in (*steps, *cycle) for party in step.parties if party.span is not None}
     rows = list(_rows((*steps, *cycle), names, found.process, told_files=len(files) > 1))
     lines = _aligned([["", "", *names], *rows])
@@ -33,7 +34,14 @@ def table(found: Counterexample, width: int = 120) -> str:
         legend = [f"({number}) {name}" for number, name in enumerate(names, start=1)] + legend
     if cycle:
         lines.insert(len(lines) - len(cycle), "then again and again:")
-    return "".join(f"{line}\n" for line in (*lines, *_wrapped(legend, width)))
+    return "".join(f"{line}\n" for line in lines) + silent + "".join(f"{line}\n" for line in _wrapped(legend, width))
+
+
+def _silent_round(found: Counterexample) -> str:
+    """Who goes round where nothing of it is a step of a diagram, and where the text says so."""
+    parties = {party.name: party for step in reversed(found.cycle) for party in step.parties}
+    who = (f"`{name}`" + ("" if party.span is None else f" ({party.span})") for name, party in parties.items())
+    return f"then again and again, without a communication or a delay: {', '.join(who)}"
 
 
 def _key(cells: Iterable[str]) -> str:

@@ -73,6 +73,7 @@ class Attempt:
         self._offered: dict[int, str] = {}
         self.cycle = 0
         """How many things processes have gone on with before what can be repeated."""
+        self._round_from: int | None = None
 
     def branch_ended(self, branch: Task, error: BaseException | None) -> None:
         """The outermost process has ended."""
@@ -101,6 +102,8 @@ class Attempt:
             if self._rounds is not None and not self._trace.cycle:
                 self._rounds.come_to_rest()
             self.cycle = len(conductor.passed)
+            if self._trace.cycle:
+                self._round_from = len(self._communications)
             for step in self._trace.cycle:
                 self._perform(step)
                 self._done += 1
@@ -117,7 +120,14 @@ class Attempt:
             end_all(root)
         added = () if self._rounds is None else tuple(self._rounds.added)
         return Replay(
-            self._done, divergence, tuple(self._communications), deadlock, False, judgement, added, self._offered
+            self._done,
+            divergence,
+            tuple(self._communications),
+            deadlock,
+            judgement=judgement,
+            added=added,
+            offered=self._offered,
+            round_from=self._round_from,
         )
 
     def _built(self) -> RunningNetwork:
@@ -291,8 +301,13 @@ class Attempt:
         if matters is not None and not matters:
             return
         before = memory(process)
+        first, second = self._round_from or 0, len(self._communications)
         for step in self._trace.cycle:
             self._perform(step)
+        if self._communications[second:] == self._communications[first:second]:
+            del self._communications[second:]
+        else:
+            self._round_from = second
         after = memory(process)
         changed = [
             name for name, value in before.items() if after.get(name) != value and (matters is None or name in matters)

@@ -65,6 +65,19 @@ class Trace:
         """How many of its first steps, those of its cycle included, the table of the counterexample has."""
         return sum(step.shown for step in (*self.steps, *self.cycle)[:number])
 
+    @property
+    def round(self) -> str:
+        """What is repeated for ever where nothing is communicated: the delays, or who does something that no diagram shows."""
+        delays = [
+            f"`{step.channel.rpartition(': ')[2]}` of {self._names(step)}" for step in self.cycle if step.kind == "time"
+        ]
+        if delays:
+            return f"without a communication: {', '.join(delays)}"
+        return f"without a communication or a delay: {', '.join(dict.fromkeys(map(self._names, self.cycle)))}"
+
+    def _names(self, step: TraceStep) -> str:
+        return ", ".join(f"`{name.removeprefix(f'{self.process}.')}`" for name, _ in step.parties)
+
     def hides(self, channel: str) -> bool:
         """Whether a specification does not see a channel of the environment, or the array of ports that it is an element of."""
         return channel in self.hidden or channel.rpartition("[")[0] in self.hidden
