@@ -6,31 +6,15 @@ that all instances give them, and over variables, with all that is ever assigned
 
 from __future__ import annotations
 
-from typing import TypeAlias
-
-from cspdiag.model.types import IntType, TimeType, Type
 from cspdiag.network.actions import AssignValue, InputEvent, ReadValue
 from cspdiag.network.expression_walk import walk
-from cspdiag.network.expressions import (
-    BinaryOperation,
-    ConditionalValue,
-    Expression,
-    FunctionCall,
-    LiteralValue,
-    ParameterValue,
-    UnaryOperation,
-    VariableValue,
-)
+from cspdiag.network.expressions import Expression, ParameterValue, VariableValue
 from cspdiag.network.ir import Network, ProcessClass
+from cspdiag.network.ranges import Range, joined, limits_of, of_instances, value_range
 from cspdiag.network.walk import parts
-
-Bounds: TypeAlias = tuple[int, int]
-"""The least and the greatest value."""
 
 _DEEPEST = 4
 """Variables that are computed from each other further than that are not followed."""
-_ANY_NUMBER: Bounds = (-(10**400), 10**400)
-"""Further than any real reaches."""
 
 
 class Durations:
@@ -43,7 +27,7 @@ class Durations:
         self._given_by_others = {
             (class_of.get(owner), name) for (owner, _, name), net in owned if net.writers or net.external is not None
         }
-        self._variables: dict[tuple[str, str], Bounds] = {}
+        self._variables: dict[tuple[str, str], Range] = {}
 
     def surely_takes_time(self, class_name: str, duration: Expression) -> bool:
         """Whether a delay lasts longer than zero in every instance of the class, whenever it begins."""
@@ -53,38 +37,17 @@ class Durations:
         """Whether a delay of no or a negative duration stands there, in every instance of the class."""
         return self._bounds(class_name, duration, frozenset())[1] <= 0
 
-    def _bounds(self, name: str, expression: Expression, assumed: frozenset[str]) -> Bounds:
+    def _bounds(self, name: str, expression: Expression, assumed: frozenset[str]) -> Range:
         """The values that an expression may have. ``assumed`` are variables that are taken to be greater than zero."""
-        limits = _limits(expression.type)
-        if not isinstance(expression.type, IntType | TimeType):
-            return limits
-        match expression:
-            case LiteralValue(value=int(value)):
-                found = value, value
-            case ParameterValue(range=(low, high)):
-                found = low, high
-            case VariableValue():
-                return self._of_variable(name, expression, assumed)
-            case UnaryOperation(operator="-"):
-                low, high = self._bounds(name, expression.operand, assumed)
-                found = -high, -low
-            case BinaryOperation():
-                left = self._bounds(name, expression.left, assumed)
-                found = _computed(expression.operator, left, self._bounds(name, expression.right, assumed)) or limits
-            case ConditionalValue():
-                sides = [self._bounds(name, side, assumed) for side in (expression.then, expression.otherwise)]
-                found = _joined(sides)
-            case FunctionCall(function="min" | "max" as function, arguments=(one, other)):
-                choose = min if function == "min" else max
-                left, right = self._bounds(name, one, assumed), self._bounds(name, other, assumed)
-                found = choose(left[0], right[0]), choose(left[1], right[1])
-            case _:
-                return limits
-        return max(found[0], limits[0]), min(found[1], limits[1])
 
-    def _of_variable(self, name: str, variable: VariableValue, assumed: frozenset[str]) -> Bounds:
+        def known(part: ParameterValue | VariableValue) -> Range | None:
+            return of_instances(part) if isinstance(part, ParameterValue) else self._of_variable(name, part, assumed)
+
+        return value_range(expression, known)
+
+    def _of_variable(self, name: str, variable: VariableValue, assumed: frozenset[str]) -> Range:
         """What a variable may be: if all that it is given is greater than zero provided that it was so before, it always is."""
-        limits = _limits(variable.type)
+        limits = limits_of(variable.type)
         if variable.channel in assumed:
             return 1, limits[1]
         known = self._variables.get((name, variable.channel))
@@ -94,7 +57,7 @@ class Durations:
         if given is None or len(assumed) == _DEEPEST:
             return limits
         inside = assumed | {variable.channel}
-        found = _joined([self._bounds(name, value, inside) for value in given])
+        found = joined(self._bounds(name, value, inside) for value in given)
         if found[0] < 1 and any(isinstance(part, VariableValue) for value in given for part in walk(value)):
             found = limits
         if not assumed:
@@ -115,29 +78,3 @@ class Durations:
                 case ReadValue(target=target) | InputEvent(target=target) if target.channel == variable:
                     return None
         return found or None
-
-
-def _computed(operator: str, left: Bounds, right: Bounds) -> Bounds | None:
-    """The numbers that an operation can give, within the type or not; None where that is not known."""
-    match operator:
-        case "+":
-            return left[0] + right[0], left[1] + right[1]
-        case "-":
-            return left[0] - right[1], left[1] - right[0]
-        case "*":
-            corners = [one * other for one in left for other in right]
-            return min(corners), max(corners)
-        case "/" if left[0] >= 0 and right[0] > 0:
-            return left[0] // right[1], left[1] // right[0]
-    return None
-
-
-def _joined(several: list[Bounds]) -> Bounds:
-    return min(low for low, _ in several), max(high for _, high in several)
-
-
-def _limits(kind: Type) -> Bounds:
-    if not isinstance(kind, IntType | TimeType):
-        return _ANY_NUMBER
-    whole = kind if isinstance(kind, IntType) else IntType()
-    return whole.minimum, whole.maximum

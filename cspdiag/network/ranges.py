@@ -1,8 +1,11 @@
-"""What can go wrong when an expression is evaluated: integers that leave the range of their type."""
+"""Between which bounds the whole numbers and the times of expressions lie, by the arithmetic of intervals: which of them may leave the range of their type."""
 
 from __future__ import annotations
 
-from cspdiag.model.types import EnumType, IntType, TimeType, Type
+from collections.abc import Callable, Iterable
+from typing import TypeAlias
+
+from cspdiag.model.types import EnumType, IntType, Type
 from cspdiag.network.expressions import (
     ArrayElements,
     BinaryOperation,
@@ -18,9 +21,18 @@ from cspdiag.network.expressions import (
 )
 from cspdiag.network.walk import parts
 
-Range = tuple[int, int]
+Range: TypeAlias = tuple[int, int]
+"""The least and the greatest value."""
+
+Lookup: TypeAlias = "Callable[[ParameterValue | VariableValue], Range | None]"
+"""What a parameter or a variable may be; None where that is any value of its type."""
 
 _WORD = IntType()
+
+
+def of_instances(name: ParameterValue | VariableValue) -> Range | None:
+    """What the instances of a class give a parameter, once all are known; of variables nothing is known."""
+    return name.range if isinstance(name, ParameterValue) else None
 
 
 def needs_check(expression: Expression) -> bool:
@@ -30,14 +42,14 @@ def needs_check(expression: Expression) -> bool:
     of the run, where it stands and if it is reached.
     """
     low, high = _result(expression)
-    bounds = _bounds(expression.type)
+    bounds = limits_of(expression.type)
     return low < bounds[0] or high > bounds[1]
 
 
 def exceeds(expression: Expression) -> tuple[bool, bool]:
     """Whether a whole-number operation may leave the range of its type below, and above."""
     low, high = _result(expression)
-    bounds = _bounds(expression.type)
+    bounds = limits_of(expression.type)
     return low < bounds[0], high > bounds[1]
 
 
@@ -47,54 +59,51 @@ def cannot_fault(expression: Expression) -> bool:
     return all(isinstance(part, stored) for part in parts(expression))
 
 
-def value_range(expression: Expression) -> Range:
-    """The least and the greatest value that a whole-number expression can have, if it does not fault."""
-    return _range(expression)
+def value_range(expression: Expression, known: Lookup = of_instances) -> Range:
+    """The least and the greatest value that a whole number or a time can have, if it does not fault."""
+    low, high = _result(expression, known)
+    bounds = limits_of(expression.type)
+    return max(low, bounds[0]), min(high, bounds[1])
 
 
-def _bounds(type_: Type) -> Range:
+def limits_of(type_: Type) -> Range:
+    """The least and the greatest value of a type of whole numbers; those of ``int`` for others."""
     match type_:
         case IntType():
             return type_.minimum, type_.maximum
-        case TimeType():
-            return _WORD.minimum, _WORD.maximum
         case EnumType(literals=literals):
             return 0, len(literals) - 1
     return _WORD.minimum, _WORD.maximum
 
 
-def _range(expression: Expression) -> Range:
-    """The values an expression can have once it was checked."""
-    low, high = _result(expression)
-    bounds = _bounds(expression.type)
-    return max(low, bounds[0]), min(high, bounds[1])
+def joined(several: Iterable[Range]) -> Range:
+    """What may be in any of some ranges, of which there is at least one."""
+    lows, highs = zip(*several, strict=True)
+    return min(lows), max(highs)
 
 
-def _result(expression: Expression) -> Range:
+def _result(expression: Expression, known: Lookup = of_instances) -> Range:
     """The values an operation can have before it is checked."""
     match expression:
         case LiteralValue(value=int(value)):
             return value, value
-        case ParameterValue(range=tuple(known)):
-            return known
+        case ParameterValue() | VariableValue():
+            return known(expression) or limits_of(expression.type)
         case UnaryOperation(operator="-", operand=operand):
-            low, high = _range(operand)
+            low, high = value_range(operand, known)
             return -high, -low
         case BinaryOperation(operator=operator, left=left, right=right):
-            return _operation(operator, _range(left), _range(right), _bounds(expression.type))
+            return _operation(operator, value_range(left, known), value_range(right, known), limits_of(expression.type))
         case ConditionalValue(then=then, otherwise=otherwise):
-            first, second = _range(then), _range(otherwise)
-            return min(first[0], second[0]), max(first[1], second[1])
+            return joined((value_range(then, known), value_range(otherwise, known)))
         case FunctionCall(function="abs", arguments=(operand,)):
-            low, high = _range(operand)
+            low, high = value_range(operand, known)
             return 0 if low <= 0 <= high else min(abs(low), abs(high)), max(abs(low), abs(high))
-        case FunctionCall(function="min", arguments=arguments):
-            ranges = [_range(argument) for argument in arguments]
-            return min(low for low, _ in ranges), min(high for _, high in ranges)
-        case FunctionCall(function="max", arguments=arguments):
-            ranges = [_range(argument) for argument in arguments]
-            return max(low for low, _ in ranges), max(high for _, high in ranges)
-    return _bounds(expression.type)
+        case FunctionCall(function="min" | "max" as function, arguments=arguments):
+            choose = min if function == "min" else max
+            lows, highs = zip(*(value_range(argument, known) for argument in arguments), strict=True)
+            return choose(lows), choose(highs)
+    return limits_of(expression.type)
 
 
 def _operation(operator: str, left: Range, right: Range, bounds: Range) -> Range:
@@ -107,10 +116,7 @@ def _operation(operator: str, left: Range, right: Range, bounds: Range) -> Range
             products = [a * b for a in left for b in right]
             return min(products), max(products)
         case "/":
-            largest = max(abs(left[0]), abs(left[1]))
-            if right[0] > 0:
-                return min(left[0], 0), max(left[1], 0)
-            return -largest, largest
+            return _quotient(left, right)
         case "%":
             largest = max(abs(right[0]), abs(right[1]), 1) - 1
             return max(-largest, min(left[0], 0)), min(largest, max(left[1], 0))
@@ -119,3 +125,14 @@ def _operation(operator: str, left: Range, right: Range, bounds: Range) -> Range
         case "^":
             return bounds[0] - 1, bounds[1] + 1
     return bounds
+
+
+def _quotient(left: Range, right: Range) -> Range:
+    """Truncated toward zero; by zero it is a fault. On each side of zero, the least and the greatest are by one of the bounds."""
+    divisors = [
+        (low, high) for low, high in ((right[0], min(right[1], -1)), (max(right[0], 1), right[1])) if low <= high
+    ]
+    if not divisors:
+        return 0, 0
+    quotients = [abs(a) // abs(b) * (1 if (a < 0) == (b < 0) else -1) for a in left for pair in divisors for b in pair]
+    return min(quotients), max(quotients)
