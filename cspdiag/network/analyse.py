@@ -19,13 +19,15 @@ from cspdiag.network.elaborate import Elaboration
 from cspdiag.network.guards import check_guards
 from cspdiag.network.kinds import Asked, asked_kinds, check_outermost, infer_kinds
 from cspdiag.network.missed_samples import MissedSamples
+from cspdiag.network.occurrences import Occurrence, Occurrences
+from cspdiag.network.parameter_ranges import ranges_of
 from cspdiag.network.period_origins import PeriodOrigins
 from cspdiag.network.periods import Rates, check_event_ports, net_rates
 from cspdiag.network.rate_boundaries import RateBoundaries
 from cspdiag.network.relations import Relations
 from cspdiag.network.releases import check_releases
 from cspdiag.network.shapes import Overrides, Shape, attached_key
-from cspdiag.network.submodels import needs_sample
+from cspdiag.network.submodels import LawUse, needs_sample
 from cspdiag.network.usage import check_usage
 from cspdiag.network.waiting import Waiting
 from cspdiag.syntax import ast
@@ -50,6 +52,9 @@ class Analysis:
         self._sizes: dict[Shape, int] = {}
         self._roots: list[tuple[Shape, Surroundings]] = []
         self._root_arguments: list[tuple[Shape, tuple[ast.Argument, ...]]] = []
+        self._root_values: list[tuple[Shape, Surroundings, Mapping[str, Value]]] = []
+        self.laws: list[LawUse] = []
+        """The submodel instances, with the values of their parameters as far as known; none where something was reported before."""
         self._ranks: dict[ast.Node, int] = {definition: n for n, definition in enumerate(self.definitions.order)}
         self._needs_sample: dict[ast.SubmodelDefinition, bool] = {}
 
@@ -64,6 +69,7 @@ class Analysis:
         """An outermost process with the arguments of its environment and the values that they, defaults and overrides give."""
         shape = self.elaboration.root(definition, values, overrides)
         self._root_arguments.append((shape, arguments))
+        self._root_values.append((shape, surroundings, values))
         if (shape, surroundings) not in self._roots:
             self._roots.append((shape, surroundings))
         return shape
@@ -84,6 +90,8 @@ class Analysis:
                 check_outermost(shape, self.relations.of(shape), self.asked[shape], self.report)
                 check_event_ports(shape, self.rates[shape], self.report)
         outermost = [self.contexts.outermost(shape, surroundings) for shape, surroundings in self._roots]
+        if not self.report.has_errors:
+            self._give_values()
         waiting = Waiting()
         for placed in self._inside_out_in_context():
             waiting.process(placed)
@@ -102,6 +110,24 @@ class Analysis:
             for placed in self._inside_out_in_context():
                 boundaries.process(placed)
         return outermost
+
+    def _give_values(self) -> None:
+        """What the parameters are given, down to the innermost instances; nothing is known of those of a library's outermost processes."""
+        laws: list[LawUse] = []
+        by_context: dict[Placed, list[Occurrence]] = {}
+        for shape, surroundings, given in self._root_values:
+            own = [] if surroundings == "unknown" else shape.definition.parameters
+            values: dict[ast.Node, Value] = {one: given[one.name.text] for one in own if one.name.text in given}
+            occurrences = Occurrences(self.program, self.elaboration, self.report)
+            occurrences.outermost(self.contexts.outermost(shape, surroundings), values)
+            for found in occurrences.found:
+                by_context.setdefault(found.placed, []).append(found)
+            laws += (law.use for law in occurrences.laws)
+        if self.report.has_errors:
+            return
+        self.laws = laws
+        for placed, several in by_context.items():
+            placed.parameters.update(ranges_of(occurrence.arguments() for occurrence in several))
 
     def law_samples(self) -> set[tuple[ast.SubmodelDefinition, int]]:
         """The submodels that were met, with the sample periods at which they run."""

@@ -12,6 +12,7 @@ from cspdiag.diagnostics import Report
 from cspdiag.diagnostics.record import node
 from cspdiag.network.ir import ChannelKind
 from cspdiag.network.periods import Rates, Samples
+from cspdiag.network.ranges import Range
 from cspdiag.network.shapes import (
     Attached,
     Default,
@@ -45,6 +46,8 @@ class Placed:
     """Submodel instances that have a sample period which is not known."""
     inside: dict[str, Placed]
     """The process instances by name."""
+    parameters: dict[str, Range]
+    """What the instances give whole-number parameters, as far as all are known."""
 
     def period(self, key: Key) -> int | None:
         """The sample period of the net at a port or channel."""
@@ -91,6 +94,7 @@ class Contexts:
                 samples=samples.found,
                 unknown_samples=samples.unknown,
                 inside={},
+                parameters={},
             )
             self.placed.append(known)
             self._pending.append(known)

@@ -46,7 +46,8 @@ def check(program: Program, definition: ast.EnvironmentDefinition, report: Repor
         # What is in doubt may be what seems to be missing.
         _refuse_gaps(program, definition, process, drawn, values, own)
     if not own.has_errors:
-        draft = Draft(owner=definition.name.span, sample=step, arguments={}, concrete=False, closed=True)
+        is_known = len(values) == len(process.parameters)
+        draft = Draft(owner=definition.name.span, sample=step, arguments={}, concrete=is_known, closed=True)
         _assemble(program, draft, drawn, _open_ports(program, process, values, own), own)
         evaluation_order(draft, own)
     for diagnostic in own.diagnostics:

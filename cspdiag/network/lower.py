@@ -38,7 +38,7 @@ def check(program: Program, report: Report) -> Analysis:
     """
     analysis = analysed(program, report)
     check_release(program, report)
-    submodels.check(program, report, analysis.law_samples())
+    submodels.check(program, report, analysis.law_samples(), analysis.laws)
     external_bodies.check(program, report)
     for environment in _environments(program):
         environments.check(program, environment, report)
@@ -112,7 +112,7 @@ def lower(
         shape, placed = root
     occurrences = Occurrences(program, analysis.elaboration, report)
     outermost = occurrences.outermost(placed, values)
-    if report.has_errors:
+    if not occurrences.flatten():
         return None
     classes = Classes(program, analysis.definitions, analysis.relations, report)
     classes.make(occurrences.found)

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 
 from cspdiag.diagnostics import Report
-from cspdiag.diagnostics.record import node
 from cspdiag.model.evaluate import evaluate
 from cspdiag.model.program import Program, Value
 from cspdiag.network.contexts import Placed
 from cspdiag.network.elaborate import Elaboration, argument_values
 from cspdiag.network.expressions import LiteralValue
 from cspdiag.network.shapes import Default, InstanceShape
-from cspdiag.network.submodels import Flattened, flatten
+from cspdiag.network.submodels import Flattened, LawUse, flatten
 from cspdiag.syntax import ast
 
 
@@ -41,17 +40,37 @@ class Occurrence:
         return {**_by_name(self.values), **self.derived}
 
 
-@node
 class LawOccurrence:
-    """A submodel instance: its class and the values of its parameters."""
+    """A submodel instance: the values of its parameters and, once ``Occurrences.flatten`` has made it, its class.
+
+    ``sample`` is its period in nanoseconds, if known; ``overrides`` are values of parameters inside it from outside, by path.
+    """
+
+    __slots__ = ("definition", "flattened", "overrides", "sample", "values")
 
     flattened: Flattened
-    values: Mapping[ast.Node, Value]
+
+    def __init__(
+        self,
+        definition: ast.SubmodelDefinition,
+        values: Mapping[ast.Node, Value],
+        sample: int | None,
+        overrides: Mapping[str, Value],
+    ) -> None:
+        self.definition = definition
+        self.values = values
+        self.sample = sample
+        self.overrides = overrides
 
     @property
     def derived(self) -> Mapping[str, Value]:
         """Values of the derived parameters."""
         return self.flattened.derived
+
+    @property
+    def use(self) -> LawUse:
+        """What the class is made from."""
+        return LawUse(self.definition, _by_name(self.values), self.sample, self.overrides)
 
     def arguments(self) -> dict[str, Value]:
         """Values by the name of the parameter."""
@@ -67,7 +86,7 @@ class Occurrences:
         self.report = report
         self.found: list[Occurrence] = []
         self._known: dict[object, Occurrence] = {}
-        self._laws: dict[object, LawOccurrence | None] = {}
+        self._laws: dict[object, LawOccurrence] = {}
         self._pending: list[Occurrence] = []
 
     def outermost(self, placed: Placed, values: dict[ast.Node, Value]) -> Occurrence:
@@ -76,6 +95,19 @@ class Occurrences:
         while self._pending:
             self._fill(self._pending.pop())
         return top
+
+    @property
+    def laws(self) -> Iterable[LawOccurrence]:
+        """The submodel instances met, equal ones once."""
+        return self._laws.values()
+
+    def flatten(self) -> bool:
+        """Make the class of every submodel instance; False where something is wrong that was reported."""
+        for law in self._laws.values():
+            made = flatten(self.program, *law.use[:3], self.report, overrides=law.overrides)
+            if made is not None:
+                law.flattened = made
+        return not self.report.has_errors
 
     def _occurrence(self, placed: Placed, values: dict[ast.Node, Value]) -> Occurrence:
         key = (placed, tuple(values.items()))
@@ -93,9 +125,7 @@ class Occurrences:
             values = self._values(occurrence, instance)
             self._examine_defaults(instance, values)
             if instance.shape.is_submodel:
-                law = self._law(instance, values, placed.samples.get(name))
-                if law is not None:
-                    occurrence.children[name] = law
+                occurrence.children[name] = self._law(instance, values, placed.samples.get(name))
             else:
                 occurrence.children[name] = self._occurrence(placed.inside[name], values)
 
@@ -123,15 +153,13 @@ class Occurrences:
         around = {**occurrence.values, **instance.replicators}
         return argument_values(self.elaboration, instance.declaration, definition, around, instance.overrides)
 
-    def _law(self, instance: InstanceShape, values: dict[ast.Node, Value], sample: int | None) -> LawOccurrence | None:
+    def _law(self, instance: InstanceShape, values: dict[ast.Node, Value], sample: int | None) -> LawOccurrence:
         definition = instance.shape.definition
         assert isinstance(definition, ast.SubmodelDefinition)
         inside = {path: value for path, value in instance.overrides.items() if "." in path}
         key = (definition, tuple(values.items()), sample, tuple(inside.items()))
         if key not in self._laws:
-            flattened = flatten(self.program, definition, _by_name(values), sample, self.report, overrides=inside)
-            law = None if flattened is None else LawOccurrence(flattened=flattened, values=values)
-            self._laws[key] = law
+            self._laws[key] = LawOccurrence(definition, values, sample, inside)
         return self._laws[key]
 
 

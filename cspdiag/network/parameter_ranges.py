@@ -5,36 +5,46 @@ Parameters are set before the network is made (``--set`` as well), so that nothi
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from cspdiag.diagnostics.record import replaced
 from cspdiag.network.everywhere import rewritten
-from cspdiag.network.expressions import ParameterValue
+from cspdiag.network.expressions import ParameterValue, Value
 from cspdiag.network.ir import Instantiation, ProcessClass, SubmodelClass
+from cspdiag.network.ranges import Range, joined
 
 
 def with_ranges(
     classes: Iterable[ProcessClass | SubmodelClass], instances: Iterable[Instantiation]
 ) -> tuple[ProcessClass | SubmodelClass, ...]:
     """The classes with the range of each parameter written to where it is used."""
-    ranges: dict[tuple[str, str], tuple[int, int]] = {}
+    arguments: dict[str, list[Mapping[str, Value]]] = {}
     for instance in instances:
-        for name, value in instance.arguments:
-            if isinstance(value, int) and not isinstance(value, bool):
-                low, high = ranges.get((instance.class_name, name), (value, value))
-                ranges[instance.class_name, name] = min(low, value), max(high, value)
-    return tuple(_with(entry, ranges) for entry in classes)
+        arguments.setdefault(instance.class_name, []).append(dict(instance.arguments))
+    return tuple(_with(entry, ranges_of(arguments.get(entry.name, ()))) for entry in classes)
 
 
-def _with(
-    entry: ProcessClass | SubmodelClass, ranges: dict[tuple[str, str], tuple[int, int]]
-) -> ProcessClass | SubmodelClass:
-    if not any((entry.name, parameter.name) in ranges for parameter in entry.parameters):
+def ranges_of(instances: Iterable[Mapping[str, Value]]) -> dict[str, Range]:
+    """What several instances of one class give its whole-number parameters, by name: of those to which every one gives a value."""
+    ranges: dict[str, Range] | None = None
+    for arguments in instances:
+        given = {
+            name: value for name, value in arguments.items() if isinstance(value, int) and not isinstance(value, bool)
+        }
+        if ranges is None:
+            ranges = {name: (value, value) for name, value in given.items()}
+        else:
+            ranges = {name: joined((known, (given[name],) * 2)) for name, known in ranges.items() if name in given}
+    return ranges or {}
+
+
+def _with(entry: ProcessClass | SubmodelClass, ranges: Mapping[str, Range]) -> ProcessClass | SubmodelClass:
+    if not any(parameter.name in ranges for parameter in entry.parameters):
         return entry
 
     def change(part: Any) -> Any:
-        known = ranges.get((entry.name, part.name)) if isinstance(part, ParameterValue) else None
+        known = ranges.get(part.name) if isinstance(part, ParameterValue) else None
         return part if known is None else replaced(part, range=known)
 
     return rewritten(entry, change)

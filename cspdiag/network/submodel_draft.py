@@ -73,6 +73,8 @@ class Draft:
         self.steps: list[int] = []
         self.complete = True
         """Whether every definition met was without reported errors."""
+        self.depends = False
+        """Whether something was computed that other values of the parameters make different: what it begins with, or a size."""
         self._values: dict[str, Value | None] = {}
 
     def unique(self, name: str) -> str:

@@ -96,6 +96,7 @@ class SubmodelSignals:
 
     def size(self, expression: ast.Expression) -> int:
         """The value of a size; 1 where it is not known, as in a check of the definition by itself."""
+        self.draft.depends = self.draft.depends or not isinstance(expression, ast.Number)
         value = self.draft.value_of(lower_expression(self.program, expression, self.context))
         return value if isinstance(value, int) and 0 < value < MOST_ELEMENTS else 1
 
@@ -117,6 +118,7 @@ class SubmodelSignals:
     def examine(self, expression: ast.Expression, replicators: Mapping[ast.Node, Value] = NO_VALUES) -> None:
         """Report what goes wrong in an expression that is computed before the program runs, once the parameters are known."""
         if self.draft.concrete and not isinstance(expression, ast.Number | ast.Duration | ast.Boolean):
+            self.draft.depends = self.draft.depends or not isinstance(expression, ast.Name)
             evaluate(self.program, expression, {**self._values(), **replicators}, self.report)
 
     def _values(self) -> dict[ast.Node, Value]:

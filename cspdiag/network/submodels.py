@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from typing import NamedTuple
 
 from cspdiag.diagnostics import Report
 from cspdiag.diagnostics.record import node, replaced
@@ -18,6 +19,15 @@ from cspdiag.network.submodel_signals import Surroundings
 from cspdiag.network.submodel_system import complete, evaluation_order
 from cspdiag.network.syntax_walk import declarations, declared_in, nodes
 from cspdiag.syntax import ast
+
+
+class LawUse(NamedTuple):
+    """An instance of a submodel: what is known of the values of its parameters, of its period in nanoseconds, and of parameters inside it, by path, from outside."""
+
+    definition: ast.SubmodelDefinition
+    arguments: Mapping[str, Value]
+    sample: int | None
+    overrides: Mapping[str, Value]
 
 
 @node
@@ -133,24 +143,36 @@ def needs_sample(program: Program, definition: ast.SubmodelDefinition) -> bool:
     return False
 
 
-def check(program: Program, report: Report, samples: Iterable[tuple[ast.SubmodelDefinition, int]] = ()) -> None:
+def check(
+    program: Program,
+    report: Report,
+    samples: Iterable[tuple[ast.SubmodelDefinition, int]] = (),
+    laws: Iterable[LawUse] = (),
+) -> None:
     """Look for loops and impossible operators in every submodel that runs in a process and every one of the text that runs nowhere.
 
-    What is inside others is checked with them. ``samples`` are submodels with a sample period at which they run, as far as known.
+    What is inside others is checked with them. ``samples`` are submodels with a sample period at which they run, as far as known,
+    ``laws`` instances with what is known of the values of their parameters.
     """
     in_processes, elsewhere = _uses(program)
+    known: dict[tuple[ast.SubmodelDefinition, int | None], list[LawUse]] = {}
+    for use in laws:
+        if len(use.arguments) == len(use.definition.parameters):
+            known.setdefault((use.definition, use.sample), []).append(use)
     periods: dict[ast.SubmodelDefinition, list[int | None]] = {}
     for definition, period in samples:
         periods.setdefault(definition, []).append(period)
     for definition in in_processes:
         for sample in periods.get(definition, [None]):
-            _check(program, definition, sample, report, environment=False)
+            for use in known.get((definition, sample), [LawUse(definition, {}, sample, {})]):
+                if not _check(program, use, report):
+                    break
         _check_inputs(program, definition, report)
     libraries = {item for tree in program.trees if tree.source.name.startswith("std/") for item in tree.items}
     for candidate in program.definitions.values():
         is_used = candidate in in_processes or candidate in elsewhere or candidate in libraries
         if isinstance(candidate, ast.SubmodelDefinition) and not is_used:
-            _check(program, candidate, None, report, environment=True)
+            _check(program, LawUse(candidate, {}, None, {}), report, environment=True)
 
 
 def _check_inputs(program: Program, definition: ast.SubmodelDefinition, report: Report) -> None:
@@ -165,12 +187,16 @@ def _check_inputs(program: Program, definition: ast.SubmodelDefinition, report: 
             report.add(InputDiscarded(span=symbol.port.span, port=symbol.name, submodel=definition.name.text))
 
 
-def _check(
-    program: Program, definition: ast.SubmodelDefinition, sample: int | None, report: Report, *, environment: bool
-) -> None:
-    draft = Draft(owner=definition.name.span, sample=sample, arguments={}, concrete=False)
+def _check(program: Program, use: LawUse, report: Report, *, environment: bool = False) -> bool:
+    """Look at an instance, or at a definition by itself; whether another instance might be different."""
+    definition, arguments, sample, overrides = use
+    is_concrete = len(arguments) == len(definition.parameters) and not environment
+    draft = Draft(
+        owner=definition.name.span, sample=sample, arguments=arguments, concrete=is_concrete, overrides=overrides
+    )
     _inlined(program, draft, definition, environment, report)
     evaluation_order(draft, report)
+    return draft.depends
 
 
 def _uses(program: Program) -> tuple[dict[ast.SubmodelDefinition, None], set[object]]:

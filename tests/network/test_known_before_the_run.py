@@ -48,10 +48,14 @@ process Main(k: int8 = 100, word: int = 3, size: double = 1e300) {{
 
 
 def found(text: str) -> list[tuple[str, str]]:
-    """The errors of a program that is compiled, with the texts that they mark."""
+    """The errors of a program that is checked, with the texts that they mark; compiling it finds no others."""
     source = SourceFile(name="case.csp", text=text)
-    report = pipeline.build(source, lambda _: source).checked.report
-    return [(d.code, d.span.text) for d in report.diagnostics if d.severity == "error"]
+    reports = [pipeline.check(source, lambda _: source).report, pipeline.build(source, lambda _: source).checked.report]
+    checked, built = (
+        [(d.code, d.span.text) for d in report.diagnostics if d.severity == "error"] for report in reports
+    )
+    assert checked == built
+    return checked
 
 
 @pytest.mark.parametrize(
@@ -96,6 +100,53 @@ def test_elements_of_outputs_of_a_law() -> None:
 )
 def test_process(default: str, declarations: str, argument: str, code: str, place: str) -> None:
     assert found(PROCESS.format(default, declarations, argument)) == [(code, place)]
+
+
+ENVIRONMENT = """
+submodel Plant(k: int) {{
+  in  u : double
+  out y : double
+  state s : double = double(1 / k)
+  next s = u
+  y = s
+}}
+process Main(k: int8) {{
+  in  a : double @ 1 ms
+  out b : double @ 1 ms
+  communication {{ var v : double }}
+  composition {{ mu (a ? v ; b ! v) }}
+}}
+environment Bench for Main({}) {{ plant : Plant({})  b -> plant.u  plant.y -> a }}
+"""
+
+
+@pytest.mark.parametrize(
+    ("argument", "inside", "expected"),
+    [
+        ("100", "1", []),
+        ("int8(100) + int8(100)", "1", [("E0902", "int8(100) + int8(100)")]),
+        ("100", "0", [("E0903", "1 / k")]),
+        ("100", "1 / (3 - 3)", [("E0903", "1 / (3 - 3)")]),
+    ],
+)
+def test_environment(argument: str, inside: str, expected: list[tuple[str, str]]) -> None:
+    assert found(ENVIRONMENT.format(argument, inside)) == expected
+
+
+def test_each_instance_of_a_law_counts() -> None:
+    text = LAW.replace("law : Law(k, word, size)", "law : Law(1, 5, size)  other : Law(2, 3, size)  other.y -> _")
+    text = text.replace("u -> law.u", "u -> law.u, other.u").replace("{{ law }}", "{{ law ; other }}")
+    assert found(text.format("state s : int = 1 / (word - 3)  next s = 0  y = if s > 0 then u else k")) == [
+        ("E0903", "1 / (word - 3)")
+    ]
+    assert found(text.format("state s : int = 1 / (word - 2)  next s = 0  y = if s > 0 then u else k")) == []
+
+
+def test_what_is_not_given_is_not_known() -> None:
+    """A process of a library may be given other values than its defaults, and one without a value has none."""
+    text = PROCESS.format(" = 0", "var v : int8 = k + k", "k").replace("k: int8 = 100, word", "k: int8, word")
+    source = SourceFile(name="case.csp", text=text)
+    assert not pipeline.check(source, lambda _: source).report.has_errors
 
 
 def test_default_of_a_port_may_use_parameters() -> None:
