@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from cspdiag.diagnostics import Report
+from collections.abc import Iterator
+
+from cspdiag.diagnostics import Report, Span
 from cspdiag.model.types import UnknownType
 from cspdiag.network.actions import (
     Action,
+    AfterEvent,
     AssignValue,
     Branch,
     Choice,
@@ -17,6 +20,7 @@ from cspdiag.network.actions import (
     ReadyEvent,
     Repeat,
     RunInstance,
+    WaitStep,
     WhileLoop,
 )
 from cspdiag.network.contexts import Placed
@@ -25,10 +29,10 @@ from cspdiag.network.diagnostics_runs import EndlessLoop, InstanceNeverRun, NoCo
 from cspdiag.network.ends import all_actions
 from cspdiag.network.expression_walk import walk
 from cspdiag.network.expressions import Expression, LiteralValue
-from cspdiag.network.possible import is_always_ready, overtaken
+from cspdiag.network.possible import overtaken
 from cspdiag.network.relations import UsesByKey, end_key, run_key, variables_read
 from cspdiag.network.shapes import InstanceShape, Key, Shape, attached_key
-from cspdiag.network.waiting import Waiting, is_open
+from cspdiag.network.waiting import Waiting, is_always_ready, is_open, is_over_at_once
 from cspdiag.syntax import ast
 
 
@@ -97,7 +101,23 @@ def _check_loop(
         looked_at = {value.channel for value in variables_read(condition)}
         if looked_at & _written_in(placed.shape, loop.body) or any(is_open(placed, key) for key in looked_at):
             return
-    report.add(EndlessLoop(span=loop.span, conditional=condition is not None))
+    delay = next((span for span, duration in _delays(loop.body) if is_over_at_once(placed, duration)), None)
+    report.add(EndlessLoop(span=loop.span, conditional=condition is not None, delay=delay))
+
+
+def _delays(body: Action) -> Iterator[tuple[Span, Expression]]:
+    """The delays and the time-outs in an action, with their places."""
+    for action in all_actions(body):
+        match action:
+            case WaitStep():
+                yield action.span, action.duration
+            case Choice():
+                events = (branch.event for branch in action.branches)
+                yield from ((event.span, event.duration) for event in events if isinstance(event, AfterEvent))
+            case InterruptOn(branch=Branch(event=AfterEvent() as event)):
+                yield event.span, event.duration
+            case _:
+                pass
 
 
 def _written_in(shape: Shape, body: Action) -> set[Key]:

@@ -311,7 +311,8 @@ class EndlessLoop(Diagnostic):
     """A loop never waits, and never ends.
 
     One process runs until it must wait. A loop that never waits for a communication or for time, and whose condition nothing in it
-    changes, keeps all others from running: time stands still.
+    changes, keeps all others from running: time stands still. A delay of no time does not wait: ``wait 0 ms``, or one by a parameter
+    that is zero in every instance.
 
     Refused::
 
@@ -332,6 +333,12 @@ class EndlessLoop(Diagnostic):
     title = "loop in which no time passes"
 
     conditional: bool
+    delay: Span | None = None
+    """A delay inside that is over at once."""
+
+    @property
+    def labels(self) -> tuple[Label, ...]:
+        return () if self.delay is None else (Label(self.delay, "takes no time"),)
 
     @property
     def message(self) -> str:
@@ -341,4 +348,6 @@ class EndlessLoop(Diagnostic):
 
     @property
     def help(self) -> str | None:
+        if self.delay is not None:
+            return "a delay of no or a negative duration is over at once: let it last longer"
         return "put a communication or a `wait` into the loop"

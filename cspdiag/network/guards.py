@@ -45,7 +45,7 @@ from cspdiag.network.diagnostics_alternatives import GuardNotRead
 from cspdiag.network.ends import all_actions
 from cspdiag.network.relations import end_key
 from cspdiag.network.shapes import UNKNOWN_PERIOD, InstanceShape, Key, attached_key, element_name
-from cspdiag.network.waiting import inputs_of, is_open, read_may_wait, write_may_wait
+from cspdiag.network.waiting import inputs_of, is_open, is_over_at_once, read_may_wait, write_may_wait
 
 
 @record
@@ -127,6 +127,8 @@ class _Beginnings:
                 waits = write_may_wait(self.placed, key) and not is_open(self.placed, key)
                 return Other(action.span, f"the branch writes `{key}` first") if waits else _SILENT
             case AssignValue() | SkipStep() | ResetInstance():
+                return _SILENT
+            case WaitStep() if is_over_at_once(self.placed, action.duration):
                 return _SILENT
             case WaitStep() | StopStep() | RaiseException():
                 return Other(action.span, "the branch does not begin by reading it")

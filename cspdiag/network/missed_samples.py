@@ -45,7 +45,7 @@ from cspdiag.network.contexts import Placed
 from cspdiag.network.findings_of_samples import Findings
 from cspdiag.network.first_samples import first_late
 from cspdiag.network.gaps import NOTHING, Elapsed, Gap, either, then
-from cspdiag.network.possible import decided, is_always_ready, possible_branches, ways_of_samples
+from cspdiag.network.possible import decided, possible_branches, ways_of_samples
 from cspdiag.network.relations import end_key
 from cspdiag.network.sample_reads import (
     INSTANT,
@@ -71,7 +71,7 @@ from cspdiag.network.sample_reads import (
     within,
 )
 from cspdiag.network.shapes import InstanceShape, Key
-from cspdiag.network.waiting import inputs_of, known_duration, sample_period
+from cspdiag.network.waiting import inputs_of, is_always_ready, known_duration, sample_period
 
 
 class MissedSamples:
@@ -290,6 +290,8 @@ class _Sequence:
         holds = decided(self.placed, branch.condition)
         if holds is False:
             return self._apart(action.body)
+        if holds and is_always_ready(self.placed, branch.event):
+            return self._replaced_at_once(action)
         is_time_out = isinstance(branch.event, AfterEvent)
         longest = self._longest(branch) if holds else 0
         was_limit = self.findings.limit
@@ -312,6 +314,15 @@ class _Sequence:
         if not may_end:
             return replaced(left, exits=one_of_exits((body.exits, left.exits)))
         return one_of([within(body, limit) if is_time_out else body, left])
+
+    def _replaced_at_once(self, action: InterruptOn) -> Part:
+        """A body that is cancelled before it reads or waits, and the branch that follows; only by an exception can it end before."""
+        was_tolerated = self.findings.tolerated
+        self.findings.tolerated = True
+        body = self._apart(action.body)
+        self.findings.tolerated = was_tolerated
+        following = self._following(action.branch)
+        return replaced(following, exits=one_of_exits((body.exits, following.exits)))
 
     def _longest(self, branch: Branch) -> int:
         """After how many nanoseconds a guard surely comes that is a time-out or a sample; 0 where that is not known."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from typing import assert_never
 
 from cspdiag.diagnostics.record import record, replaced
 from cspdiag.network.actions import (
@@ -12,9 +11,7 @@ from cspdiag.network.actions import (
     Choice,
     Event,
     InputEvent,
-    OutputEvent,
     ReadyEvent,
-    SkipEvent,
     Target,
 )
 from cspdiag.network.contexts import Placed
@@ -22,7 +19,7 @@ from cspdiag.network.expression_walk import walk
 from cspdiag.network.expressions import Expression, UnaryOperation, VariableValue
 from cspdiag.network.relations import end_key
 from cspdiag.network.shapes import Key
-from cspdiag.network.waiting import constant_in, is_open, known_duration, read_may_wait, sample_period, write_may_wait
+from cspdiag.network.waiting import constant_in, is_always_ready, known_duration, sample_period
 from cspdiag.network.walk import parts
 
 
@@ -43,23 +40,6 @@ def decided(placed: Placed, condition: Expression | None) -> bool | None:
         return True
     value = constant_in(placed, condition)
     return value if isinstance(value, bool) else None
-
-
-def is_always_ready(placed: Placed, event: Event) -> bool:
-    """Whether a guard is ready whenever it counts."""
-    match event:
-        case SkipEvent():
-            return True
-        case ReadyEvent() | InputEvent():
-            key = end_key(event.source)
-            return not is_open(placed, key) and not read_may_wait(placed, key)
-        case OutputEvent():
-            key = end_key(event.sink)
-            return not is_open(placed, key) and not write_may_wait(placed, key)
-        case AfterEvent():
-            return False
-        case _:
-            assert_never(event)
 
 
 def overtaken(placed: Placed, choice: Choice) -> Iterator[Overtaken]:

@@ -7,18 +7,22 @@ from typing import assert_never
 
 from cspdiag.network.actions import (
     Action,
+    AfterEvent,
     AssignValue,
-    Branch,
     CatchException,
     Choice,
     CountedLoop,
+    Event,
     Group,
     IfElse,
+    InputEvent,
     InterruptOn,
     OptimizedStep,
+    OutputEvent,
     ParallelSteps,
     RaiseException,
     ReadValue,
+    ReadyEvent,
     Repeat,
     ResetInstance,
     RunInstance,
@@ -32,7 +36,9 @@ from cspdiag.network.actions import (
 )
 from cspdiag.network.constant_value import constant_value
 from cspdiag.network.contexts import NetKind, Placed, port_facts
-from cspdiag.network.expressions import Expression, Value
+from cspdiag.network.ends import all_actions
+from cspdiag.network.expressions import Expression, ParameterValue, Value, VariableValue
+from cspdiag.network.ranges import Range, value_range
 from cspdiag.network.relations import end_key
 from cspdiag.network.shapes import UNKNOWN_PERIOD, InstanceShape, Key, attached_key
 from cspdiag.syntax import ast
@@ -74,6 +80,36 @@ def known_duration(placed: Placed, expression: Expression) -> int:
     return value if isinstance(value, int) and value > 0 else 0
 
 
+def is_over_at_once(placed: Placed, duration: Expression) -> bool:
+    """Whether a delay of no or a negative duration stands there, in every instance: it takes no time. A negative constant is refused already."""
+
+    def known(name: ParameterValue | VariableValue) -> Range | None:
+        return placed.parameters.get(name.name) if isinstance(name, ParameterValue) else None
+
+    constant = constant_value(duration, lambda _: None)
+    if isinstance(constant, int):
+        return constant == 0
+    found = constant_in(placed, duration)
+    return found <= 0 if isinstance(found, int) else value_range(duration, known)[1] <= 0
+
+
+def is_always_ready(placed: Placed, event: Event) -> bool:
+    """Whether a guard is ready whenever it counts."""
+    match event:
+        case SkipEvent():
+            return True
+        case ReadyEvent() | InputEvent():
+            key = end_key(event.source)
+            return not is_open(placed, key) and not read_may_wait(placed, key)
+        case OutputEvent():
+            key = end_key(event.sink)
+            return not is_open(placed, key) and not write_may_wait(placed, key)
+        case AfterEvent():
+            return is_over_at_once(placed, event.duration)
+        case _:
+            assert_never(event)
+
+
 def inputs_of(instance: InstanceShape) -> Iterator[Key | None]:
     """What each input of an instance is attached to."""
     for element, attached in instance.attachments.items():
@@ -104,14 +140,16 @@ class Waiting:
                 return read_may_wait(placed, end_key(action.source))
             case WriteValue():
                 return write_may_wait(placed, end_key(action.sink))
-            case WaitStep() | StopStep() | RaiseException():
+            case WaitStep():
+                return not is_over_at_once(placed, action.duration)
+            case StopStep() | RaiseException():
                 return True
             case AssignValue() | SkipStep() | ResetInstance():
                 return False
             case SequentialSteps() | ParallelSteps():
                 return any(self.action(placed, step) for step in action.steps)
             case Choice():
-                return all(self._branch(placed, branch) for branch in action.branches)
+                return self._choice(placed, action)
             case Repeat() | WhileLoop() | CountedLoop() | Group():
                 return self.action(placed, action.body)
             case IfElse():
@@ -119,17 +157,37 @@ class Waiting:
             case CatchException():
                 return self.action(placed, action.body)
             case InterruptOn():
-                return self.action(placed, action.body)
+                return self._interrupt(placed, action)
             case OptimizedStep():
                 raise AssertionError("made by the optimizer, later")
             case _:
                 assert_never(action)
 
-    def _branch(self, placed: Placed, branch: Branch) -> bool:
-        """Only ``skip -> P`` is taken without waiting for anything."""
-        if isinstance(branch.event, SkipEvent) and branch.condition is None:
-            return self.action(placed, branch.body)
+    def _choice(self, placed: Placed, choice: Choice) -> bool:
+        """One that has a branch ``skip -> P`` goes that way for ever; beside other guards that are always ready the others have a turn."""
+        skips = [branch for branch in choice.branches if isinstance(branch.event, SkipEvent)]
+        if any(branch.condition is None and not self.action(placed, branch.body) for branch in skips):
+            return False
+        if any(branch.condition is None and is_always_ready(placed, branch.event) for branch in choice.branches):
+            return any(self.action(placed, branch.body) for branch in choice.branches)
         return True
+
+    def _interrupt(self, placed: Placed, interrupt: InterruptOn) -> bool:
+        """A guard that is ready at once cancels the body before it waits, unless it fails before that."""
+        branch = interrupt.branch
+        is_cancelled = branch.condition is None and is_always_ready(placed, branch.event)
+        if not is_cancelled or self._may_raise(placed, interrupt.body):
+            return self.action(placed, interrupt.body)
+        return self.action(placed, branch.body)
+
+    def _may_raise(self, placed: Placed, action: Action) -> bool:
+        """Whether an exception of the program may end an action."""
+        instances = placed.shape.instances
+        return any(
+            isinstance(part, RaiseException)
+            or (isinstance(part, RunInstance) and not instances[part.instance].shape.is_submodel)
+            for part in all_actions(action)
+        )
 
     def _run(self, placed: Placed, instance: InstanceShape) -> bool:
         if not instance.shape.is_submodel:

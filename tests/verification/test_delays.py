@@ -32,17 +32,20 @@ assert Main {claim}
 """
 
 OVER_AT_ONCE = {
-    "a wait": ("mu wait 0 ms", {}),
-    "a difference": ("mu wait 1 ms - 1 ms", {}),
-    "a constant": ("mu (e ? v -> skip [] after NONE -> skip)", {}),
-    "a time-out with less priority": ("mu (e ? v -> skip []> after 0 ms -> skip)", {}),
+    "a wait": ("mu (wait 0 ms ; q := false) until q", {}),
+    "a difference": ("mu (wait 1 ms - 1 ms ; q := false) until q", {}),
+    "a constant": ("mu (e ? v -> wait 1 ms [] after NONE -> skip)", {}),
+    "a time-out with less priority": ("mu (e ? v -> wait 1 ms []> after 0 ms -> skip)", {}),
     "a variable": ("mu (e ? v -> skip []> after d -> skip)", {"initial": "-1 ms"}),
     "a variable that is read": ("f ? d ; mu (wait d)", {}),
-    "a parameter": ("mu wait p", {"parameters": "(p : time = 0 ms)"}),
-    "a product": ("mu wait 1 ms * p", {"parameters": "(p : int = 0)"}),
-    "a branch beside others": ("(mu (x ? a)) || (mu wait 0 ms)", {}),
-    "one of several that spin": ("(mu wait d) || (mu (x ? a)) || (mu wait NONE)", {"initial": "-1 ms"}),
-    "the time-out of an interrupt": ("mu ((x ? a) interrupt after 0 ms -> skip)", {}),
+    "a parameter": ("mu (wait p ; q := false) until q", {"parameters": "(p : time = 0 ms)"}),
+    "a product": ("mu (wait 1 ms * p ; q := false) until q", {"parameters": "(p : int = 0)"}),
+    "a branch beside others": ("(mu (x ? a)) || (mu (wait 0 ms ; q := false) until q)", {}),
+    "one of several that spin": (
+        "(mu wait d) || (mu (x ? a)) || (mu (wait NONE ; q := false) until q)",
+        {"initial": "-1 ms"},
+    ),
+    "the time-out of an interrupt": ("mu (((x ? a) interrupt after 0 ms -> skip) ; q := false) until q", {}),
     "an instance of several": (
         "long || short",
         {
@@ -65,16 +68,22 @@ OVER_AT_ONCE = {
             "process Waits(p : time) { composition { mu wait p } }",
         },
     ),
-    "a delay that is abandoned": ("mu ((wait 5 ms) interrupt skip -> skip)", {}),
-    "a delay abandoned by a guard of its own": ("mu ((wait 5 ms) interrupt skip -> wait 0 ms)", {}),
-    "a delay in nested interrupts": ("mu (((wait 5 ms) interrupt after 1 ms -> skip) interrupt skip -> skip)", {}),
+    "a delay that is abandoned": ("mu (((wait 5 ms) interrupt skip -> skip) ; q := false) until q", {}),
+    "a delay abandoned by a guard of its own": (
+        "mu (((wait 5 ms) interrupt skip -> wait 0 ms) ; q := false) until q",
+        {},
+    ),
+    "a delay in nested interrupts": (
+        "mu ((((wait 5 ms) interrupt after 1 ms -> skip) interrupt skip -> skip) ; q := false) until q",
+        {},
+    ),
     "a delay abandoned for a write that never waits": (
-        "(mu ((wait 5 ms) interrupt c ! 1 -> skip)) || c ? v",
+        "(mu (((wait 5 ms) interrupt c ! 1 -> skip) ; q := false) until q) || c ? v",
         {"parts": "channel c : int overwrite 1"},
     ),
     "one of two ways": ("mu (if v > 3 then wait 1 ms else wait d)", {"initial": "0 ms"}),
 }
-"""Loops that go on while no time passes."""
+"""Loops that go on while no time passes, in some instances, or with something that may end them: others are refused at once."""
 
 MAY_BE_OVER = {
     "a variable that is counted down": ("mu (wait d ; d := d - 1 ms)", {"initial": "4 ms"}),

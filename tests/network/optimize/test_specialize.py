@@ -182,7 +182,7 @@ process Main {{
   in c : int
   out d : int
   communication {{ var x : int = 0 }}
-  composition {{ mu ({guarded} -> x := x + 1) }}
+  composition {{ mu ({guarded} -> x := x + 1) until x > 3 }}
 }}
 """)
     found = list(parts(programs.process(network, "Main").body))
