@@ -8,7 +8,7 @@ from cspdiag.diagnostics import Report, Span
 from cspdiag.diagnostics.record import node, record
 from cspdiag.model.evaluate import evaluate
 from cspdiag.model.program import PortSymbol, Program, Value
-from cspdiag.network.diagnostics_environments import (
+from cspdiag.network.diagnostics_wiring import (
     DriverToSubmodel,
     NotInEnvironment,
     SharedPort,

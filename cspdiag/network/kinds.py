@@ -7,14 +7,9 @@ from typing import TypeAlias
 
 from cspdiag.diagnostics import Diagnostic, Report
 from cspdiag.network.diagnostics_channels import ChannelOneSided
-from cspdiag.network.diagnostics_kinds import (
-    BroadcastInSequence,
-    KindContradicts,
-    KindsDisagree,
-    MixedRelation,
-    RendezvousInSequence,
-)
+from cspdiag.network.diagnostics_kinds import KindContradicts, KindsDisagree, MixedRelation
 from cspdiag.network.diagnostics_parallel import EventReadInParallel, ParallelReaders, ParallelWriters, Race
+from cspdiag.network.diagnostics_sequence import BroadcastInSequence, RendezvousInSequence
 from cspdiag.network.relations import Pair, Uses, UsesByKey
 from cspdiag.network.shapes import AskedKind, ChannelShape, Key, Shape, attached_key, element_name
 from cspdiag.syntax import ast

@@ -10,11 +10,8 @@ from cspdiag.model.diagnostics_equations import MissingEquation, UnconnectedInpu
 from cspdiag.model.program import Program
 from cspdiag.model.types import UNKNOWN, ArrayType, Type, UnknownType
 from cspdiag.network.definitions import arguments_of
-from cspdiag.network.diagnostics_submodels import (
-    StepNotPositive,
-    TooManyEquations,
-    UnknownMethod,
-)
+from cspdiag.network.diagnostics_operators import UnknownMethod
+from cspdiag.network.diagnostics_submodels import StepNotPositive, TooManyEquations
 from cspdiag.network.discretize import Method
 from cspdiag.network.expression_walk import walk
 from cspdiag.network.expressions import (

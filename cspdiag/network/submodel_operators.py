@@ -15,7 +15,7 @@ from typing import get_args
 from cspdiag.diagnostics import Report, Span
 from cspdiag.diagnostics.record import node
 from cspdiag.model.types import ArrayType, RealType, Type
-from cspdiag.network.diagnostics_submodels import ImproperTransfer, UnstableDiscretization, ValueOutOfRange, WrongShape
+from cspdiag.network.diagnostics_operators import ImproperTransfer, UnstableDiscretization, ValueOutOfRange, WrongShape
 from cspdiag.network.discretize import Method
 from cspdiag.network.expression_parts import call, entry, minus, number, of_width, over, plus, times
 from cspdiag.network.expressions import (

@@ -6,11 +6,8 @@ from collections.abc import Mapping
 
 from cspdiag.diagnostics import Report
 from cspdiag.diagnostics.record import replaced
-from cspdiag.network.diagnostics_submodels import (
-    AlgebraicLoop,
-    UnstableDiscretization,
-    WrongShape,
-)
+from cspdiag.network.diagnostics_operators import UnstableDiscretization, WrongShape
+from cspdiag.network.diagnostics_submodels import AlgebraicLoop
 from cspdiag.network.discretize import Method, spectral_radius, statespace_increments, transfer_coefficients
 from cspdiag.network.equation_order import Item, ordered, provides, reads
 from cspdiag.network.expression_walk import signals_read, walk
