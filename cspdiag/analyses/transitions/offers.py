@@ -4,30 +4,24 @@ from __future__ import annotations
 
 from typing import Any
 
-from cspdiag.analyses.transitions.communications import MISSED, Communications, Move, assigning
+from cspdiag.analyses.transitions.abandoning import Abandoning, is_point
+from cspdiag.analyses.transitions.communications import MISSED, Move, assigning
 from cspdiag.analyses.transitions.computing import RISK
 from cspdiag.analyses.transitions.facts import FAULT, TIMEOUT
-from cspdiag.analyses.transitions.follow import POINTS, Follower
+from cspdiag.analyses.transitions.follow import Follower
 from cspdiag.analyses.transitions.joining import LawParallels, fork_edges, join_edges
 from cspdiag.analyses.transitions.law_steps import constant_output
-from cspdiag.analyses.transitions.occurrences import PATIENT
 from cspdiag.analyses.transitions.program import Node
 from cspdiag.analyses.transitions.specifications import is_time_out
-from cspdiag.analyses.transitions.template import INTERNAL_LABEL, LATE, Label, Reference
-from cspdiag.analyses.transitions.thread import Configuration, Context, Frame, Stack, Thread, reading_end
+from cspdiag.analyses.transitions.template import INTERNAL_LABEL, Reference
+from cspdiag.analyses.transitions.thread import Configuration, Context, Frame, Stack, Thread
 from cspdiag.analyses.transitions.values import UNKNOWN, Known
 from cspdiag.network.actions import (
-    Branch,
     ChannelEnd,
     Choice,
-    InputEvent,
-    InterruptOn,
-    OutputEvent,
     ParallelSteps,
     PortEnd,
     ReadValue,
-    ReadyEvent,
-    SkipEvent,
     StopStep,
     WaitStep,
 )
@@ -39,7 +33,7 @@ _AT_ONCE = 4
 """With more communications at once than that, each has a component of its own instead of all orders in one."""
 
 
-class Offers(Communications):
+class Offers(Abandoning):
     """The edges of one thread."""
 
     def __init__(self, thread: Thread, follower: Follower) -> None:
@@ -50,13 +44,13 @@ class Offers(Communications):
         """All edges out of a settled configuration; what they lead to is not settled."""
         assert c.stack is not None
         frame, rest = c.stack
-        if is_point(frame) and self._is_abandoned_at_once(rest):
-            return self._interruptions(c, frame)
+        if is_point(frame) and self.is_abandoned_at_once(rest):
+            return self.interruptions(c, frame)
         found = self._own(c, frame, rest)
         if is_point(frame) or (frame[0] == "join" and frame[3] == "wait"):
-            found += self._interruptions(c, frame)
+            found += self.interruptions(c, frame)
         if self.thread.role.cancellable and not c.doomed:
-            found += self._cancellation(c, frame)
+            found += self.cancellation(c, frame)
         return found
 
     def _own(self, c: Configuration, frame: Frame, rest: Stack) -> list[Move]:
@@ -84,7 +78,7 @@ class Offers(Communications):
                 branch = node.action.branch
                 return self.guarded(c._replace(stack=rest), context, branch, node.children[1], value)
             case "closing":
-                return self._closing(c, frame, rest)
+                return self.closing(c, frame, rest)
             case "pass":
                 return [(INTERNAL_LABEL, c._replace(stack=rest))]
             case "either":
@@ -166,7 +160,7 @@ class Offers(Communications):
         always = [
             number
             for number, (branch, entry) in enumerate(zip(choice.branches, decided, strict=True))
-            if entry is not None and self._is_always_ready(context, branch)
+            if entry is not None and self.is_always_ready(context, branch)
         ]
         if not always:
             return decided
@@ -174,16 +168,6 @@ class Offers(Communications):
             None if is_time_out(branch) or (choice.prioritized and number > always[0]) else entry
             for number, (branch, entry) in enumerate(zip(choice.branches, decided, strict=True))
         )
-
-    def _is_always_ready(self, context: Context, branch: Branch) -> bool:
-        match branch.event:
-            case SkipEvent():
-                return True
-            case OutputEvent(sink=sink):
-                return self.thread.medium(context.reference(sink)).kind in ("output", "var", "discard", "overwrite")
-            case InputEvent(source=source) | ReadyEvent(source=source):
-                return self.thread.medium(context.reference(source)).kind not in PATIENT
-        return False
 
     def _picking(self, c: Configuration, frame: Frame, rest: Stack) -> list[Move]:
         """An alternative with conditions that may hold or not: none of them does, or one.
@@ -208,82 +192,6 @@ class Offers(Communications):
     def _left_open(self, context: Context, condition: Expression) -> None:
         where = context.definition.name
         self.thread.abstracted(f"`{expression_text(condition)}` in `{where}` may hold or not", condition.span)
-
-    def _is_abandoned_at_once(self, stack: Stack) -> bool:
-        """Whether an interrupt around a place has a guard that is always ready: nothing is done in its body where it could wait."""
-        while stack is not None:
-            frame, stack = stack
-            if frame[0] == "interrupt":
-                _, node, context, _ = frame
-                if self._is_always_ready(context, node.action.branch):
-                    return True
-        return False
-
-    def _interruptions(self, c: Configuration, present: Frame) -> list[Move]:
-        """The guards of the interrupts around what waits."""
-        found: list[Move] = []
-        stack, held = c.stack, c._replace(fetched=None, loaded=())
-        while stack is not None:
-            frame, stack = stack
-            if frame[0] == "leave":
-                held = self.thread.closed(held, frame[1])
-            elif frame[0] == "interrupt":
-                _, node, context, value = frame
-                assert isinstance(node.action, InterruptOn)
-                outside = held._replace(stack=stack)
-                moves = self.guarded(outside, context, node.action.branch, node.children[1], value)
-                moves += self._lost_races(outside, context, node, value)
-                for label, target in moves:
-                    if present[0] == "delivering":
-                        target = target._replace(stack=(("withdrawing", present[1]), target.stack))
-                    if present[0] == "join":
-                        abandon = ("join", present[1], present[2], "abandon")
-                        target = target._replace(stack=(abandon, target.stack))
-                    found.append((label, target))
-        return found
-
-    def _closing(self, c: Configuration, frame: Frame, rest: Stack) -> list[Move]:
-        """The body of an interrupt is about to end or to raise an exception, which nobody knows yet: an alternative may choose the guard before."""
-        _, (_, node, context, value), exception = frame
-        ended = self._closed(c)
-        if c.doomed:
-            return [(INTERNAL_LABEL, ended)]
-        event = node.action.branch.event
-        taken = self.guarded(c._replace(stack=rest), context, node.action.branch, node.children[1], value)
-        if exception is not None and isinstance(event, ReadyEvent):
-            taken = [(("bound", context.reference(event.source)), ended)]
-        return [
-            (INTERNAL_LABEL, ended),
-            *(
-                ((*label, LATE) if label[0] == "read" else label, target if exception is None else ended)
-                for label, target in taken
-            ),
-        ]
-
-    def _closed(self, c: Configuration) -> Configuration:
-        """The body of an interrupt has ended or raised an exception."""
-        assert c.stack is not None
-        (_, _, exception), rest = c.stack
-        after = c._replace(stack=rest)
-        return after if exception is None else self.follower.thrown(after, exception)
-
-    def _lost_races(self, outside: Configuration, context: Context, node: Node, value: Known) -> list[Move]:
-        """The body was abandoned because the guard was ready, and then it is not any more: nothing is left but to wait for the guard."""
-        assert isinstance(node.action, InterruptOn)
-        event = node.action.branch.event
-        if isinstance(event, OutputEvent):
-            reference = context.reference(event.sink)
-            alarm: Label = ("alarm", reference, "read", None)
-        elif isinstance(event, InputEvent | ReadyEvent):
-            reference = context.reference(event.source)
-            alarm = ("alarm", reference, "write", reading_end(context, event.source))
-        else:
-            return []
-        medium = self.thread.medium(reference)
-        if medium.kind not in ("sync", "any", "broadcast") and not medium.is_contended:
-            return []
-        waits = ("guard only", node, context, value)
-        return [(alarm, outside._replace(stack=(waits, outside.stack)))]
 
     def _reading(self, c: Configuration, frame: Frame, rest: Stack) -> list[Move]:
         _, context, instance, node, remaining = frame
@@ -395,28 +303,3 @@ class Offers(Communications):
         for label, value, given in self.reads(back, context, PortEnd(name, index)):
             found.append((label, self.follower.thrown(given, TIMEOUT) if value is MISSED else given))
         return found
-
-    def _cancellation(self, c: Configuration, frame: Frame) -> list[Move]:
-        """What a cancelled thread does: it ends where it waits, and goes on to such a place elsewhere."""
-        label: Label = ("cancelled",)
-        if frame[0] in ("idle", "over", "faulted"):
-            return []
-        if frame[0] in ("ended", "raised"):
-            return [(label, c._replace(stack=(("ended",), None)))]
-        if frame[0] == "closing":
-            return [(label, self._closed(c._replace(doomed=True)))]
-        if frame[0] == "join" and frame[3] == "wait":
-            assert c.stack is not None
-            abandon = ("join", frame[1], frame[2], "abandon")
-            return [(label, c._replace(stack=(abandon, (("either",), c.stack[1])), doomed=True))]
-        if frame[0] == "delivering":
-            ended = self.follower.abandoned(c)
-            return [(label, ended._replace(stack=(("withdrawing", frame[1]), ended.stack)))]
-        if is_point(frame):
-            return [(label, self.follower.abandoned(c))]
-        return [(label, c._replace(doomed=True))]
-
-
-def is_point(frame: Frame) -> bool:
-    """Whether a cancelled or interrupted process ends there."""
-    return frame[0] in POINTS
