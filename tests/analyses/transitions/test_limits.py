@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from cspdiag.analyses.transitions import assembly, explore
+from cspdiag.analyses.transitions import explore, meetings
 from cspdiag.analyses.transitions.explore import TransitionError
 from cspdiag.analyses.transitions.follow import Follower
 from cspdiag.analyses.transitions.thread import Configuration
@@ -24,7 +24,7 @@ COUNTS = (
 
 
 def test_too_many_meetings_on_one_channel(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(assembly, "MOST_MEETINGS", 8)
+    monkeypatch.setattr(meetings, "MOST_MEETINGS", 8)
     with pytest.raises(TransitionError, match=r"^on `Main.c` 9 ways to communicate") as refused:
         system_of(ANY)
     assert "\n" not in str(refused.value)
