@@ -76,6 +76,13 @@ class Follower(LawSteps):
                 if known is not None:
                     return known
                 choices.append(configuration)
+            turn = _turn(configuration)
+            if turn is not None:
+                begins, after = turn
+                if begins in seen:
+                    configuration = after
+                    continue
+                seen[begins] = None
             following = self._step(configuration)
             if following is None:
                 stack = configuration.stack
@@ -351,6 +358,19 @@ class Follower(LawSteps):
 
     def _pop(self, c: Configuration, frame: tuple[object, ...], rest: Stack) -> Configuration | None:
         return c._replace(stack=rest)
+
+
+def _turn(configuration: Configuration) -> tuple[Configuration, Configuration] | None:
+    """What a turn of a counted loop begins with, whichever it is, and what comes after all turns.
+
+    A turn that came silently to the next one and changed nothing is as those that are left.
+    """
+    stack = configuration.stack
+    if stack is None or stack[0][0] != "turns":
+        return None
+    (kind, node, context, _), rest = stack
+    begins = configuration._replace(stack=((kind, node, context, 0), rest))
+    return begins, configuration._replace(stack=rest)
 
 
 def _is_choice(configuration: Configuration) -> bool:

@@ -17,6 +17,10 @@ ANY = (
     " composition { (par i < 3 : p[i]) || (par i < 3 : q[i]) } }"
 )
 LONG = "process Main { out b : int composition { seq i < 100 : b ! i } }"
+SILENT = (
+    "process Main { out b : int communication { var n : int = 0 }"
+    " composition { (seq i < 60000 : n := n + 1) ; (seq i < 300 : (seq k < 300 : skip)) ; b ! n } }"
+)
 COUNTS = (
     "process Main { out b : int communication { var n : int = 0 var m : int = 0 }"
     " composition { mu (b ! 1 ; m := m + 1 ; if m == 10 then (m := 0 ; n := n + 1)) until n == 30 } }"
@@ -37,6 +41,14 @@ def test_too_many_states_of_one_process(monkeypatch: pytest.MonkeyPatch) -> None
     with pytest.raises(TransitionError, match=r"^`Main` has more than 50 states") as refused:
         system_of(LONG)
     assert "\n" not in str(refused.value)
+
+
+def test_a_long_loop_that_only_computes_comes_to_its_end() -> None:
+    assert [len(component.edges) for component in system_of(SILENT).components] == [2]
+
+
+def test_the_turns_of_a_loop_that_communicates_are_told_apart() -> None:
+    assert len(system_of(LONG.replace("b ! i", "b ! 1")).components[0].edges) == 101
 
 
 def test_values_are_given_up_before_a_process_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:

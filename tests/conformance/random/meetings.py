@@ -191,7 +191,8 @@ def composed(part: Part, kind: str, depth: int) -> Node:
         case "while":
             return _counted(part, "({0} := 0 ; (while {0} < {1} do ({{}} ; {0} := {0} + 1)))", depth)
         case "seq i":
-            return Node(f"(seq {part.leaf.fresh('each')} < 2 : {{}})", (step(part, depth - 1),))
+            turns = draw.choice((2, 2, 20, 70))
+            return Node(f"(seq {part.leaf.fresh('each')} < {turns} : {{}})", (step(part, depth - 1),))
         case "if":
             form = f"(if {_plain(part.value('bool'))} then {{}} else {{}})"
             return Node(form, (step(part, depth - 1), step(part, depth - 1)))
