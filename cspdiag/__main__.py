@@ -7,7 +7,10 @@ import sys
 
 
 def main() -> int:
-    """Carry out the command line of this process; the exit code. Ctrl-C ends it without a traceback, also before it has been loaded."""
+    """Carry out the command line of this process; the exit code.
+
+    Ctrl-C ends it without a traceback, also before it has been loaded.
+    """
     try:
         from cspdiag.cli.main import main as run
 

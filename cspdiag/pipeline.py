@@ -108,7 +108,10 @@ def check(main: SourceFile, read: Reader, overrides: Mapping[str, Value] | None 
 
 @room_to_recurse()
 def changed(checked: Checked, constants: Mapping[str, Value], suspects: tuple[Label, ...] = ()) -> Checked:
-    """A program without errors with other values of its constants; its text is not read again. Errors show the ``suspects``."""
+    """A program without errors with other values of its constants; its text is not read again.
+
+    Errors show the ``suspects``.
+    """
     assert checked.program is not None
     report = Report()
     report.suspects = suspects

@@ -14,7 +14,10 @@ _MOST_FIELDS = 6
 
 
 def refuse_part(typer: Typer, reference: ast.Reference, symbol: Symbol, whole: Type, wanted: str) -> None:
-    """Report a reference to a field of what is no instance: a variable, a port, a channel, a label. ``whole`` is its type."""
+    """Report a reference to a field of what is no instance: a variable, a port, a channel, a label.
+
+    ``whole`` is its type.
+    """
     assert reference.member is not None
     context, member = typer.context, reference.member.text
     name = reference.span.text

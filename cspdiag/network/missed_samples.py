@@ -226,7 +226,8 @@ class _Sequence:
         chosen = one_of(parts)
         if is_certain:
             return chosen
-        # Whether a sample comes before a time-out, or is there already, depends on how late one is, of which only a bound is known.
+        # Whether a sample comes before a time-out, or is there already, depends on how late one is, of which only a
+        # bound is known.
         reads = {book: any_way(book, parts, found.span) for book, found in chosen.reads.items()}
         return part(least_time(parts), reads, chosen.exits)
 

@@ -57,7 +57,10 @@ Verdict: TypeAlias = Proved | Refuted | Unknown
 
 
 class LimitError(BaseException):
-    """The time or the memory that was allowed is used up. It may be raised anywhere, and no library takes it for a failure of what it called."""
+    """The time or the memory that was allowed is used up.
+
+    It may be raised anywhere, and no library takes it for a failure of what it called.
+    """
 
 
 @dataclass

@@ -26,7 +26,10 @@ _UNBOUNDED_BITS = 64
 
 
 class Recurrence:
-    """The states of runs of one program. ``exact``: of the values that decide nothing none is looked at, as the proof has left nothing open."""
+    """The states of runs of one program.
+
+    ``exact``: of the values that decide nothing none is looked at, as the proof has left nothing open.
+    """
 
     def __init__(self, network: Network, *, exact: bool) -> None:
         self._ignored = _deciding_nothing(network) if exact else frozenset()

@@ -41,7 +41,10 @@ class Replay:
     instants: tuple[int, ...] = ()
     """When the communications were, in nanoseconds; nothing where the program goes on for ever."""
     round_from: int | None = None
-    """The number of communications before those that are repeated for ever; they end with the last. None where nothing is repeated."""
+    """The number of communications before those that are repeated for ever; they end with the last.
+
+    None where nothing is repeated.
+    """
 
     @property
     def succeeded(self) -> bool:

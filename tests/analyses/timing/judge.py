@@ -41,7 +41,10 @@ def build(text: str) -> Network | None:
 
 
 def missed(network: Network, seed: int, *, runs: int = 4, until: int = HORIZON, patience: float = 20) -> str:
-    """What went wrong in some runs of a program, empty where every sample was taken in time. Runs that take more seconds than ``patience`` stand still."""
+    """What went wrong in some runs of a program, empty where every sample was taken in time.
+
+    Runs that take more seconds than ``patience`` stand still.
+    """
     stated = wcets(network)
     files = pipeline.generate(network, read)
     source = random.Random(seed)

@@ -261,7 +261,10 @@ def test_a_loop_of_computing_that_is_not_known_to_end(name: str) -> None:
     ],
 )
 def test_a_loop_whose_delays_are_abandoned_at_once(loop: str) -> None:
-    """Not run here: where such a run is broken off, branches have often been made and not begun. Replays of livelocks run them."""
+    """Not run here: where such a run is broken off, branches have often been made and not begun.
+
+    Replays of livelocks run them.
+    """
     report = report_of(counting(f"mu a || (mu (({loop}) ; i := 1 - i) until i > 3)"))
     assert report.is_schedulable is None
     assert "this loop may compute for ever" in report.reason
