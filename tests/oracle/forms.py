@@ -88,7 +88,7 @@ class Forms:
         return While(Bin("<", Ref(counter.name, INT), times, BOOL), self.sequence([body, count]))
 
     def delay(self) -> int:
-        return self.rng.choice([1, 1, 2, 2, 3, 5]) * MS
+        return self.rng.choice([0, 1, 1, 2, 2, 3, 5]) * MS
 
     # ---- steps ----
 

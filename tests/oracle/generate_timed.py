@@ -72,7 +72,7 @@ class _Timed:
         return Bin(self.rng.choice(["==", "!="]), Ref(self.variable().name, INT), Lit(1, INT), BOOL)
 
     def delay(self) -> int:
-        return self.rng.choice([1, 1, 2, 3, 3, 5, 7, 9]) * MS
+        return self.rng.choice([0, 1, 1, 2, 3, 3, 5, 7, 9]) * MS
 
     def sample(self) -> Comp:
         """Reads one of the sampled inputs, itself or by a law."""

@@ -77,7 +77,7 @@ def _process(name: str, channels: Sequence[_Channel], random: Random) -> str:
 
 
 def _step(plain: Sequence[str], random: Random) -> str:
-    delay = f"{random.choice([1, 1, 2, 3])} ms"
+    delay = f"{random.choice([0, 1, 1, 2, 3])} ms"
     if random.random() < 0.4 or not plain:
         return f"wait {delay}"
     guards = random.sample(plain, random.randint(1, min(2, len(plain))))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from tests.analyses.timing.shapes import LENGTHS, Shapes, Unit
+from tests.analyses.timing.shapes import Shapes, Unit
 
 
 class Meetings(Shapes):
@@ -59,7 +59,7 @@ class Meetings(Shapes):
         if period is not None:
             parts.insert(source.choice([0, 0, 0, len(parts)]), self._sampled(unit, period))
         elif not steps:
-            parts.append(f"wait {source.choice(LENGTHS)}")
+            parts.append(f"wait {self.length(unit)}")
         elif self._wild():
             parts.insert(source.randint(0, len(parts)), self._harm(unit, 2, 1))
         loop = f"(mu ({' ; '.join(parts)}))"

@@ -10,6 +10,7 @@ import re
 from dataclasses import dataclass, field
 
 LENGTHS = ("50 us", "300 us", "1 ms", "3 ms", "7 ms", "30 ms")
+OVER_AT_ONCE = ("0 ms", "1 ms - 1 ms", "min(0 ms, 3 ms)")
 
 
 @dataclass
@@ -77,11 +78,22 @@ class Shapes:
         unit.inputs[name] = period
         return name
 
+    def length(self, unit: Unit, lengths: tuple[str, ...] = LENGTHS) -> str:
+        """A duration; now and then none at all, or a negative one."""
+        kind = self.source.random()
+        if kind < 0.06:
+            return self.source.choice(OVER_AT_ONCE)
+        if kind < 0.12:
+            name = self._name("t")
+            unit.declared.append(f"var {name} : time = {self.source.choice(['0 ms', '-2 ms', '1 ms'])}")
+            return name
+        return self.source.choice(lengths)
+
     def _condition(self, unit: Unit) -> str:
         """On a value that comes from outside."""
         if not unit.declared or self.source.random() < 0.05:
             return self.source.choice(["true", "false"])
-        variables = [line.split()[1] for line in unit.declared if line.startswith("var ")]
+        variables = [line.split()[1] for line in unit.declared if line.startswith("var ") and " : time " not in line]
         if not variables:
             return "true"
         return f"{self.source.choice(variables)} > {self.source.randint(0, 9)}"
@@ -118,7 +130,7 @@ class Shapes:
             case 4:
                 return f"(if {self._condition(unit)} then {self._work(unit, period, below)} else {self._work(unit, period, below)})"
             case 5:
-                return f"wait {self.source.choice(LENGTHS[:3])}"
+                return f"wait {self.length(unit, LENGTHS[:3])}"
             case 6:
                 return self._sampled(unit, period)
             case 7:
@@ -182,7 +194,7 @@ class Shapes:
         below = max(0, depth - 1)
         match self.source.randint(0, 10):
             case 0:
-                return f"wait {self.source.choice(LENGTHS)}"
+                return f"wait {self.length(unit)}"
             case 10:
                 return self._computing(unit)
             case 1:
@@ -214,7 +226,7 @@ class Shapes:
             case 1 | 2:
                 return f"{self._port(unit, None)} ? {self._variable(unit)}"
             case 3:
-                return f"after {self.source.choice(LENGTHS)}"
+                return f"after {self.length(unit)}"
             case _ if unit.reads:
                 return f"{self.source.choice(unit.reads)} ? {self._variable(unit)}"
             case _:
@@ -233,7 +245,7 @@ class Shapes:
             case 3 if unit.reads:
                 guard = f"{self.source.choice(unit.reads)} ? {self._variable(unit)}"
             case _:
-                guard = f"after {self.source.choice(LENGTHS)}"
+                guard = f"after {self.length(unit)}"
         if self._wild():
             guard = f"when {self._condition(unit)} & {guard}"
         return f"{guard} -> {body}"
@@ -283,7 +295,7 @@ class Shapes:
         """What comes before a first sample does no harm."""
         match self.source.randint(0, 2):
             case 0:
-                return f"wait {self.source.choice(LENGTHS)}"
+                return f"wait {self.length(unit)}"
             case 1:
                 return f"{self._port(unit, None)} ? {self._variable(unit)}"
             case _:
@@ -297,7 +309,7 @@ class Shapes:
             case 0:
                 inner.text = f"(mu {loop}) interrupt {self._port(inner, None)} ? {self._variable(inner)} -> skip"
             case 1:
-                inner.text = f"(mu {loop}) interrupt after {self.source.choice(LENGTHS[2:])} -> skip"
+                inner.text = f"(mu {loop}) interrupt after {self.length(inner, LENGTHS[2:])} -> skip"
             case 2:
                 inner.text = f"mu {loop} until {self._condition(inner)}"
             case _:
@@ -327,7 +339,7 @@ class Shapes:
 
     def _helper(self, unit: Unit) -> str:
         """A loop without samples."""
-        parts = [self.channels_of(unit)] if self.channels_of(unit) else [f"wait {self.source.choice(LENGTHS)}"]
+        parts = [self.channels_of(unit)] if self.channels_of(unit) else [f"wait {self.length(unit)}"]
         if self.source.random() < 0.5:
             parts.append(self._law(unit, None))
         if self._wild():
