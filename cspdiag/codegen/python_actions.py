@@ -16,8 +16,6 @@ from cspdiag.codegen.python_code import (
     Code,
     Comprehension,
     Conditional,
-    Entry,
-    Items,
     Parenthesized,
     Prefix,
     at_least,
@@ -25,6 +23,7 @@ from cspdiag.codegen.python_code import (
     tuple_of,
 )
 from cspdiag.codegen.python_expressions import Printer
+from cspdiag.codegen.python_guards import GuardNames, Guards, select_arguments
 from cspdiag.codegen.python_imports import Imports
 from cspdiag.codegen.python_members import Members
 from cspdiag.codegen.python_rolling import LEAST, rolled_steps, statements_template, template
@@ -68,7 +67,6 @@ from cspdiag.network.faults import is_known_at_start, may_fault, variables_in
 from cspdiag.network.ranges import cannot_fault
 from cspdiag.network.walk import parts
 
-_MAY_FAULT = re.compile(r"[(/%]")
 """In code: calls, of which checks of ranges are some, and divisions."""
 
 
@@ -99,6 +97,9 @@ class Composition:
     """Variables that may be read before they were written, which is a fault."""
     alternatives: list[Line] = field(default_factory=list)
     methods: list[Method] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        self.guard_names = GuardNames(self.members.names.fresh)
 
     def statements(self, action: Action) -> tuple[Statement, ...]:
         """An action as statements of a coroutine."""
@@ -133,7 +134,13 @@ class Composition:
                 return self._choice(action, "choice")
             case Group(label=label, body=Choice() as choice) if not self._alone_suffices(choice):
                 return (run(Prefix("await ", self._group(label, action.body))),)
-            case RunInstance() | WriteValue() | WaitStep() | StopStep() | ParallelSteps() | InterruptOn() | Group():
+            case InterruptOn(body=body, branch=branch):
+                needs = self._guards((branch,), always=True)
+                return (
+                    *needs.lines,
+                    run(Prefix("await ", self._interrupt(body, branch, needs)), self._checked_place(action)),
+                )
+            case RunInstance() | WriteValue() | WaitStep() | StopStep() | ParallelSteps() | Group():
                 return (run(Prefix("await ", self.awaitable(action)), self._checked_place(action)),)
             case OptimizedStep():
                 raise AssertionError("made by the optimizer, for another target")
@@ -154,7 +161,10 @@ class Composition:
                 name = self.imports.runtime("prioritized_parallel" if prioritized else "parallel")
                 return Call(name, tuple(self._branches(steps)))
             case InterruptOn(body=body, branch=branch):
-                return self._interrupt(body, branch)
+                needs = self._guards((branch,), always=True)
+                if needs.lines:
+                    return call(self._coroutine(action, branch_name(action)).flat)
+                return self._interrupt(body, branch, needs)
             case Group(label=label, body=body):
                 return self._group(label, body)
             case _:
@@ -292,15 +302,16 @@ class Composition:
             guards.append(Argument(Atom("True"), "prioritized"))
         self.alternatives.append(assign(attribute, Call(self.imports.runtime("Alternative"), tuple(guards))))
 
-        selected = Prefix("await ", Call(f"{attribute}.select", tuple(self._select_arguments(branches))))
+        needs = self._guards(branches)
+        selected = Prefix("await ", Call(f"{attribute}.select", tuple(select_arguments(branches, needs))))
         taken = [(*self._taken(branch.event, attribute), *self.statements(branch.body)) for branch in branches]
         if len(branches) == 1:
-            return (run(selected, self._place(choice)), *taken[0])
+            return (*needs.lines, run(selected, self._place(choice)), *taken[0])
         cases = [
             Block(Line(f"case {number}:", comment=_one_line(branch.event.span.text) or None), body)
             for number, (branch, body) in enumerate(zip(branches, taken, strict=True))
         ]
-        return (Block(Line("match ", selected, ":", self._place(choice)), tuple(cases)),)
+        return (*needs.lines, Block(Line("match ", selected, ":", self._place(choice)), tuple(cases)))
 
     def _choice_alike(self, choice: Choice, attribute: str) -> tuple[Statement, ...] | None:
         """An alternative whose branches differ only in an index, which is then what was chosen."""
@@ -320,13 +331,22 @@ class Composition:
         if choice.prioritized:
             guards.append(Argument(Atom("True"), "prioritized"))
         self.alternatives.append(assign(attribute, Call(self.imports.runtime("Alternative"), tuple(guards))))
+        before: tuple[Statement, ...] = ()
         enabled = [] if condition.flat == "True" else [Argument(Comprehension(condition, clause), "enabled")]
+        if any(branch.condition is not None and self._may_fault(branch.condition) for branch in branches):
+            name, place = self.guard_names.local("enabled"), self._place_of_condition(branches[0])
+            before = (assign(name, enabled[0].value, place),)
+            enabled = [Argument(Atom(name), "enabled")]
         selected = Prefix("await ", Call(f"{attribute}.select", tuple(enabled)))
         used = any(re.search(rf"\b{index}\b", row) for row in lines(body, ""))
         select = assign(index, selected, self._place(choice)) if used else run(selected, self._place(choice))
-        return (select, *body)
+        return (*before, select, *body)
 
-    def _guard(self, event: Event, printer: Printer) -> Code:
+    def _place_of_condition(self, branch: Branch) -> str:
+        span = (branch.condition.span if branch.condition is not None else None) or branch.span
+        return self.imports.names.place(span.file, span.line)
+
+    def _guard(self, event: Event, printer: Printer, needed: Code | None = None) -> Code:
         match event:
             case ReadyEvent(source=source):
                 return call(self.imports.runtime("Ready"), Atom(self.members.source(source)))
@@ -334,39 +354,29 @@ class Composition:
                 return call(self.imports.runtime("Input"), Atom(self.members.source(source)))
             case OutputEvent(sink=sink, value=value):
                 # The value is given at each selection; only an interrupt makes its guard anew each time.
-                given = () if printer is self.initial else (printer.print(value),)
+                given = () if printer is self.initial else (needed or printer.print(value),)
                 return call(self.imports.runtime("Output"), Atom(self.members.sink(sink)), *given)
             case AfterEvent(duration=duration):
                 later = printer is self.initial and not is_known_at_start(duration)
-                return call(self.imports.runtime("After"), Atom("0") if later else printer.print(duration))
+                delay = Atom("0") if later else needed or printer.print(duration)
+                return call(self.imports.runtime("After"), delay)
             case SkipEvent():
                 return call(self.imports.runtime("Skip"))
         assert_never(event)
 
-    def _select_arguments(self, branches: Sequence[Branch]) -> Iterable[Argument]:
-        if any(branch.condition is not None for branch in branches):
-            yield Argument(tuple_of(self._condition(branch) for branch in branches), "enabled")
-        values = tuple(
-            Entry(str(number), self._if_enabled(branch, branch.event.value, "None"))
-            for number, branch in enumerate(branches)
-            if isinstance(branch.event, OutputEvent)
+    def _guards(self, branches: Sequence[Branch], *, always: bool = False) -> Guards:
+        """What guards need, evaluated where they begin."""
+        names = self.imports.names
+        found = Guards(
+            self.printer.print,
+            self._may_fault,
+            lambda span: names.place(span.file, span.line),
+            self.guard_names,
+            always,
         )
-        if values:
-            yield Argument(Items("{}", values), "values")
-        delays = tuple(
-            Entry(str(number), self._if_enabled(branch, branch.event.duration, "0"))
-            for number, branch in enumerate(branches)
-            if isinstance(branch.event, AfterEvent) and not is_known_at_start(branch.event.duration)
-        )
-        if delays:
-            yield Argument(Items("{}", delays), "delays")
-
-    def _if_enabled(self, branch: Branch, expression: Expression, otherwise: str) -> Code:
-        """What an event needs; where the condition does not hold, what might fault is not evaluated."""
-        code = self.printer.print(expression)
-        if branch.condition is None or not _MAY_FAULT.search(code.flat):
-            return code
-        return Conditional(at_least(code, OR), at_least(self.printer.print(branch.condition), OR), Atom(otherwise))
+        for branch in branches:
+            found.add(branch)
+        return found
 
     def _condition(self, branch: Branch) -> Code:
         return Atom("True") if branch.condition is None else self.printer.print(branch.condition)
@@ -376,8 +386,8 @@ class Composition:
             return (self._set(event.target, Atom(f"{attribute}.value")),)
         return ()
 
-    def _interrupt(self, body: Action, branch: Branch) -> Code:
-        guard = self._guard(branch.event, self.printer)
+    def _interrupt(self, body: Action, branch: Branch, needs: Guards) -> Code:
+        guard = self._guard(branch.event, self.printer, needs.needed.get(0))
         interrupted = self._later(body)
         taken: tuple[Statement, ...] = ()
         if isinstance(branch.event, InputEvent):
@@ -392,11 +402,12 @@ class Composition:
             self.methods.append(Method(name, handler))
         arguments = [Argument(interrupted), Argument(guard), Argument(Atom(f"self.{name}"))]
         interrupting = Call(self.imports.runtime("interrupt"), tuple(arguments))
-        if branch.condition is None:
+        condition = needs.conditions[0]
+        if condition is None:
             return interrupting
         if any(interrupted.flat == f"self.{method.name}" for method in self.methods):
             interrupted = call(interrupted.flat)
-        return Parenthesized(Conditional(interrupting, at_least(self.printer.print(branch.condition), OR), interrupted))
+        return Parenthesized(Conditional(interrupting, at_least(condition, OR), interrupted))
 
     def _read(self, step: Step, source: End, target: Target) -> Line:
         value = Prefix("await ", self._call(self.members.source(source), "read"))

@@ -13,18 +13,13 @@ from cspdiag.codegen.optimized_python.communications import Statements, text
 from cspdiag.codegen.optimized_python.expressions import FastPrinter
 from cspdiag.codegen.optimized_python.values import Values, one_line
 from cspdiag.codegen.python_code import (
-    OR,
     Argument,
     Atom,
     Call,
     Code,
-    Conditional,
-    Entry,
-    Items,
-    at_least,
     call,
-    tuple_of,
 )
+from cspdiag.codegen.python_guards import GuardNames, Guards, select_arguments
 from cspdiag.codegen.python_rolling import LEAST, statements_template
 from cspdiag.codegen.python_statements import Block, Line, Statement, assign
 from cspdiag.network.actions import (
@@ -39,8 +34,7 @@ from cspdiag.network.actions import (
     RunInstance,
     SkipEvent,
 )
-from cspdiag.network.expressions import Expression, LiteralValue, ParameterValue
-from cspdiag.network.faults import is_known_at_start
+from cspdiag.network.faults import is_known_at_start, may_fault
 
 _LONGEST_COMMENT = 70
 
@@ -56,6 +50,9 @@ class Alternatives(Values):
     """Local variables for the selectors of alternatives."""
     memories: dict[str, str] = field(default_factory=dict)
     """Local variables that remember what fair alternatives chose last."""
+
+    def __post_init__(self) -> None:
+        self.guard_names = GuardNames(self.spelling.names.fresh)
 
     def branch(self, step: Action) -> Code:
         """A process to run beside others."""
@@ -101,8 +98,10 @@ class Alternatives(Values):
         yield from self.communications.check()
         mask: str | None = None
         if any(branch.condition is not None for branch in branches):
+            needs = self._needs(branches)
+            yield from needs.lines
             mask = spelling["mask"]
-            yield assign(mask, self._mask(branches))
+            yield assign(mask, self._mask(needs.conditions))
         yield self._ready(guards, mask)
         yield from self._parked(choice, local, guards, mask)
         if len(branches) > 1 and not choice.prioritized:
@@ -156,14 +155,13 @@ class Alternatives(Values):
             self.memories[attribute] = self.spelling.names.fresh(f"{attribute}_after")
         return self.memories[attribute]
 
-    def _mask(self, branches: Sequence[Branch]) -> Code:
+    def _mask(self, conditions: Sequence[Code | None]) -> Code:
         fixed = 0
         parts = []
-        for index, branch in enumerate(branches):
-            if branch.condition is None:
+        for index, code in enumerate(conditions):
+            if code is None:
                 fixed |= 1 << index
             else:
-                code = self.printer.print(branch.condition)
                 parts.append(f"(({code.flat}) << {index})" if index else f"({code.flat})")
         if not parts:
             return Atom(str(fixed))
@@ -197,8 +195,10 @@ class Alternatives(Values):
 
     def _slow_selection(self, choice: Choice, local: str) -> Iterator[Statement]:
         k = self.spelling["k"]
-        selected = Call(f"{local}.select", tuple(self._select_arguments(choice.branches)))
+        needs = self._needs(choice.branches)
+        selected = Call(f"{local}.select", tuple(select_arguments(choice.branches, needs)))
         yield from self.known()
+        yield from needs.lines
         chosen = "" if len(choice.branches) == 1 else f"{k} = "
         yield Line(f"{chosen}yield from ", selected)
 
@@ -209,35 +209,21 @@ class Alternatives(Values):
 
         yield from self._chosen(choice.branches, taken)
 
-    def _select_arguments(self, branches: Sequence[Branch]) -> Iterator[Argument]:
-        if any(branch.condition is not None for branch in branches):
-            yield Argument(tuple_of(self._condition(branch) for branch in branches), "enabled")
-        values = tuple(
-            Entry(str(number), self._if_enabled(branch, branch.event.value, "None"))
-            for number, branch in enumerate(branches)
-            if isinstance(branch.event, OutputEvent)
+    def _needs(self, branches: Sequence[Branch], *, always: bool = False) -> Guards:
+        """What guards need, evaluated where they begin."""
+        names = self.imports.names
+        found = Guards(
+            self.printer.print,
+            may_fault,
+            lambda span: names.place(span.file, span.line),
+            self.guard_names,
+            always,
         )
-        if values:
-            yield Argument(Items("{}", values), "values")
-        delays = tuple(
-            Entry(str(number), self._if_enabled(branch, branch.event.duration, "0"))
-            for number, branch in enumerate(branches)
-            if isinstance(branch.event, AfterEvent) and not is_known_at_start(branch.event.duration)
-        )
-        if delays:
-            yield Argument(Items("{}", delays), "delays")
+        for branch in branches:
+            found.add(branch)
+        return found
 
-    def _condition(self, branch: Branch) -> Code:
-        return Atom("True") if branch.condition is None else self.printer.print(branch.condition)
-
-    def _if_enabled(self, branch: Branch, expression: Expression, otherwise: str) -> Code:
-        """What an event needs; where the condition does not hold it is not evaluated."""
-        code = self.printer.print(expression)
-        if branch.condition is None or isinstance(expression, LiteralValue | ParameterValue):
-            return code
-        return Conditional(at_least(code, OR), at_least(self.printer.print(branch.condition), OR), Atom(otherwise))
-
-    def _guard(self, event: Event, printer: FastPrinter, *, made: bool) -> Code:
+    def _guard(self, event: Event, printer: FastPrinter, *, made: bool, needed: Code | None = None) -> Code:
         """A guard; ``made`` in the constructor, where values are not known yet."""
         members = self.spelling.members
         match event:
@@ -249,11 +235,12 @@ class Alternatives(Values):
                 return call(self.imports.runtime("Input"), Atom(end if made else self.spelling.local(end)))
             case OutputEvent(sink=sink, value=value):
                 end = members.sink(sink)
-                given = () if made else (printer.print(value),)
+                given = () if made else (needed or printer.print(value),)
                 return call(self.imports.runtime("Output"), Atom(end if made else self.spelling.local(end)), *given)
             case AfterEvent(duration=duration):
                 later = made and not is_known_at_start(duration)
-                return call(self.imports.runtime("After"), Atom("0") if later else printer.print(duration))
+                delay = Atom("0") if later else needed or printer.print(duration)
+                return call(self.imports.runtime("After"), delay)
             case SkipEvent():
                 return call(self.imports.runtime("Skip"))
         assert_never(event)
@@ -266,18 +253,21 @@ class Alternatives(Values):
         if isinstance(branch.event, InputEvent):
             taken = self.read_into(branch.event.target, lambda into: (text(f"{into} = {guard}.value"),))
         handler = (*taken, *self.statements(branch.body))
+        needs = self._needs((branch,), always=True)
+        condition = needs.conditions[0]
         run = Line("if (yield from ", call(interrupted, function, Atom(guard)), "):")
         if not handler:
             run = Line("yield from ", call(interrupted, function, Atom(guard)))
+        yield from needs.lines
         guarded: Statements = (
             *self.known(),
-            assign(guard, self._guard(branch.event, self.printer, made=False)),
+            assign(guard, self._guard(branch.event, self.printer, made=False, needed=needs.needed.get(0))),
             Block(run, handler) if handler else run,
         )
-        if branch.condition is None:
+        if condition is None:
             yield from guarded
             return
-        yield Block(Line("if ", self.printer.print(branch.condition), ":"), guarded)
+        yield Block(Line("if ", condition, ":"), guarded)
         if isinstance(body, RunInstance):
             plainly = self.run_here(body.instance)
         else:

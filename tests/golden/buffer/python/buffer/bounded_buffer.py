@@ -40,14 +40,11 @@ class BoundedBuffer(Process):
 
     async def run(self) -> None:
         while True:
+            # buffer.csp:39
+            value_1 = element(self.ring.value, self.oldest.value) if self.count.value > 0 else None
             # buffer.csp:36
             match await self.choice.select(
-                enabled=(self.count.value < capacity, self.count.value > 0),
-                values={
-                    1: element(self.ring.value, self.oldest.value)
-                    if self.count.value > 0
-                    else None,
-                },
+                enabled=(self.count.value < capacity, self.count.value > 0), values={1: value_1}
             ):
                 case 0:  # input ? ring[(oldest + count) % capacity]
                     self.ring.value = replaced(
