@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import io
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -25,7 +25,7 @@ from cspdiag.simulate.plot_lanes import (
     process_lanes,
     series_lane,
 )
-from cspdiag.simulate.plot_panels import Row, lying_below, panels_of, sizes_of
+from cspdiag.simulate.plot_panels import Row, Sizes, greatest, lying_below, panels_of
 from cspdiag.simulate.plot_series import (
     DURATION,
     WHOLE_NUMBERS,
@@ -78,8 +78,14 @@ class _Column(NamedTuple):
     group: ModeGroup
     lanes: list[Lane]
     panels: dict[Row, list[Series]]
+    variables: dict[Row, dict[str, Points]]
     events: list[float]
     has_unread: bool
+
+    @property
+    def rows(self) -> list[Row]:
+        """The panels that have curves."""
+        return list(dict.fromkeys([*self.panels, *self.variables]))
 
 
 def plot(run: Run, path: Path | None) -> Figure:
@@ -89,7 +95,9 @@ def plot(run: Run, path: Path | None) -> Figure:
 
     with mpl.rc_context(_STYLE):  # type: ignore[arg-type]
         columns = _columns(run)
-        rows = list(dict.fromkeys(row for column in columns for row in column.panels))
+        rows = list(dict.fromkeys(row for column in columns for row in column.rows))
+        units = list(dict.fromkeys(row.unit for row in rows))
+        rows.sort(key=lambda row: units.index(row.unit))
         lanes = max(len(column.lanes) for column in columns)
         heights = [LANE_HEIGHT * lanes + 0.05] * bool(lanes) + [_PANEL_HEIGHT] * len(rows) or [_PANEL_HEIGHT]
         width = 1.6 + _COLUMN_WIDTH * len(columns) * (1 if len(columns) > 1 else 1.35)
@@ -148,9 +156,40 @@ def _rendered(figure: Figure, kind: str) -> bytes:
 
 
 def _columns(run: Run) -> list[_Column]:
-    """The parallel parts, if each has modes and ports of its own to show; else everything in one column."""
+    """What is shown beside each other; curves of one unit and of like size share panels, variables with ports."""
     every = series_of(run)
-    size = sizes_of(every, run.outcome.time / 1e9)
+    end = run.outcome.time / 1e9
+    of_series = {series.name: (quantity(series.type), greatest(series, end)) for series in every}
+    sizes = Sizes(of_series.values())
+    columns = _columns_of_series(run, every, lambda series: sizes.of(*of_series[series.name]))
+    units = list(dict.fromkeys(row.unit for column in columns for row in column.panels))
+    found = [{unit: _variables(run, column.group, unit) for unit in units} for column in columns]
+    sizes.add((unit, _greatest(line)) for lines in found for unit in units for line in lines[unit].values())
+    return [
+        column._replace(variables=_by_panel(column.panels, lines, sizes))
+        for column, lines in zip(columns, found, strict=True)
+    ]
+
+
+def _by_panel(
+    panels: Iterable[Row], variables: Mapping[str, Mapping[str, Points]], sizes: Sizes
+) -> dict[Row, dict[str, Points]]:
+    """Variables where there are curves of their unit and size, or else in panels of their own."""
+    first = {row[:2]: row for row in reversed([*panels])}
+    found: dict[Row, dict[str, Points]] = {}
+    for unit, lines in variables.items():
+        for name, line in lines.items():
+            kind = unit, sizes.of(unit, _greatest(line))
+            found.setdefault(first.get(kind, Row(*kind, 0)), {})[name] = line
+    return found
+
+
+def _greatest(line: Points) -> float:
+    return max((abs(value) for _, value in line if math.isfinite(value)), default=0.0)
+
+
+def _columns_of_series(run: Run, every: Sequence[Series], size: Callable[[Series], int]) -> list[_Column]:
+    """The parallel parts, if each has modes and ports of its own to show; else everything in one column."""
     groups = mode_groups(run.network)
     with_ports = [group for group in groups if group.ports]
     if 1 < len(with_ports) <= _MOST_COLUMNS and all(len(group.modes) > 1 for group in with_ports):
@@ -184,7 +223,7 @@ def _column(
     panels = panels_of(curves, size)
     if not lanes and not panels:
         lanes = process_lanes(run)
-    return _Column(group, lanes, panels, events, any(bool(series.unread.any()) for series in every))
+    return _Column(group, lanes, panels, {}, events, any(bool(series.unread.any()) for series in every))
 
 
 _MOST_MARKS = 20
@@ -226,7 +265,7 @@ def _panel(run: Run, axes: Axes, column: _Column, row: Row) -> None:
         if series.is_event:
             again = apart(series.repeated, end)
             axes.plot(again.time, again.value, linestyle="", marker="|", markersize=5, color=color)
-    for name, line in _variables(run, column.group, unit).items() if row == _first(column, unit) else ():
+    for name, line in column.variables.get(row, {}).items():
         color, dashes = next(styles)
         axes.plot(
             *_steps(line, end), label=shortened(name), color=color, linestyle=(0, dashes), linewidth=0.8, zorder=2.5
@@ -236,15 +275,11 @@ def _panel(run: Run, axes: Axes, column: _Column, row: Row) -> None:
     else:
         axes.set_ylabel(unit)
         axes.locator_params(axis="y", integer=unit == WHOLE_NUMBERS)
-    if not any(len(series.time) for series in column.panels.get(row, ())) and len(axes.lines) <= len(column.events) + 1:
+    if not any(len(series.time) for series in column.panels.get(row, ())) and row not in column.variables:
         axes.set_yticks([])
     axes.grid(axis="y", linewidth=0.3, color="#bbbbbb")
     if axes.lines:
         axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1), borderaxespad=0)
-
-
-def _first(column: _Column, unit: str) -> Row:
-    return next((row for row in column.panels if row.unit == unit), Row(unit, 0, 0))
 
 
 def _scale_to_the_run(axes: Axes, row: Sequence[Axes]) -> bool:

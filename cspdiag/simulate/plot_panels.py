@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 from cspdiag.simulate.plot_series import Series, quantity
@@ -28,19 +28,29 @@ class Row(NamedTuple):
     number: int
 
 
-def sizes_of(every: Sequence[Series], end: float) -> Callable[[Series], int]:
-    """For each series its class of size among those of its unit: in one class the greatest is at most 100 times the least."""
-    found: dict[str, int] = {}
-    for unit in dict.fromkeys(quantity(series.type) for series in every):
-        own = [(greatest(series, end), series.name) for series in every if quantity(series.type) == unit]
-        number, least = 0, 0.0
-        for size, name in sorted(own):
-            if size and not least:
-                least = size
-            elif size > _LIKE * least:
-                number, least = number + 1, size
-            found[name] = number
-    return lambda series: found[series.name]
+class Sizes:
+    """Classes of size of the values of a unit: in one class the greatest is at most 100 times the least."""
+
+    def __init__(self, values: Iterable[tuple[str, float]]) -> None:
+        self._classes: dict[str, list[tuple[float, float]]] = {}
+        self.add(values)
+
+    def add(self, values: Iterable[tuple[str, float]]) -> None:
+        """Greatest values of curves with their units; those that have a class already keep it."""
+        for unit, size in sorted(values):
+            classes = self._classes.setdefault(unit, [])
+            number = self.of(unit, size)
+            if number == len(classes) and size:
+                classes.append((size, size))
+            elif size:
+                least, most = classes[number]
+                classes[number] = min(least, size), max(most, size)
+
+    def of(self, unit: str, size: float) -> int:
+        """The number of the class; that of nothing but zeros is the first."""
+        classes = self._classes.get(unit, [])
+        fits = (at for at, (least, most) in enumerate(classes) if max(most, size) <= _LIKE * min(least, size))
+        return next(fits, len(classes)) if size else 0
 
 
 def greatest(series: Series, end: float) -> float:

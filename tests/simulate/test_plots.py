@@ -12,8 +12,12 @@ import numpy
 import pytest
 
 import cspdiag
+from cspdiag import pipeline
+from cspdiag.diagnostics import SourceFile
+from cspdiag.simulate.execute import simulate
 from cspdiag.simulate.plot_series import series_of, shortened, stairs, thinned, unit_of_time
 from cspdiag.simulate.result import Run
+from cspdiag.sources import read_source
 from tests.simulate.test_samples import DRIVE
 
 pytest.importorskip("matplotlib")
@@ -496,6 +500,53 @@ environment Bench for Main { plant : Plant  plant.a -> a  plant.b -> b  plant.c 
 
 def test_signals_of_very_different_size_have_panels_of_their_own() -> None:
     assert [curves_of(axes) for axes in shown_run(SIZES).axes] == [["a"], ["b"], ["c", "d"]]
+
+
+COUNTS = """
+process First {
+  in  angle : double<rad> @10 ms
+  out slow, far, farther : double<rad>
+  communication { var here : double<rad> }
+  composition { angle ? here ; slow ! 0.05 * here ; far ! 400 * here ; farther ! 50000 * here }
+}
+process Second {
+  in slow, far, farther : double<rad>
+  communication { var sum : double<rad>  var part : double<rad> }
+  composition { slow ? sum ; far ? part ; sum := sum + part ; farther ? part ; sum := sum + part }
+}
+process Main {
+  in  angle : double<rad> @10 ms
+  out rounds, pulses : int @10 ms
+  communication {
+    var n : int = 0
+    first  : First
+    second : Second
+    angle -> first.angle
+    first.slow    -> slow    : double<rad> -> second.slow
+    first.far     -> far     : double<rad> -> second.far
+    first.farther -> farther : double<rad> -> second.farther
+  }
+  composition { mu (first ; second ; n := n + 1 ; rounds ! n % 6 ; pulses ! n * 500) until n == 100 }
+}
+submodel Turn { out angle : double<rad>  angle = 1<rad/s> * time }
+environment Bench for Main { turn : Turn  turn.angle -> angle  rounds -> _  pulses -> _ }
+"""
+
+
+def test_variables_and_whole_numbers_of_very_different_size_have_panels_of_their_own() -> None:
+    """The greatest of one unit is not far above the least in any panel, of ports and of variables; the panels of a unit follow each other."""
+    network = pipeline.build(SourceFile(name="shown.csp", text=COUNTS), read_source, alone=True).network
+    assert network is not None
+    files = pipeline.generate(network, read_source, level=1, traced=True, observed=True, probed=True)
+    axes = drawn(simulate(network, files, probe_variables=True)).axes[1:]
+    assert all(len(panel.get_yticks()) > 2 for panel in axes)
+    assert [curves_of(panel) for panel in axes] == [
+        ["angle", "slow"],
+        ["far"],
+        ["farther"],
+        ["rounds"],
+        ["pulses"],
+    ]
 
 
 def test_curves_that_lie_on_each_other_differ_in_width() -> None:
