@@ -425,7 +425,9 @@ def prepare(folder: Path) -> Path:
     programs = {
         "main": PROGRAM,
         "strict": PROGRAM.replace(" on miss count", ""),
-        "spinning": PROGRAM.replace("mu law", "law ; mu wait 0 ms"),
+        "spinning": PROGRAM.replace("mu law", "law ; mu wait pause").replace(
+            "communication {", "communication { var pause : time = 0 ms", 1
+        ),
     }
     for name, text in programs.items():
         program = folder / f"{name}.csp"
