@@ -145,7 +145,10 @@ def _target(program: Program, name: str, roots: Sequence[Root]) -> _Target:
     steps = steps_of(name)
     found = [] if steps is None else _parameters(program, steps, roots)
     if constant is not None and (not found or _leads_somewhere(program, constant, path)):
-        found.insert(0, _constant_target(program, constant, path, name))
+        try:
+            found.insert(0, _constant_target(program, constant, path, name))
+        except SettingError as problem:
+            raise SettingError(f"{problem}{_no_parameter_either(program, steps or (), roots)}") from None
     if not found:
         raise SettingError(_unknown(program, name, roots))
     if len(found) == 1:
@@ -154,6 +157,22 @@ def _target(program: Program, name: str, roots: Sequence[Root]) -> _Target:
         return replaced(found[0], roots=tuple(root for target in found for root in target.roots))
     ways = ", ".join(target.described for target in found)
     raise SettingError(f"{name!r} means more than one thing; write the one that is meant: {ways}")
+
+
+def _no_parameter_either(program: Program, steps: tuple[Step, ...], roots: Sequence[Root]) -> str:
+    """Why a name that begins like a constant means nothing in the instances and parameters that are called the same; empty where none are."""
+    from cspdiag.network.setting_paths import Dead, parameter_at, paths_of
+
+    ways = []
+    for root in roots if steps else ():
+        end = parameter_at(program, root, steps)
+        if not isinstance(end, Dead) or not (end.depth or end.reason):
+            continue
+        owner = [step.name for step in steps[: end.depth]]
+        inside = [path[-1].name for path in paths_of(program, root) if [step.name for step in path[:-1]] == owner]
+        has = f"`{'.'.join(owner)}` has {'the parameters ' + ', '.join(inside) if inside else 'no parameters'}"
+        ways.append(f"in `{root.name.text}` {end.reason or has}")
+    return f" and no such parameter ({'; '.join(ways)})" if ways else ""
 
 
 def _is_one(found: Sequence[_Target]) -> bool:

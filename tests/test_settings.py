@@ -286,6 +286,29 @@ def test_a_name_that_means_several_things_sets_none(name: str, ways: tuple[str, 
     assert len(results) == 1 + len(ways), "each way sets a thing of its own"
 
 
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        (
+            "gains.x",
+            "there is no constant 'gains.x' (Gains has the fields n, kp) and no such parameter "
+            "(in `Main` `x` is an in port of `gains`; parameters there: gains.n; in `Bench` `gains` has the parameters n)",
+        ),
+        (
+            "gains[0].n",
+            "there is no constant 'gains[0].n' (Gains has the fields n, kp) and no such parameter "
+            "(in `Main` 'gains' is one instance and no array: 'gains.n'; in `Bench` 'gains' is one instance and no array: 'gains.n')",
+        ),
+        ("const.gains.x", "there is no constant 'const.gains.x' (Gains has the fields n, kp)"),
+    ],
+)
+def test_a_name_that_means_nothing_is_explained_for_all_that_it_begins_like(name: str, message: str) -> None:
+    source = SourceFile(name="set.csp", text=AMBIGUOUS)
+    with pytest.raises(SettingError) as refused:
+        pipeline.build(source, read_source, settings={name: "1"}, alone=True)
+    assert str(refused.value) == message
+
+
 def test_a_parameter_is_set_once_whatever_it_is_called(plain: str) -> None:
     for two in (("T=2ms", "Main.T=3ms"), ("Main.cell[0].id=3", "cell[0].id=4"), ("const.Ts=2ms", "Ts=3ms")):
         with pytest.raises(SettingError, match="is set twice"):
