@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import signal
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from types import FrameType
+from typing import NoReturn
 
 from cspdiag import pipeline
 from cspdiag.codegen.target_error import TargetError
@@ -16,6 +15,7 @@ from cspdiag.network.ir import Network
 from cspdiag.network.lower import SelectionError
 from cspdiag.sources import read_source
 from cspdiag.syntax.formatter import format_tree
+from tests.alarm import alarm_after
 
 PATIENCE = 120
 """Seconds of computing after which a text is taken to have no answer; the largest needs about one."""
@@ -29,16 +29,11 @@ class NoAnswerError(Exception):
 def limited_computing() -> Iterator[None]:
     """Raise NoAnswerError where the block computes for longer than PATIENCE."""
 
-    def give_up(number: int, frame: FrameType | None) -> None:
+    def give_up() -> NoReturn:
         raise NoAnswerError(f"no answer after {PATIENCE} s")
 
-    before = signal.signal(signal.SIGVTALRM, give_up)
-    signal.setitimer(signal.ITIMER_VIRTUAL, PATIENCE, 1)  # Again, if it was raised where Python ignores what is raised.
-    try:
+    with alarm_after(PATIENCE, give_up, computing=True):
         yield
-    finally:
-        signal.setitimer(signal.ITIMER_VIRTUAL, 0)
-        signal.signal(signal.SIGVTALRM, before)
 
 
 def _assert_lies_in_text(found: Diagnostic) -> None:

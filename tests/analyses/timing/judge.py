@@ -6,11 +6,9 @@ Computing takes nothing, the longest time that is stated, or something in betwee
 from __future__ import annotations
 
 import random
-import signal
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from types import FrameType
-from typing import Any
+from typing import Any, NoReturn
 
 import cspdiag.runtime.network
 from cspdiag import pipeline
@@ -19,6 +17,7 @@ from cspdiag.network.ir import Network
 from cspdiag.runtime import SampledInput, Submodel
 from cspdiag.simulate.execute import simulate
 from cspdiag.simulate.probes import parts_of
+from tests.alarm import alarm_after
 from tests.analyses.timing.processor import Processor, read, wcets
 
 HORIZON = 150_000_000
@@ -68,21 +67,16 @@ def missed(network: Network, seed: int, *, runs: int = 4, until: int = HORIZON, 
 
 
 @contextmanager
-def _alarm(seconds: float) -> Iterator[list[int]]:
+def _alarm(seconds: float) -> Iterator[list[bool]]:
     """Gives a list that is no longer empty once it has rung: a run that is ended by it may come to its end as if it had failed."""
-    rung: list[int] = []
 
-    def ring(number: int, frame: FrameType | None) -> None:
-        rung.append(number)
+    def ring() -> NoReturn:
+        rung.append(True)
         raise _StandsStillError
 
-    before = signal.signal(signal.SIGALRM, ring)
-    signal.setitimer(signal.ITIMER_REAL, seconds, 1)  # Again, if it was raised where Python ignores what is raised.
-    try:
+    rung: list[bool] = []
+    with alarm_after(seconds, ring):
         yield rung
-    finally:
-        signal.setitimer(signal.ITIMER_REAL, 0)
-        signal.signal(signal.SIGALRM, before)
 
 
 def _run(network: Network, files: Any, times: Callable[[str], int], reseed: int | None, until: int) -> str:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import os
-import signal
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from types import FrameType
+from typing import NoReturn
 
 from cspdiag.diagnostics import SourceFile
+from tests.alarm import alarm_after
 from tests.conformance.kit import external_channels
 from tests.conformance.random.nodes import Program
 from tests.conformance.sources import JUST_AFTER, InvalidProgramError, network_of
@@ -84,16 +84,11 @@ def smallest(
 
 @contextmanager
 def _within(seconds: int) -> Iterator[None]:
-    def late(_number: int, _frame: FrameType | None) -> None:
+    def late() -> NoReturn:
         raise HangError(f"no end after {seconds} s")
 
-    before = signal.signal(signal.SIGALRM, late)
-    signal.setitimer(signal.ITIMER_REAL, seconds, 1)  # Again, if it was raised where Python ignores what is raised.
-    try:
+    with alarm_after(seconds, late):
         yield
-    finally:
-        signal.setitimer(signal.ITIMER_REAL, 0)
-        signal.signal(signal.SIGALRM, before)
 
 
 @contextmanager
