@@ -23,6 +23,7 @@ from cspdiag.network.occurrences import Occurrence, Occurrences
 from cspdiag.network.parameter_ranges import ranges_of
 from cspdiag.network.period_origins import PeriodOrigins
 from cspdiag.network.periods import Rates, check_event_ports, net_rates
+from cspdiag.network.raised import RaisedExceptions
 from cspdiag.network.rate_boundaries import RateBoundaries
 from cspdiag.network.relations import Relations
 from cspdiag.network.releases import check_releases
@@ -85,6 +86,10 @@ class Analysis:
             self._count(shape)
             self._infer(shape)
         self._report_periods()
+        raised = RaisedExceptions(self.program, self.report)
+        for shape in self.inside_out():
+            raised.process(shape)
+        raised.warn()
         for shape, surroundings in self._roots:
             if surroundings != "unknown" and not shape.incomplete:
                 check_outermost(shape, self.relations.of(shape), self.asked[shape], self.report)

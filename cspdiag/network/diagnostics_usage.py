@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cspdiag.diagnostics import Diagnostic
+from cspdiag.diagnostics import Diagnostic, Label, Span
 from cspdiag.diagnostics.record import record
 
 
@@ -161,3 +161,66 @@ class InputDiscarded(Diagnostic):
     @property
     def help(self) -> str | None:
         return "use it in an equation, or leave the input away"
+
+
+@record
+class HandlerNeverRuns(Diagnostic):
+    """A declared exception is caught that nothing inside raises, so that the handler never runs.
+
+    An exception goes up from where it is raised: out of the process that raises it, and on from parallel to parallel and from process to process, until a
+    `catch` names it. A `catch` sees what its own operand raises, and neither what runs beside it nor what comes after. Of `Timeout` and `Fault`, which nearly
+    any step may end with, nothing is said; nor is it of processes that are written by hand.
+
+    Refused::
+
+        exception TooHot
+
+        process Main {
+          out heater : double
+          communication { var now : double = 0 }
+          composition {
+            (if now > 250 then raise TooHot) ;
+            (mu (heater ! 1 ; wait 1 s) catch TooHot -> heater ! 0)
+          }
+        }
+
+    Mended::
+
+        exception TooHot
+
+        process Main {
+          out heater : double
+          communication { var now : double = 0 }
+          composition {
+            (
+              (if now > 250 then raise TooHot) ;
+              mu (heater ! 1 ; wait 1 s)
+            )
+            catch TooHot -> heater ! 0
+          }
+        }
+    """
+
+    code = "W0515"
+    title = "handler of an exception that is never raised there"
+    severity = "warning"
+
+    exception: str
+    is_caught_inside: bool
+    declared: Span
+
+    @property
+    def message(self) -> str:
+        if self.is_caught_inside:
+            return f"this handler never runs: `{self.exception}` is caught further inside and does not come out"
+        return f"this handler never runs: nothing that the `catch` watches raises `{self.exception}`"
+
+    @property
+    def help(self) -> str | None:
+        if self.is_caught_inside:
+            return "leave one of the two away, or raise the exception again in the inner handler"
+        return "put the `catch` around what raises the exception, in parentheses where that is several steps, or leave it away"
+
+    @property
+    def labels(self) -> tuple[Label, ...]:
+        return (Label(self.declared, f"`{self.exception}` is declared here"),)
