@@ -431,10 +431,10 @@ assert Main livelock free
             ],
         ),
         (
-            "mu wait 0 ms",
+            "mu wait u * 1 ms",
             [
                 "    1  go  0",
-                "then again and again, without a communication: `wait 0 s` of `Main`",
+                "then again and again, without a communication: `wait u * 1 ms` of `Main`",
                 "replayed: the program did all 2 steps, and can go on so for ever",
             ],
         ),
