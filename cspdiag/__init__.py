@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from os import PathLike
 
     from cspdiag.api import LoadedProgram
-    from cspdiag.diagnostics import Diagnostic
+    from cspdiag.base import Diagnostic
 
 __all__ = ["__version__", "check", "compile", "load"]
 

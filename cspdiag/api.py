@@ -8,16 +8,16 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from cspdiag import pipeline
-from cspdiag.diagnostics import Diagnostic, SourceFile
-from cspdiag.sources import read_source
+from cspdiag.base import Diagnostic, SourceFile
+from cspdiag.base.sources import read_source
 
 if TYPE_CHECKING:
     from cspdiag.analyses.margins.loops import LoopReport
     from cspdiag.analyses.timing.result import TimingReport
-    from cspdiag.analyses.verification.answer import Answer
     from cspdiag.draw.pictures import Which
-    from cspdiag.draw.scene import Scene
-    from cspdiag.network.ir import Network
+    from cspdiag.draw.scene.shapes import Scene
+    from cspdiag.network.ir.network import Network
+    from cspdiag.proofs.answers.answer import Answer
     from cspdiag.simulate.result import Run
 
 Setting = str | int | float
@@ -28,7 +28,7 @@ class ProgramError(Exception):
     """The program has errors; the text shows them all, ``diagnostics`` has them as objects."""
 
     def __init__(self, diagnostics: list[Diagnostic]) -> None:
-        from cspdiag.diagnostics.render_text import render
+        from cspdiag.base.render.text import render
 
         super().__init__(f"the program has errors\n\n{render(diagnostics)}")
         self.diagnostics = diagnostics
@@ -86,7 +86,7 @@ class LoadedProgram:
     ) -> Network:
         """The network of the process ``top`` for an environment, with constants and parameters set.
 
-        Raises ProgramError, ``SettingError`` for a setting that fits nothing, and ``cspdiag.network.lower.SelectionError`` where there is
+        Raises ProgramError, ``SettingError`` for a setting that fits nothing, and ``cspdiag.network.lower.program.SelectionError`` where there is
         no such process or environment, or no process at all.
         """
         return self._build(top, environment, set, alone=False)
@@ -147,8 +147,8 @@ class LoadedProgram:
 
         Raises ValueError where it ended otherwise, and ``cspdiag.draw.missing.MissingToolError`` without ``cspdiag[draw]``.
         """
-        from cspdiag.draw.deadlock import draw_deadlock
-        from cspdiag.simulate.deadlock_picture import deadlock_of
+        from cspdiag.draw.deadlock.ring import draw_deadlock
+        from cspdiag.verify.deadlock_picture import deadlock_of
 
         if run.outcome.deadlock is None:
             raise ValueError(f"the run did not end in a deadlock: {run.outcome.ended}")
@@ -165,7 +165,7 @@ class LoadedProgram:
 
         ``measured`` has execution times of laws in seconds by path, which count instead of stated ones. Raises what ``build`` raises.
         """
-        from cspdiag.analyses.timing.report import timing_report
+        from cspdiag.analyses.timing.report.timing import timing_report
 
         times = {path: round(seconds * 1e9) for path, seconds in (measured or {}).items()}
         return timing_report(self.build(top=top, set=set), times)
@@ -179,11 +179,11 @@ class LoadedProgram:
     ) -> LoopReport:
         """Stability and margins of the loops through the plant of an environment (the first one by default), as ``cspdiag margins`` tells them.
 
-        ``at`` has values of states of the plant at the operating point. Raises what ``build`` raises, ``cspdiag.simulate.execute.NoEnvironmentError``, and
+        ``at`` has values of states of the plant at the operating point. Raises what ``build`` raises, ``cspdiag.simulate.run.execute.NoEnvironmentError``, and
         ``cspdiag.analyses.margins.linear.NotLinearError`` where the plant cannot be looked into.
         """
         from cspdiag.analyses.margins.loops import analyse_loops
-        from cspdiag.simulate.execute import NoEnvironmentError, chosen_environment
+        from cspdiag.simulate.run.execute import NoEnvironmentError, chosen_environment
 
         network = self._build(None, environment, set, alone=True)
         chosen = chosen_environment(network, environment)
@@ -205,12 +205,12 @@ class LoadedProgram:
 
         ``target="c"`` builds and runs a native program; with ``level=0`` the readable code runs instead of the fast one. The results are the same.
 
-        Raises what ``build`` raises, ``cspdiag.simulate.execute.NoEnvironmentError``, for C also
+        Raises what ``build`` raises, ``cspdiag.simulate.run.execute.NoEnvironmentError``, for C also
         ``cspdiag.simulate.native.build.CompilerError``, and ValueError for a level or target that there is not, or a program that the target cannot express.
         """
         from cspdiag.settings import parse_time_limit
-        from cspdiag.simulate import execute
         from cspdiag.simulate.native import run as native
+        from cspdiag.simulate.run import execute
 
         if level not in (0, 1):
             raise ValueError(f"there is no level {level!r} of optimization: it is 0 or 1")
@@ -235,10 +235,10 @@ class LoadedProgram:
         """The answers to what the file asserts, or what it asserts of ``process``, in text order; see ``Answer``.
 
         Where nothing is asserted, freedom from deadlock and from livelock is asked. ``time_limit`` is in seconds, for each. Raises what ``build`` raises, and
-        ``cspdiag.simulate.verify.VerificationError`` where nothing can be answered.
+        ``cspdiag.verify.confirm.VerificationError`` where nothing can be answered.
         """
-        from cspdiag.analyses.proofs.verdict import Limits
-        from cspdiag.simulate.verify import Verifier
+        from cspdiag.proofs.verdict import Limits
+        from cspdiag.verify.confirm import Verifier
 
         settings = {name: _written(value) for name, value in (set or {}).items()}
         asked = pipeline.ask(self.source, read_source, process=process, settings=settings)
@@ -262,8 +262,8 @@ class Drawing:
 
     def svg(self, scheme: str = "auto") -> str:
         """The picture as SVG, in the colours of the scheme ``light``, ``dark`` or, as the viewer prefers, ``auto``."""
-        from cspdiag.draw.palette import Scheme
-        from cspdiag.draw.svg import render_svg
+        from cspdiag.draw.output.svg import render_svg
+        from cspdiag.draw.scene.palette import Scheme
 
         return render_svg(self.scene, Scheme(scheme))
 
@@ -274,8 +274,8 @@ class Drawing:
         """
         from pathlib import Path
 
-        from cspdiag.draw.output import rendered
-        from cspdiag.simulate.files import write_whole
+        from cspdiag.draw.output.formats import rendered
+        from cspdiag.simulate.record.files import write_whole
 
         suffix = Path(path).suffix.removeprefix(".").lower()
         write_whole(Path(path), rendered([self.scene], suffix, scheme, scale))

@@ -5,19 +5,18 @@ from __future__ import annotations
 from importlib import import_module
 from pkgutil import iter_modules
 
-from cspdiag.diagnostics.diagnostic import Diagnostic
-from cspdiag.diagnostics.manual import ManualPage, manual_page
+from cspdiag.base.diagnostic import Diagnostic
+from cspdiag.base.manual import ManualPage, manual_page
 
-_LAYERS = ("syntax", "model", "network", "analyses", "codegen", "simulate")
+_LAYERS = ("syntax", "model", "network", "analyses", "proofs")
 
 
 def kinds_of_diagnostics() -> list[type[Diagnostic]]:
-    """Every kind of diagnostic, by code. They stand in the modules ``diagnostics*`` of the layers."""
+    """Every kind of diagnostic, by code. They stand in the folders ``diagnostics`` of the layers."""
     for layer in _LAYERS:
-        package = import_module(f"cspdiag.{layer}")
-        for module in iter_modules(package.__path__):
-            if module.name.startswith("diagnostics"):
-                import_module(f"cspdiag.{layer}.{module.name}")
+        folder = f"cspdiag.{layer}.diagnostics"
+        for module in iter_modules(import_module(folder).__path__):
+            import_module(f"{folder}.{module.name}")
     return sorted(_with_code(Diagnostic), key=lambda kind: kind.code)
 
 

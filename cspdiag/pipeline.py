@@ -9,19 +9,19 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from cspdiag.diagnostics.record import node, replaced
-from cspdiag.diagnostics.report import Report
-from cspdiag.diagnostics.span import SourceFile
-from cspdiag.syntax.nesting import room_to_recurse
+from cspdiag.base.record import node, replaced
+from cspdiag.base.report import Report
+from cspdiag.base.span import SourceFile
+from cspdiag.syntax.parse.nesting import room_to_recurse
 
 if TYPE_CHECKING:
-    from cspdiag.analyses.verification.question import Question
-    from cspdiag.diagnostics.diagnostic import Label
+    from cspdiag.base.diagnostic import Label
     from cspdiag.model.program import Program, Value
     from cspdiag.network.analyse import Analysis
-    from cspdiag.network.contexts import Surroundings
-    from cspdiag.network.ir import Network
-    from cspdiag.network.setting_paths import Root
+    from cspdiag.network.infer.contexts import Surroundings
+    from cspdiag.network.ir.network import Network
+    from cspdiag.network.lower.setting_paths import Root
+    from cspdiag.proofs.answers.question import Question
     from cspdiag.settings import Overrides
     from cspdiag.syntax.ast import SourceTree
 
@@ -86,11 +86,11 @@ def check(main: SourceFile, read: Reader, overrides: Mapping[str, Value] | None 
 
     ``overrides`` replaces the values of constants by name. Raises nothing because of what the program says.
     """
-    from cspdiag.model.check import check as check_model
-    from cspdiag.model.diagnostics_imports import ImportFailure
-    from cspdiag.model.imports import load
-    from cspdiag.model.resolve import resolve
-    from cspdiag.syntax.soundness import sound_part
+    from cspdiag.model.checks.rules import check as check_model
+    from cspdiag.model.diagnostics.imports import ImportFailure
+    from cspdiag.model.names.imports import load
+    from cspdiag.model.names.resolve import resolve
+    from cspdiag.syntax.parse.soundness import sound_part
 
     report = Report()
     trees = load(main, read, report)
@@ -119,9 +119,9 @@ def changed(checked: Checked, constants: Mapping[str, Value], suspects: tuple[La
 
 
 def _checked(trees: Sequence[SourceTree], overrides: Mapping[str, Value], report: Report) -> Checked:
-    from cspdiag.model.check import check as check_model
-    from cspdiag.model.resolve import resolve
-    from cspdiag.network.lower import check as check_network
+    from cspdiag.model.checks.rules import check as check_model
+    from cspdiag.model.names.resolve import resolve
+    from cspdiag.network.lower.program import check as check_network
 
     program = resolve(trees, overrides, report)
     check_model(program, report)
@@ -150,8 +150,8 @@ def compile_network(
     the text); ``overrides`` replaces parameters of instances by path. ``surroundings`` says what its ports meet. ``alone``: other environments
     are not wanted. Raises ``cspdiag.settings.SettingError`` for an override of an element that an array does not have.
     """
-    from cspdiag.network.lower import lower
-    from cspdiag.network.setting_paths import NoSuchElementError
+    from cspdiag.network.lower.program import lower
+    from cspdiag.network.lower.setting_paths import NoSuchElementError
     from cspdiag.settings import SettingError
 
     if checked.program is None or checked.report.has_errors:
@@ -191,9 +191,9 @@ def build(
 
     ``alone``: for the chosen environment only, as for a run.
     Raises ``cspdiag.settings.SettingError`` for a setting that fits nothing in a program without errors, and
-    ``cspdiag.network.lower.SelectionError`` where there is no such process or environment to compile.
+    ``cspdiag.network.lower.program.SelectionError`` where there is no such process or environment to compile.
     """
-    from cspdiag.network.lower import selection
+    from cspdiag.network.lower.program import selection
 
     def roots(program: Program, analysis: Analysis) -> Sequence[Root]:
         process, environments = selection(program, analysis, top, environment, alone=alone)
@@ -230,8 +230,8 @@ def ask(
 
     Where there are none, what is expected of ``process``, or else of the outermost process. Raises as ``build`` does.
     """
-    from cspdiag.analyses.verification.question import expected_of, questions_of
-    from cspdiag.network.lower import selection
+    from cspdiag.network.lower.program import selection
+    from cspdiag.proofs.answers.question import expected_of, questions_of
 
     def roots(program: Program, analysis: Analysis) -> Sequence[Root]:
         asked = dict.fromkeys(name for question in questions_of(program, process) for name in question.processes)

@@ -7,14 +7,14 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import chain, islice
 from typing import TYPE_CHECKING
 
-from cspdiag.diagnostics.record import record, replaced
+from cspdiag.base.record import record, replaced
 from cspdiag.syntax import ast
 
 if TYPE_CHECKING:
-    from cspdiag.diagnostics.diagnostic import Label
+    from cspdiag.base.diagnostic import Label
     from cspdiag.model.program import Program, Value
     from cspdiag.model.types import Type
-    from cspdiag.network.setting_paths import Root, Step
+    from cspdiag.network.lower.setting_paths import Root, Step
 
 
 class SettingError(ValueError):
@@ -59,7 +59,7 @@ def split_setting(text: str) -> tuple[str, str]:
 
 def parse_duration(text: str) -> int:
     """``20s``, ``1.5 ms`` in nanoseconds. Raises SettingError."""
-    from cspdiag.model.evaluate import parse_value
+    from cspdiag.model.constants.evaluate import parse_value
     from cspdiag.model.types import TIME
 
     try:
@@ -109,8 +109,8 @@ def parse_settings(program: Program, settings: Mapping[str, str], roots: Sequenc
     ``const.T`` is the constant, ``Main.T`` the parameter of the root `Main`, where ``T`` alone could be either.
     Raises SettingError.
     """
-    from cspdiag.diagnostics.diagnostic import Label
-    from cspdiag.network.setting_paths import in_root
+    from cspdiag.base.diagnostic import Label
+    from cspdiag.network.lower.setting_paths import in_root
 
     constants: dict[str, Value] = {}
     parameters: dict[str, Value] = {}
@@ -135,7 +135,7 @@ def parse_settings(program: Program, settings: Mapping[str, str], roots: Sequenc
 
 def _target(program: Program, name: str, roots: Sequence[Root]) -> _Target:
     """The one thing that a name means; SettingError where it means nothing or several things."""
-    from cspdiag.network.setting_paths import steps_of
+    from cspdiag.network.lower.setting_paths import steps_of
 
     constant, path = _constant(program, name)
     if path.startswith(f"{CONSTANT}."):
@@ -161,7 +161,7 @@ def _target(program: Program, name: str, roots: Sequence[Root]) -> _Target:
 
 def _no_parameter_either(program: Program, steps: tuple[Step, ...], roots: Sequence[Root]) -> str:
     """Why a name that begins like a constant means nothing in the instances and parameters that are called the same; empty where none are."""
-    from cspdiag.network.setting_paths import Dead, parameter_at, paths_of
+    from cspdiag.network.lower.setting_paths import Dead, parameter_at, paths_of
 
     ways = []
     for root in roots if steps else ():
@@ -204,8 +204,8 @@ def _has_parts(type_: Type) -> bool:
 
 
 def _value(name: str, text: str, type_: Type, *, is_constant: bool) -> Value:
+    from cspdiag.model.constants.values import parse_value
     from cspdiag.model.types import StructType
-    from cspdiag.model.values import parse_value
 
     if isinstance(type_, StructType):
         fields = ", ".join(f"{name}.{field}" for field, _ in type_.fields)
@@ -220,7 +220,7 @@ def _value(name: str, text: str, type_: Type, *, is_constant: bool) -> Value:
 
 
 def _leads_somewhere(program: Program, constant: ast.Constant, path: str) -> bool:
-    from cspdiag.model.values import NoPartError, part_of
+    from cspdiag.model.constants.values import NoPartError, part_of
 
     try:
         part_of(program.types[constant], path[len(constant.name.text) :])
@@ -231,7 +231,7 @@ def _leads_somewhere(program: Program, constant: ast.Constant, path: str) -> boo
 
 def _type_of(program: Program, constant: ast.Constant, path: str, name: str) -> Type:
     """The type of a constant or of the part of it that is named."""
-    from cspdiag.model.values import NoPartError, part_of
+    from cspdiag.model.constants.values import NoPartError, part_of
 
     head = constant.name.text
     part = path[len(head) :]
@@ -245,7 +245,7 @@ def _type_of(program: Program, constant: ast.Constant, path: str, name: str) -> 
 
 def _parameters(program: Program, steps: tuple[Step, ...], roots: Sequence[Root]) -> list[_Target]:
     """The parameters that a path can mean: inside each of the roots, or behind the name of one."""
-    from cspdiag.network.setting_paths import parameter_at
+    from cspdiag.network.lower.setting_paths import parameter_at
 
     found = []
     for root in roots:
@@ -261,7 +261,7 @@ def _parameters(program: Program, steps: tuple[Step, ...], roots: Sequence[Root]
 
 def _unknown(program: Program, name: str, roots: Sequence[Root]) -> str:
     """What to say of a name that means nothing."""
-    from cspdiag.network.setting_paths import Dead, parameter_at, steps_of
+    from cspdiag.network.lower.setting_paths import Dead, parameter_at, steps_of
 
     steps = steps_of(name)
     if steps is None:
@@ -276,7 +276,7 @@ def _unknown(program: Program, name: str, roots: Sequence[Root]) -> str:
 
 def _elsewhere(program: Program, steps: tuple[Step, ...]) -> str:
     """That the path leads somewhere in an environment which was not chosen."""
-    from cspdiag.network.setting_paths import parameter_at
+    from cspdiag.network.lower.setting_paths import parameter_at
 
     others = (item for item in program.definitions.values() if isinstance(item, ast.EnvironmentDefinition))
     for item in others:
@@ -293,7 +293,7 @@ _MOST_PATHS = 1000
 
 def _meant(program: Program, steps: tuple[Step, ...], roots: Sequence[Root]) -> str:
     """What to say of a path that leads nowhere: one that was probably meant, or what paths there are."""
-    from cspdiag.network.setting_paths import paths_of
+    from cspdiag.network.lower.setting_paths import paths_of
 
     known = list(islice(chain.from_iterable(paths_of(program, root) for root in roots), _MOST_PATHS))
     names = [step.name for step in steps]
@@ -347,7 +347,7 @@ def _near_path(steps: tuple[Step, ...], known: Sequence[tuple[Step, ...]]) -> st
 
 def _indexed(path: tuple[Step, ...], steps: tuple[Step, ...]) -> str:
     """A path, with the indexes of another that ends as it does where these are numbers."""
-    from cspdiag.network.setting_paths import Step
+    from cspdiag.network.lower.setting_paths import Step
 
     def indexed() -> Iterator[Step]:
         written = dict(zip(reversed(range(len(path))), reversed(steps), strict=False))
@@ -360,6 +360,6 @@ def _indexed(path: tuple[Step, ...], steps: tuple[Step, ...]) -> str:
 
 
 def _suggested(name: str, known: Iterable[str]) -> str | None:
-    from cspdiag.diagnostics.spelling import Speller
+    from cspdiag.base.spelling import Speller
 
     return Speller().nearest(name, known)

@@ -11,20 +11,20 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from cspdiag.diagnostics import SourceFile
-from cspdiag.draw.deadlock import draw_deadlock
+from cspdiag.base import SourceFile
+from cspdiag.base.sources import read_source
+from cspdiag.draw.communication.legend import legend
+from cspdiag.draw.deadlock.ring import draw_deadlock
 from cspdiag.draw.differences.picture import pictures_of
 from cspdiag.draw.differences.programs import differences
 from cspdiag.draw.elements.diagram import Arrow, Box, BoxKind, FlowKind, Sink, Store, Vertex
-from cspdiag.draw.legend import legend
+from cspdiag.draw.output.svg import render_svg
 from cspdiag.draw.pictures import Pictures, Which, Wish
-from cspdiag.draw.scene import Scene
-from cspdiag.draw.scene_geometry import fitted
-from cspdiag.draw.svg import render_svg
+from cspdiag.draw.scene.scene_geometry import fitted
+from cspdiag.draw.scene.shapes import Scene
 from cspdiag.pipeline import Checked, build, check, generate
-from cspdiag.simulate.deadlock_picture import deadlock_of
-from cspdiag.simulate.execute import simulate
-from cspdiag.sources import read_source
+from cspdiag.simulate.run.execute import simulate
+from cspdiag.verify.deadlock_picture import deadlock_of
 
 ROOT = Path(__file__).parent.parent
 FOLDER = ROOT / "docs" / "pictures"

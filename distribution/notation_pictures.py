@@ -11,12 +11,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from cspdiag.diagnostics import Report, SourceFile
-from cspdiag.draw.composition import draw_composition
+from cspdiag.base import Report, SourceFile
+from cspdiag.draw.composition.diagram import draw_composition
 from cspdiag.draw.elements.composition import CompositionDiagram
 from cspdiag.draw.elements.read_composition import composition_diagram
 from cspdiag.draw.hiding import hidden
-from cspdiag.draw.svg import render_svg
+from cspdiag.draw.output.svg import render_svg
 from cspdiag.syntax import ast
 from cspdiag.syntax.parser import parse
 

@@ -15,8 +15,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from cspdiag import pipeline
-from cspdiag.analyses.verification.diagnostics import diagnostics_of
-from cspdiag.diagnostics import Diagnostic, SourceFile, Span
+from cspdiag.base import Diagnostic, SourceFile, Span
+from cspdiag.proofs.answers.findings import diagnostics_of
 from tests.verifying import answers_to, told
 
 CASES = Path(__file__).parent / "cases"
@@ -117,8 +117,8 @@ def actual(case: Case, block: Block) -> str:
     network = pipeline.compile_network(checked)
     if network is None:
         return describe(checked.report.diagnostics)
-    from cspdiag.network.dump import dump
-    from cspdiag.network.optimize import PASSES, optimize, pass_named
+    from cspdiag.network.dump.network import dump
+    from cspdiag.optimize import PASSES, optimize, pass_named
 
     passes, _, cls = (block.name or "").partition(".")
     if passes:

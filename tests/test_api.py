@@ -9,7 +9,7 @@ import pytest
 
 import cspdiag
 from cspdiag.api import ProgramError
-from cspdiag.network.lower import SelectionError
+from cspdiag.network.lower.program import SelectionError
 from cspdiag.settings import SettingError, parse_duration, split_setting
 
 JIWY = Path(__file__).parents[1] / "models/jiwy/jiwy.csp"

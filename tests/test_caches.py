@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from cspdiag.caches import cache_folder
+from cspdiag.base.caches import cache_folder
 from cspdiag.simulate.native.build import Build, CompilerError
-from cspdiag.syntax import tables
+from cspdiag.syntax.parse import tables
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "geteuid"), reason="modes of POSIX")
 

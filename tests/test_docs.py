@@ -9,11 +9,11 @@ from pathlib import Path
 import pytest
 
 from cspdiag import pipeline
-from cspdiag.diagnostics import Report, SourceFile
+from cspdiag.base import Report, SourceFile
+from cspdiag.base.sources import read_source
 from cspdiag.simulate.native import run as native
-from cspdiag.sources import read_source
 from cspdiag.syntax import ast
-from cspdiag.syntax.formatter import format_tree
+from cspdiag.syntax.format.formatter import format_tree
 from cspdiag.syntax.parser import parse
 
 ROOT = Path(__file__).parent.parent
@@ -56,8 +56,8 @@ def test_reserved_words_are_listed() -> None:
     text = LANGUAGE.read_text(encoding="utf-8")
     reserved, _, rest = text.partition("These words are reserved")[2].partition("These are words where")
     of_their_place = rest.partition("So a port may be called")[0]
-    from cspdiag.syntax.lexer import WORDS_OF_THEIR_PLACE
-    from cspdiag.syntax.tables import load
+    from cspdiag.syntax.parse.lexer import WORDS_OF_THEIR_PLACE
+    from cspdiag.syntax.parse.tables import load
 
     words = {word for word in load().words if word[0].isalpha()}
     assert set(re.findall(r"`(\w+)`", of_their_place)) == WORDS_OF_THEIR_PLACE

@@ -9,10 +9,10 @@ from pathlib import Path
 import pytest
 
 from cspdiag import pipeline
+from cspdiag.base import SourceFile
+from cspdiag.base.render.text import render
+from cspdiag.base.sources import read_source
 from cspdiag.cli.main import VERBS, verb_parser
-from cspdiag.diagnostics import SourceFile
-from cspdiag.diagnostics.render_text import render
-from cspdiag.sources import read_source
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text()

@@ -8,11 +8,11 @@ import pytest
 
 import cspdiag
 from cspdiag import pipeline
+from cspdiag.base.sources import read_source
+from cspdiag.base.span import SourceFile
 from cspdiag.cli.main import main
-from cspdiag.diagnostics.span import SourceFile
-from cspdiag.network.dump import dump
+from cspdiag.network.dump.network import dump
 from cspdiag.settings import SettingError, split_settings
-from cspdiag.sources import read_source
 
 PROGRAM = """
 const Ts = 1 ms

@@ -7,13 +7,13 @@ from pathlib import Path
 import pytest
 
 import cspdiag
-from cspdiag.diagnostics import SourceFile
-from cspdiag.diagnostics.render_text import render
-from cspdiag.diagnostics.report import Report
+from cspdiag.base import SourceFile
+from cspdiag.base.render.text import render
+from cspdiag.base.report import Report
+from cspdiag.base.sources import read_source
 from cspdiag.pipeline import check
 from cspdiag.simulate.result import Run
-from cspdiag.sources import read_source
-from cspdiag.syntax.formatter import format_tree
+from cspdiag.syntax.format.formatter import format_tree
 from cspdiag.syntax.parser import parse
 from tests.literate import Block, cases_of
 

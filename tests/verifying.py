@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from cspdiag import pipeline
-from cspdiag.analyses.counterexamples.table import table
-from cspdiag.analyses.counterexamples.words import waiting_lines
-from cspdiag.analyses.proofs.verdict import Limits
-from cspdiag.analyses.verification.answer import Answer
-from cspdiag.diagnostics import SourceFile
-from cspdiag.simulate.verify import Verifier
+from cspdiag.base import SourceFile
+from cspdiag.proofs.answers.answer import Answer
+from cspdiag.proofs.counterexamples.table import table
+from cspdiag.proofs.counterexamples.words import waiting_lines
+from cspdiag.proofs.verdict import Limits
+from cspdiag.verify.confirm import Verifier
 
 
 def answers_to(files: dict[str, str], main: str = "case.csp", *, process: str | None = None) -> list[Answer]:

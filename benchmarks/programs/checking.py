@@ -6,8 +6,8 @@ import time
 
 from timing import BATCHES, asked, report, size_of
 
-from cspdiag.codegen.python import generate
-from cspdiag.diagnostics import SourceFile
+from cspdiag.base import SourceFile
+from cspdiag.codegen.python.package import generate
 from cspdiag.pipeline import build, check
 
 CELL = """

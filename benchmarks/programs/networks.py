@@ -16,13 +16,13 @@ from pathlib import Path
 
 from timing import BATCHES, report
 
-import cspdiag.codegen.c.package
-import cspdiag.codegen.optimized_python.package
+import cspdiag.codegen.c.package.package
+import cspdiag.codegen.python.fast.package
 from cspdiag import pipeline
-from cspdiag.network.ir import Network
-from cspdiag.network.optimize import PASSES, Pass, optimize
-from cspdiag.simulate.package import LoadedPackage
-from cspdiag.sources import read_source
+from cspdiag.base.sources import read_source
+from cspdiag.network.ir.network import Network
+from cspdiag.optimize import PASSES, Pass, optimize
+from cspdiag.simulate.run.package import LoadedPackage
 
 NETWORKS = Path(__file__).parents[1] / "networks"
 MODELS = Path(__file__).parents[2] / "models"
@@ -156,8 +156,8 @@ def speed(network: Network, target: str, folder: Path, until: int, *, limited: b
 
 def main(name: str, target: str) -> None:
     if not target.endswith("-fused"):
-        cspdiag.codegen.c.package.optimize = without_fusion  # type: ignore[assignment]
-        cspdiag.codegen.optimized_python.package.optimize = without_fusion  # type: ignore[assignment]
+        cspdiag.codegen.c.package.package.optimize = without_fusion  # type: ignore[assignment]
+        cspdiag.codegen.python.fast.package.optimize = without_fusion  # type: ignore[assignment]
     with tempfile.TemporaryDirectory() as folder:
         measure(name, target, Path(folder))
 

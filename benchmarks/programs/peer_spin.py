@@ -18,8 +18,8 @@ from tempfile import TemporaryDirectory
 from philosophers import table
 from timing import asked, report, size_of
 
-from cspdiag.analyses.transitions.system import INTERNAL, Component, System
 from cspdiag.codegen.promela.package import promela
+from cspdiag.proofs.transitions.systems.system import INTERNAL, Component, System
 
 
 def rendezvous(system: System) -> Iterator[str]:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from cspdiag.analyses.transitions import transition_system
-from cspdiag.analyses.transitions.system import System
+from cspdiag.base.sources import read_source
 from cspdiag.pipeline import build
-from cspdiag.sources import read_source
+from cspdiag.proofs.transitions import transition_system
+from cspdiag.proofs.transitions.systems.system import System
 
 PROGRAM = str(Path(__file__).parents[1] / "networks/philosophers.csp")
 

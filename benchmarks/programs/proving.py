@@ -12,11 +12,11 @@ from pathlib import Path
 
 from timing import BATCHES, asked, report, size_of
 
-from cspdiag.analyses.proofs.portfolio import prove_deadlock_free, prove_knot_free
-from cspdiag.analyses.proofs.verdict import Limits, Proved
-from cspdiag.analyses.transitions import transition_system
+from cspdiag.base.sources import read_source
 from cspdiag.pipeline import build
-from cspdiag.sources import read_source
+from cspdiag.proofs.portfolio import prove_deadlock_free, prove_knot_free
+from cspdiag.proofs.transitions import transition_system
+from cspdiag.proofs.verdict import Limits, Proved
 
 NETWORKS = {
     "philosophers": ("number", "Table"),

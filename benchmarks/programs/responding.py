@@ -7,8 +7,8 @@ import time
 
 from timing import BATCHES, asked, report, size_of
 
-from cspdiag.analyses.timing.response import response_times
 from cspdiag.analyses.timing.task import Task
+from cspdiag.analyses.timing.tasks.response import response_times
 
 PERIODS = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
 """In milliseconds."""

@@ -7,8 +7,8 @@ import time
 from philosophers import table
 from timing import BATCHES, asked, report, size_of
 
-from cspdiag.analyses.proofs.breadth_first import count
-from cspdiag.analyses.proofs.verdict import Limits
+from cspdiag.proofs.search.breadth_first import count
+from cspdiag.proofs.verdict import Limits
 
 system = table(size_of(asked()))
 count(system, Limits())

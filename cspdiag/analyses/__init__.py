@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING
 
 from cspdiag.analyses.analysis import Analysis
 from cspdiag.analyses.load import LOAD
-from cspdiag.diagnostics import Report
+from cspdiag.base import Report
 from cspdiag.model.program import Program
 
 if TYPE_CHECKING:
     from cspdiag.network.analyse import Analysis as Checked
-    from cspdiag.network.ir import Network
+    from cspdiag.network.ir.network import Network
 
 __all__ = ["ANALYSES", "Analysis", "analyse"]
 
@@ -26,7 +26,7 @@ def analyse(program: Program, checked: Checked, report: Report) -> Network | Non
     concerned = [analysis for analysis in ANALYSES.values() if analysis.concerns(program)]
     if not concerned:
         return None
-    from cspdiag.network.lower import SelectionError, lower
+    from cspdiag.network.lower.program import SelectionError, lower
 
     try:
         network = lower(program, None, None, {}, report, checked=checked)

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from cspdiag.diagnostics import Report
-from cspdiag.diagnostics.record import record
+from cspdiag.base import Report
+from cspdiag.base.record import record
 from cspdiag.model.program import Program
-from cspdiag.network.ir import Network
+from cspdiag.network.ir.network import Network
 
 
 @record

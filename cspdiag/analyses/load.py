@@ -9,10 +9,10 @@ from __future__ import annotations
 from typing import assert_never
 
 from cspdiag.analyses.analysis import Analysis
-from cspdiag.analyses.diagnostics_load import Overload
-from cspdiag.diagnostics import Report, Span
+from cspdiag.analyses.diagnostics.load import Overload
+from cspdiag.base import Report, Span
 from cspdiag.model.program import Program
-from cspdiag.network.actions import (
+from cspdiag.network.ir.actions import (
     Action,
     AssignValue,
     CatchException,
@@ -35,7 +35,7 @@ from cspdiag.network.actions import (
     WhileLoop,
     WriteValue,
 )
-from cspdiag.network.ir import Network, ProcessClass, SubmodelClass
+from cspdiag.network.ir.network import Network, ProcessClass, SubmodelClass
 from cspdiag.syntax import ast
 
 

@@ -14,8 +14,9 @@ from collections.abc import Sequence
 from importlib import import_module
 from typing import Any, NoReturn, Protocol, cast
 
-from cspdiag import __version__, standard_streams
-from cspdiag.cli.failure import (
+from cspdiag import __version__
+from cspdiag.base import standard_streams
+from cspdiag.cli.support.failure import (
     BROKEN_PIPE,
     FINE,
     INTERNAL_ERROR,
@@ -26,7 +27,7 @@ from cspdiag.cli.failure import (
     UsageError,
     described,
 )
-from cspdiag.cli.terminal import complete_streams, put, write_out
+from cspdiag.cli.support.terminal import complete_streams, put, write_out
 
 VERBS = {
     "check": "find everything that is wrong with programs",
@@ -133,8 +134,8 @@ def _carried_out(given: list[str], *, whole_process: bool) -> int:
     except SystemExit as end:
         return end.code if isinstance(end.code, int) else FINE
     except Exception as problem:
-        from cspdiag.cli.internal import describe
-        from cspdiag.diagnostics.snippet import printable
+        from cspdiag.base.render.snippet import printable
+        from cspdiag.cli.support.internal import describe
 
         put(printable(describe(problem, given)))
         return INTERNAL_ERROR
@@ -186,7 +187,7 @@ def _run(verb: str, options: list[str], whole_process: bool) -> int:
 
 
 def _module(verb: str) -> Verb:
-    return cast("Verb", import_module(f"cspdiag.cli.{verb}"))
+    return cast("Verb", import_module(f"cspdiag.cli.verbs.{verb}"))
 
 
 def _overview() -> str:
@@ -210,7 +211,7 @@ def _unknown(verb: str) -> str:
 
 
 def _refuse(message: str, *, lines: bool = False) -> int:
-    from cspdiag.diagnostics.snippet import on_one_line, printable
+    from cspdiag.base.render.snippet import on_one_line, printable
 
     text = printable(message) if lines else on_one_line(message)
     put(f"cspdiag: {text}\n")

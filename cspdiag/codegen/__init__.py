@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
-from cspdiag.diagnostics.record import record
+from cspdiag.base.record import record
 
 if TYPE_CHECKING:
-    from cspdiag.network.ir import Network
+    from cspdiag.network.ir.network import Network
 
 
 @record(kw_only=True)
@@ -32,16 +32,16 @@ Generator = Callable[["Network", Mapping[str, str], Options], dict[str, str]]
 
 def _python(network: Network, modules: Mapping[str, str], options: Options) -> dict[str, str]:
     if options.level == 0:
-        from cspdiag.codegen import python
+        from cspdiag.codegen.python import package as python
 
         return python.generate(network, modules)
-    from cspdiag.codegen.optimized_python import package
+    from cspdiag.codegen.python.fast import package
 
     return package.generate(network, modules, options)
 
 
 def _c(network: Network, modules: Mapping[str, str], options: Options) -> dict[str, str]:
-    from cspdiag.codegen.c import package
+    from cspdiag.codegen.c.package import package
 
     return package.generate(network, modules, level=options.level, observed=options.observed)
 
@@ -64,7 +64,7 @@ TARGETS: dict[str, Generator] = {"python": _python, "c": _c, "promela": _promela
 
 def target_errors() -> type[ValueError]:
     """The exception, with places and for people, that a target raises for a correct program that it cannot express."""
-    from cspdiag.codegen.target_error import TargetError
+    from cspdiag.codegen.shared.target_error import TargetError
 
     return TargetError
 
@@ -74,9 +74,9 @@ def external_modules(network: Network, target: str = "python") -> tuple[str, ...
     if target in {"promela", "cspm"}:
         return ()
     if target == "c":
-        from cspdiag.codegen.c import external
+        from cspdiag.codegen.c.laws import external
 
         return external.external_paths(network)
-    from cspdiag.codegen.python_external import external_paths
+    from cspdiag.codegen.python.plain.external import external_paths
 
     return external_paths(network)

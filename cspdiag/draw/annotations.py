@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from cspdiag.diagnostics import Diagnostic
+from cspdiag.base import Diagnostic
+from cspdiag.draw.communication.symbols import INKS
 from cspdiag.draw.elements.marks import Mark, MarkKind
-from cspdiag.draw.geometry import Point, Rectangle
-from cspdiag.draw.scene import Anchor, Box, Face, Group, Ink, Item, Run, Text
-from cspdiag.draw.symbols import INKS
-from cspdiag.draw.text_metrics import ASCENT, line_height, runs_width, text_width
+from cspdiag.draw.scene.geometry import Point, Rectangle
+from cspdiag.draw.scene.shapes import Anchor, Box, Face, Group, Ink, Item, Run, Text
+from cspdiag.draw.scene.text_metrics import ASCENT, line_height, runs_width, text_width
 
 HEADING_SIZE = 16.0
 NOTE_SIZE = 12.0

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
-from cspdiag.diagnostics import Diagnostic, Span
-from cspdiag.draw.communication import draw_communication
-from cspdiag.draw.composition import draw_composition
+from cspdiag.base import Diagnostic, Span
+from cspdiag.draw.communication.diagram import draw_communication
+from cspdiag.draw.composition.diagram import draw_composition
 from cspdiag.draw.elements.communication import Drawn, communication_diagram
 from cspdiag.draw.elements.composition import CompositionDiagram
 from cspdiag.draw.elements.diagram import CommunicationDiagram
@@ -17,8 +17,8 @@ from cspdiag.draw.elements.facts import Facts
 from cspdiag.draw.elements.marks import mark_of_rest, marks_of, numbered
 from cspdiag.draw.elements.read_composition import composition_diagram
 from cspdiag.draw.hiding import KINDS_OF_LABELS, NOTHING_HIDDEN, Hidden
-from cspdiag.draw.scene import Scene
-from cspdiag.draw.scene_geometry import stacked
+from cspdiag.draw.scene.scene_geometry import stacked
+from cspdiag.draw.scene.shapes import Scene
 from cspdiag.model.program import Program
 from cspdiag.syntax import ast
 
@@ -81,7 +81,7 @@ class Pictures:
                 process = self.named(definition.process.text)
                 if process is not None:
                     return process
-        from cspdiag.network.definitions import Definitions
+        from cspdiag.network.elaborate.definitions import Definitions
 
         found = Definitions(self.program).outermost()
         return found if found in drawn else drawn[-1] if drawn else None

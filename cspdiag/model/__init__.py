@@ -1,1 +1,1 @@
-"""cspdiag.model"""
+"""Names, types and units: from syntax trees to a typed program."""

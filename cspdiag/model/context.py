@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Literal, TypeAlias
 
-from cspdiag.diagnostics import Diagnostic, Report
-from cspdiag.diagnostics.record import node
-from cspdiag.diagnostics.spelling import Speller
+from cspdiag.base import Diagnostic, Report
+from cspdiag.base.record import node
+from cspdiag.base.spelling import Speller
 from cspdiag.model.program import Program, Scope
 from cspdiag.syntax import ast
 

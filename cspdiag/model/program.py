@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TypeAlias
 
-from cspdiag.diagnostics import Span
-from cspdiag.diagnostics.record import node
+from cspdiag.base import Span
+from cspdiag.base.record import node
 from cspdiag.model.types import Type
 from cspdiag.syntax import ast
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import assert_never
 
-from cspdiag.diagnostics import Span
+from cspdiag.base import Span
 from cspdiag.model.program import BuiltinSymbol, EndLabelSymbol, EnumLiteralSymbol, PortSymbol, Symbol
 from cspdiag.syntax import ast
 

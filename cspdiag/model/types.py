@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import TypeAlias
 
-from cspdiag.diagnostics.record import record
+from cspdiag.base.record import record
 from cspdiag.model.units import DIMENSIONLESS, Unit
 
 

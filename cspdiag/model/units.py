@@ -11,7 +11,7 @@ import re
 from functools import cache
 from typing import ClassVar
 
-from cspdiag.diagnostics.record import record
+from cspdiag.base.record import record
 
 
 @record

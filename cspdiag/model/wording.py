@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cspdiag.diagnostics import Span
+from cspdiag.base import Span
 from cspdiag.model.types import IntType, RealType, TimeType, Type
 from cspdiag.model.units import SECOND
 

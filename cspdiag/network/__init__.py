@@ -1,1 +1,1 @@
-"""cspdiag.network"""
+"""From a typed program to the network: instances, channels, periods, control laws."""

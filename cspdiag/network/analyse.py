@@ -7,30 +7,30 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from cspdiag.diagnostics import Report
+from cspdiag.base import Report
 from cspdiag.model.program import Program, Value
-from cspdiag.network.assignment import Flow, check_assignment
-from cspdiag.network.composition import check_progress, check_runs
-from cspdiag.network.contexts import Contexts, Placed, Surroundings
-from cspdiag.network.definitions import Definitions
-from cspdiag.network.diagnostics_arrays import TooManyInstances
-from cspdiag.network.diagnostics_periods import SampleUnknown
-from cspdiag.network.elaborate import Elaboration
-from cspdiag.network.guards import check_guards
-from cspdiag.network.kinds import Asked, asked_kinds, check_outermost, infer_kinds
-from cspdiag.network.missed_samples import MissedSamples
+from cspdiag.network.checks.assignment import Flow, check_assignment
+from cspdiag.network.checks.buttons import check_releases
+from cspdiag.network.checks.composition import check_progress, check_runs
+from cspdiag.network.checks.guards import check_guards
+from cspdiag.network.checks.missed_samples import MissedSamples
+from cspdiag.network.checks.raised import RaisedExceptions
+from cspdiag.network.checks.rate_boundaries import RateBoundaries
+from cspdiag.network.checks.usage import check_usage
+from cspdiag.network.diagnostics.arrays import TooManyInstances
+from cspdiag.network.diagnostics.periods import SampleUnknown
+from cspdiag.network.elaborate.definitions import Definitions
+from cspdiag.network.elaborate.definitions_to_shapes import Elaboration
+from cspdiag.network.infer.contexts import Contexts, Placed, Surroundings
+from cspdiag.network.infer.kinds import Asked, asked_kinds, check_outermost, infer_kinds
+from cspdiag.network.infer.parameter_ranges import ranges_of
+from cspdiag.network.infer.period_origins import PeriodOrigins
+from cspdiag.network.infer.periods import Rates, check_event_ports, net_rates
+from cspdiag.network.infer.waiting import Waiting
 from cspdiag.network.occurrences import Occurrence, Occurrences
-from cspdiag.network.parameter_ranges import ranges_of
-from cspdiag.network.period_origins import PeriodOrigins
-from cspdiag.network.periods import Rates, check_event_ports, net_rates
-from cspdiag.network.raised import RaisedExceptions
-from cspdiag.network.rate_boundaries import RateBoundaries
 from cspdiag.network.relations import Relations
-from cspdiag.network.releases import check_releases
 from cspdiag.network.shapes import Overrides, Shape, attached_key
-from cspdiag.network.submodels import LawUse, needs_sample
-from cspdiag.network.usage import check_usage
-from cspdiag.network.waiting import Waiting
+from cspdiag.network.submodels.classes import LawUse, needs_sample
 from cspdiag.syntax import ast
 
 LARGEST_PROGRAM = 1_000_000

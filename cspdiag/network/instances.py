@@ -2,20 +2,12 @@
 
 from __future__ import annotations
 
-from cspdiag.diagnostics import Span
+from cspdiag.base import Span
 from cspdiag.model.types import Type
-from cspdiag.network.actions import (
-    Choice,
-    InputEvent,
-    InterruptOn,
-    OutputEvent,
-    ReadValue,
-    ReadyEvent,
-    WriteValue,
-)
-from cspdiag.network.ends import all_actions
-from cspdiag.network.ir import ChannelKind, Direction, ExternalPort, Instantiation, Net
-from cspdiag.network.lower_classes import Classes
+from cspdiag.network.infer.ends import all_actions
+from cspdiag.network.ir.actions import Choice, InputEvent, InterruptOn, OutputEvent, ReadValue, ReadyEvent, WriteValue
+from cspdiag.network.ir.network import ChannelKind, Direction, ExternalPort, Instantiation, Net
+from cspdiag.network.lower.classes import Classes
 from cspdiag.network.occurrences import LawOccurrence, Occurrence
 from cspdiag.network.relations import end_key
 from cspdiag.network.shapes import InstanceShape, Key, Shape, attached_key, element_name

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 
-from cspdiag.diagnostics import Report
-from cspdiag.model.evaluate import evaluate
+from cspdiag.base import Report
+from cspdiag.model.constants.evaluate import evaluate
 from cspdiag.model.program import Program, Value
-from cspdiag.network.contexts import Placed
-from cspdiag.network.elaborate import Elaboration, argument_values
-from cspdiag.network.expressions import LiteralValue
+from cspdiag.network.elaborate.definitions_to_shapes import Elaboration, argument_values
+from cspdiag.network.infer.contexts import Placed
+from cspdiag.network.ir.expressions import LiteralValue
 from cspdiag.network.shapes import Default, InstanceShape
-from cspdiag.network.submodels import Flattened, LawUse, flatten
+from cspdiag.network.submodels.classes import Flattened, LawUse, flatten
 from cspdiag.syntax import ast
 
 

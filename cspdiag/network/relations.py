@@ -10,8 +10,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple, TypeAlias, assert_never
 
-from cspdiag.diagnostics import Span
-from cspdiag.network.actions import (
+from cspdiag.base import Span
+from cspdiag.network.ir.actions import (
     Action,
     AfterEvent,
     AssignValue,
@@ -44,8 +44,8 @@ from cspdiag.network.actions import (
     WhileLoop,
     WriteValue,
 )
-from cspdiag.network.expression_walk import walk
-from cspdiag.network.expressions import Expression, VariableValue
+from cspdiag.network.ir.expression_walk import walk
+from cspdiag.network.ir.expressions import Expression, VariableValue
 from cspdiag.network.shapes import InstanceShape, Key, Shape, attached_key, element_name
 
 

@@ -9,13 +9,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple, TypeAlias
 
-from cspdiag.diagnostics import Span
-from cspdiag.diagnostics.record import node, record
+from cspdiag.base import Span
+from cspdiag.base.record import node, record
 from cspdiag.model.program import PortSymbol, Value
 from cspdiag.model.types import Type
-from cspdiag.network.actions import Action
-from cspdiag.network.expressions import Expression
-from cspdiag.network.ir import ChannelKind, Direction
+from cspdiag.network.ir.actions import Action
+from cspdiag.network.ir.expressions import Expression
+from cspdiag.network.ir.network import ChannelKind, Direction
 from cspdiag.syntax import ast
 from cspdiag.syntax.ast import KindName
 

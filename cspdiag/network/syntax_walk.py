@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from cspdiag.diagnostics.record import field_names, is_record
+from cspdiag.base.record import field_names, is_record
 from cspdiag.syntax import ast
 
 _SKIPPED = frozenset({"span", "unit_span", "target_span", "composition_span", "doc"})

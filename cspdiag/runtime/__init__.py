@@ -6,10 +6,18 @@ in prioritized parallel, in virtual or in real time. Needs nothing but the stand
 
 from __future__ import annotations
 
-from .accepted import array, boolean, double, enumeration, integer, record, single, text
-from .alternative import Alternative
-from .any_channel import AnyChannel
-from .arithmetic import (
+from .channels.any_channel import AnyChannel
+from .channels.broadcast import Broadcast
+from .channels.buffers import Buffer, Overwriting
+from .channels.channel import Channel
+from .channels.ports import In, Out
+from .channels.variable import Constant, Discard, Variable
+from .choice.alternative import Alternative
+from .choice.guards import After, Input, Output, Ready, Skip
+from .choice.interrupt import interrupt, interrupted
+from .choice.selector import lower_bits
+from .choice.together import read_all, write_all
+from .compiled.arithmetic import (
     acos,
     asin,
     atan,
@@ -42,15 +50,11 @@ from .arithmetic import (
     uint16,
     uint32,
 )
-from .broadcast import Broadcast
-from .buffers import Buffer, Overwriting
-from .channel import Channel
-from .choice import After, Input, Output, Ready, Skip
+from .compiled.rendezvous import Alternated, Rendezvous
 from .composition import Rounds, begin_delay, group, parallel, prioritized_parallel, stop, wait
 from .deadlock import DeadlockReport, WaitingProcess
-from .drivers import DevicePort, Driver, Signal
-from .durations import ms, nanoseconds, ns, s, seconds, us
-from .exceptions import (
+from .kernel.durations import ms, nanoseconds, ns, s, seconds, us
+from .kernel.exceptions import (
     Cancelled,
     ChannelMisuse,
     Deadlock,
@@ -60,21 +64,17 @@ from .exceptions import (
     ProcessError,
     Timeout,
 )
-from .external import EventOutput, SampledOutput
-from .inputs import EventInput, SampledInput
-from .instants import Environment
-from .interrupt import interrupt, interrupted
+from .kernel.observer import Observer
+from .kernel.outcome import Jitter, Outcome
+from .kernel.routine import Inlined, Part, Routine, Steps, end_group, push, start_group
+from .kernel.scheduler import Task, scheduler
 from .network import Network
-from .observer import Observer
-from .outcome import Jitter, Outcome
-from .ports import In, Out
+from .outside.accepted import array, boolean, double, enumeration, integer, record, single, text
+from .outside.drivers import DevicePort, Driver, Signal
+from .outside.external import EventOutput, SampledOutput
+from .outside.inputs import EventInput, SampledInput
+from .outside.instants import Environment
 from .process import Process, Submodel
-from .rendezvous import Alternated, Rendezvous
-from .routine import Inlined, Part, Routine, Steps, end_group, push, start_group
-from .scheduler import Task, scheduler
-from .selector import lower_bits
-from .together import read_all, write_all
-from .variable import Constant, Discard, Variable
 
 __all__ = [
     "After",

@@ -11,15 +11,15 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from typing import Any, NamedTuple, TypeVar
 
-from .drivers import Driver
-from .durations import ms, ns, s, shown, us
-from .exceptions import described
-from .job_control import stay_running
+from .kernel.durations import ms, ns, s, shown, us
+from .kernel.exceptions import described
+from .kernel.outcome import Outcome
+from .kernel.signals import name_of_signal
+from .kernel.stopping import HandlerFailed, Stopped, stopping
 from .network import Network
-from .outcome import Outcome
-from .signals import name_of_signal
-from .standard_streams import keep, standard_error, standard_output
-from .stopping import HandlerFailed, Stopped, stopping
+from .outside.drivers import Driver
+from .outside.job_control import stay_running
+from .outside.standard_streams import keep, standard_error, standard_output
 
 _UNITS = {"ns": ns, "us": us, "ms": ms, "s": s, "min": 60 * s}
 

@@ -13,11 +13,11 @@ from inspect import iscoroutine, isfunction, ismethod
 from types import coroutine
 from typing import Any, TypeAlias, TypeVar, cast
 
-from .durations import shown
-from .exceptions import ANOTHER_BRANCH, Cancelled, kind_and_text
+from .kernel.durations import shown
+from .kernel.exceptions import ANOTHER_BRANCH, Cancelled, kind_and_text
+from .kernel.routine import Branch, Routine, routine_task
+from .kernel.scheduler import Join, Party, Task, Waits, scheduler
 from .process import Process
-from .routine import Branch, Routine, routine_task
-from .scheduler import Join, Party, Task, Waits, scheduler
 
 T = TypeVar("T")
 

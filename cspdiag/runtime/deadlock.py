@@ -14,12 +14,12 @@ from inspect import iscoroutine
 from types import CodeType, FrameType, FunctionType
 from typing import Any
 
+from .channels.ports import In, Out
 from .composition import Branches
-from .durations import shown
-from .places import is_of_runtime, source_line
-from .ports import In, Out
+from .kernel.durations import shown
+from .kernel.places import is_of_runtime, source_line
+from .kernel.scheduler import Task, Waits
 from .process import Process
-from .scheduler import Task, Waits
 
 
 @dataclass(frozen=True)

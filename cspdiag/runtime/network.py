@@ -12,20 +12,20 @@ from contextlib import nullcontext
 from signal import SIGINT
 from typing import Any, Literal
 
-from .clock import Clock, RealClock, VirtualClock
 from .composition import end_all, task_for
 from .deadlock import report_deadlock
-from .devices import Devices
-from .exceptions import EnvironmentFailure, RunFailed, text_of
-from .external import Port
-from .inputs import EventInput, SampledInput
-from .instants import Environment, Instants, start
-from .observer import Observer
-from .outcome import Jitter, Outcome
+from .kernel.clock import Clock, RealClock, VirtualClock
+from .kernel.exceptions import EnvironmentFailure, RunFailed, text_of
+from .kernel.observer import Observer
+from .kernel.outcome import Jitter, Outcome
+from .kernel.routine import Routine
+from .kernel.scheduler import Party, Task, scheduler
+from .kernel.stopping import HandlerFailed, Stopped, stopping
+from .outside.devices import Devices
+from .outside.external import Port
+from .outside.inputs import EventInput, SampledInput
+from .outside.instants import Environment, Instants, start
 from .process import Process
-from .routine import Routine
-from .scheduler import Party, Task, scheduler
-from .stopping import HandlerFailed, Stopped, stopping
 
 _REAL_TIME_STEPS = 16
 """How many steps of processes may pass in real time before the clock is looked at."""

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Generator
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from .exceptions import Fault, Place, ProcessError, fault_of
-from .places import note_place, place_of
-from .scheduler import scheduler
+from .kernel.exceptions import Fault, Place, ProcessError, fault_of
+from .kernel.places import note_place, place_of
+from .kernel.scheduler import scheduler
 
 if TYPE_CHECKING:
-    from .ports import In
-    from .routine import Part
+    from .channels.ports import In
+    from .kernel.routine import Part
 
 E = TypeVar("E", bound="In[Any]")
 

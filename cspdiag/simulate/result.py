@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from cspdiag.model.types import Type
-from cspdiag.network.ir import Environment, Network
-from cspdiag.simulate.leaves import column
-from cspdiag.simulate.recorder import Activity, Communication, ExecutionTime, Recorder
+from cspdiag.network.ir.network import Environment, Network
+from cspdiag.simulate.record.leaves import column
+from cspdiag.simulate.record.recorder import Activity, Communication, ExecutionTime, Recorder
 
 if TYPE_CHECKING:
     import numpy
@@ -149,26 +149,26 @@ class Run:
 
     def summary(self) -> str:
         """Why and when the run ended, missed samples, real-time figures."""
-        from cspdiag.simulate.summary import summary
+        from cspdiag.simulate.record.summary import summary
 
         return summary(self)
 
     def to_csv(self, path: str | Path) -> None:
         """Write the external ports as CSV (format: ``cspdiag run --record``)."""
-        from cspdiag.simulate.files import csv_text, write_whole
+        from cspdiag.simulate.record.files import csv_text, write_whole
 
         write_whole(Path(path), csv_text(self).encode())
 
     def to_npz(self, path: str | Path) -> None:
         """Write the external ports as a numpy archive."""
-        from cspdiag.simulate.files import npz_bytes, write_whole
+        from cspdiag.simulate.record.files import npz_bytes, write_whole
 
         write_whole(Path(path), npz_bytes(self))
 
     def to_trace(self, path: str | Path) -> None:
         """Write Chrome trace events (``.json``) or the plain trace (``.jsonl``)."""
-        from cspdiag.simulate.chrome_trace import chrome_trace_text
-        from cspdiag.simulate.files import plain_trace_text, write_whole
+        from cspdiag.simulate.record.chrome_trace import chrome_trace_text
+        from cspdiag.simulate.record.files import plain_trace_text, write_whole
 
         make = plain_trace_text if Path(path).suffix == ".jsonl" else chrome_trace_text
         write_whole(Path(path), make(self).encode())
@@ -178,11 +178,11 @@ class Run:
 
         Raises ImportError with the command to install matplotlib if it is missing.
         """
-        from cspdiag.simulate.plot import plot
+        from cspdiag.simulate.record.plot import plot
 
         return plot(self, None if path is None else Path(path))
 
     def _repr_svg_(self) -> str:
-        from cspdiag.simulate.plot import svg_text
+        from cspdiag.simulate.record.plot import svg_text
 
         return svg_text(self)

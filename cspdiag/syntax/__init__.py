@@ -1,1 +1,1 @@
-"""cspdiag.syntax"""
+"""From text to syntax tree, and back in the one style."""

@@ -9,18 +9,18 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from cspdiag.diagnostics import Diagnostic, Report, SourceFile
-from cspdiag.diagnostics.span import Span
+from cspdiag.base import Diagnostic, Report, SourceFile
+from cspdiag.base.span import Span
 from cspdiag.syntax import ast
-from cspdiag.syntax.automaton import automaton
-from cspdiag.syntax.build_definitions import DefinitionBuilder
-from cspdiag.syntax.diagnostics import KeywordAsName, NestedTooDeeply
-from cspdiag.syntax.lexer import Lexer, Token, is_doc
-from cspdiag.syntax.nesting import DEEPEST
-from cspdiag.syntax.tables import END
+from cspdiag.syntax.build.definitions import DefinitionBuilder
+from cspdiag.syntax.diagnostics.structure import KeywordAsName, NestedTooDeeply
+from cspdiag.syntax.parse.automaton import automaton
+from cspdiag.syntax.parse.lexer import Lexer, Token, is_doc
+from cspdiag.syntax.parse.nesting import DEEPEST
+from cspdiag.syntax.parse.tables import END
 
 if TYPE_CHECKING:
-    from cspdiag.syntax.situation import Repair
+    from cspdiag.syntax.unexpected.situation import Repair
 
 _MOST_STATES = 25 * DEEPEST
 """More than the levels of a legal text can put on the stack."""
@@ -136,8 +136,8 @@ class Parser:
     def _mend(self) -> None:
         """The present token cannot be taken: say why, and make the best of it."""
         # A text without mistakes does not pay for this.
-        from cspdiag.syntax.situation import Situation
-        from cspdiag.syntax.unexpected import explain
+        from cspdiag.syntax.unexpected.situation import Situation
+        from cspdiag.syntax.unexpected.token import explain
 
         at, times = self._mended
         self._mended = (self.lexer.start, times + 1 if at == self.lexer.start else 1)
@@ -193,7 +193,7 @@ class Parser:
         self._skip()
 
     def _skip(self) -> None:
-        from cspdiag.syntax import recovery
+        from cspdiag.syntax.parse import recovery
 
         height = recovery.skip(self.automaton, self.states, self.lexer)
         del self.states[height:], self.values[height - 1 :], self.starts[height - 1 :], self.depths[height - 1 :]

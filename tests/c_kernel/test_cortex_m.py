@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from cspdiag import pipeline
-from cspdiag.network.ir import Network
+from cspdiag.network.ir.network import Network
 from tests.c_kernel.building import HERE, HOSTED, PROGRAMS, SCENARIOS, SUPPORT, kernel_files, need, run
 from tests.conformance.sources import network_of, read
 from tests.conformance.targets import GeneratedPython

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from cspdiag import pipeline
-from cspdiag.diagnostics import SourceFile
+from cspdiag.base import SourceFile
 from cspdiag.simulate.native.build import Build
 from tests.c_kernel.building import need
 from tests.conformance.sources import read

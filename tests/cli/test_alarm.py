@@ -12,13 +12,13 @@ from pathlib import Path
 import pytest
 
 from cspdiag import pipeline
-from cspdiag.analyses.proofs import portfolio
-from cspdiag.analyses.proofs.verdict import LimitError, Limits
-from cspdiag.cli import alarm
-from cspdiag.cli.alarm import ended_by_alarm
-from cspdiag.diagnostics import SourceFile
-from cspdiag.runtime.stopping import stopping
-from cspdiag.simulate.verify import Verifier
+from cspdiag.base import SourceFile
+from cspdiag.cli.support import alarm
+from cspdiag.cli.support.alarm import ended_by_alarm
+from cspdiag.proofs import portfolio
+from cspdiag.proofs.verdict import LimitError, Limits
+from cspdiag.runtime.kernel.stopping import stopping
+from cspdiag.verify.confirm import Verifier
 from tests.cli.conftest import Command
 from tests.verification.test_time_limit import STUCK, read
 

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from cspdiag.cli import output
-from cspdiag.cli.failure import UsageError
-from cspdiag.cli.output import MANIFEST, replace_text, write_new_folder, write_package
+from cspdiag.cli.support import output
+from cspdiag.cli.support.failure import UsageError
+from cspdiag.cli.support.output import MANIFEST, replace_text, write_new_folder, write_package
 
 FILES = {"README.md": "read\n", "arm/__init__.py": "", "arm/network.py": "first\n"}
 

@@ -8,12 +8,12 @@ from pathlib import Path
 import pytest
 
 from cspdiag import pipeline
+from cspdiag.base.sources import read_source
+from cspdiag.base.span import SourceFile
 from cspdiag.cli.main import main
-from cspdiag.cli.progress import Progress
-from cspdiag.diagnostics.span import SourceFile
-from cspdiag.network.endless import never_ends
-from cspdiag.simulate.recorder import Recorder
-from cspdiag.sources import read_source
+from cspdiag.cli.support.progress import Progress
+from cspdiag.network.checks.endless import never_ends
+from cspdiag.simulate.record.recorder import Recorder
 from tests.cli.test_written import PROGRAM
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from cspdiag.sources import read_source
+from cspdiag.base.sources import read_source
 
 PROGRAM = "process Main {\n  composition { skip }\n}\n"
 PATIENCE = 60

@@ -11,8 +11,8 @@ from pathlib import Path
 
 import pytest
 
-from cspdiag.cli.standstill import Standstill
-from cspdiag.simulate.recorder import Recorder
+from cspdiag.cli.support.standstill import Standstill
+from cspdiag.simulate.record.recorder import Recorder
 
 
 class _Clock:

@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 
 from cspdiag import __version__
-from cspdiag.cli import check
 from cspdiag.cli.main import VERBS
+from cspdiag.cli.verbs import check
 from tests.cli.conftest import Command
 
 

@@ -9,8 +9,8 @@ from xml.etree import ElementTree
 
 import pytest
 
-from cspdiag.analyses.diagnostics_proofs import CanDeadlock, NotProved
-from cspdiag.diagnostics.manual import manual_page
+from cspdiag.base.manual import manual_page
+from cspdiag.proofs.diagnostics.answers import CanDeadlock, NotProved
 from tests.cli.conftest import BAD, Command
 
 PAGE = manual_page(CanDeadlock)
@@ -210,7 +210,7 @@ def test_an_unchanged_program_is_not_proved_again(
 ) -> None:
     first = cspdiag("verify", refuted)
     assert len(list(own_cache.rglob("*.json"))) == 1
-    monkeypatch.setattr("cspdiag.simulate.verify.Verifier.answer", _never)
+    monkeypatch.setattr("cspdiag.verify.confirm.Verifier.answer", _never)
     assert cspdiag("verify", refuted) == first
     refuted.write_text(PAGE.refused.replace("ask ! 1", "ask ! 7"))
     assert cspdiag("verify", refuted).code == 3

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from cspdiag.cli import written
-from cspdiag.cli.failure import UsageError
-from cspdiag.simulate.files import write_whole
+from cspdiag.cli.support import written
+from cspdiag.cli.support.failure import UsageError
+from cspdiag.simulate.record.files import write_whole
 from tests.cli.conftest import Command
 
 PROGRAM = """

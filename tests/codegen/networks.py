@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from cspdiag.diagnostics import SourceFile, Span
+from cspdiag.base import SourceFile, Span
 from cspdiag.model.types import BOOL, DOUBLE, INT, TIME, EnumType, RealType, StructType
 from cspdiag.model.units import Unit
-from cspdiag.network.actions import (
+from cspdiag.network.ir.actions import (
     AfterEvent,
     AssignValue,
     Branch,
@@ -27,7 +27,7 @@ from cspdiag.network.actions import (
     Target,
     WriteValue,
 )
-from cspdiag.network.expressions import (
+from cspdiag.network.ir.expressions import (
     BinaryOperation,
     FunctionCall,
     LiteralValue,
@@ -36,7 +36,7 @@ from cspdiag.network.expressions import (
     SignalValue,
     VariableValue,
 )
-from cspdiag.network.ir import (
+from cspdiag.network.ir.network import (
     ClassParameter,
     Connection,
     Environment,

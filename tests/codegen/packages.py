@@ -7,8 +7,8 @@ from functools import cache
 from pathlib import Path
 
 from cspdiag import pipeline
-from cspdiag.diagnostics import SourceFile
-from cspdiag.network.ir import Network
+from cspdiag.base import SourceFile
+from cspdiag.network.ir.network import Network
 from tests.codegen import networks
 
 ROOT = Path(__file__).parents[2]

@@ -15,12 +15,12 @@ from hypothesis import strategies as st
 from markdown_it import MarkdownIt
 
 from cspdiag import pipeline
+from cspdiag.base import SourceFile
 from cspdiag.codegen import TARGETS
-from cspdiag.codegen.c.text import quoted as c_string
-from cspdiag.codegen.package_text import markdown, markdown_code, toml_string
-from cspdiag.codegen.python_text import docstring, quoted, remark
-from cspdiag.diagnostics import SourceFile
-from cspdiag.network.ir import Network
+from cspdiag.codegen.c.text.literals import quoted as c_string
+from cspdiag.codegen.python.text.literals import docstring, quoted, remark
+from cspdiag.codegen.shared.package_text import markdown, markdown_code, toml_string
+from cspdiag.network.ir.network import Network
 from cspdiag.simulate.native.build import find_compiler
 from tests.codegen.hostile import FILE_NAMES, TEXTS, program
 from tests.codegen.skeleton import docstrings, skeleton

@@ -13,9 +13,9 @@ from pathlib import Path
 import pytest
 
 from cspdiag import pipeline
-from cspdiag.cli.diagnostic_formats import FORMATS, told_diagnostics
+from cspdiag.base import SourceFile
 from cspdiag.cli.main import main
-from cspdiag.diagnostics import SourceFile
+from cspdiag.cli.support.diagnostic_formats import FORMATS, told_diagnostics
 from cspdiag.draw.layout.elk import engine_available
 from tests.codegen.hostile import FILE_NAMES, TEXTS, program
 from tests.codegen.skeleton import html

@@ -9,12 +9,12 @@ from typing import Any
 
 import pytest
 
-from cspdiag.codegen.python_names import PackageNames
-from cspdiag.codegen.python_submodels import signal_names
+from cspdiag.codegen.python.plain.submodels import signal_names
+from cspdiag.codegen.python.text.names import PackageNames
 from cspdiag.model.types import BoolType, EnumType, IntType, RealType, StructType, Type
-from cspdiag.network.ir import ExternalCall, Instantiation, SubmodelClass
+from cspdiag.network.ir.network import ExternalCall, Instantiation, SubmodelClass
 from cspdiag.runtime import Constant, Discard
-from cspdiag.simulate.package import LoadedPackage
+from cspdiag.simulate.run.package import LoadedPackage
 from tests.codegen.packages import MODELS, OWN, network, package
 from tests.laws.interpreter import Interpreter
 

@@ -6,7 +6,7 @@ import random
 import subprocess
 import sys
 
-from cspdiag.codegen.python_code import (
+from cspdiag.codegen.python.text.code import (
     COMPARISON,
     NOT,
     OR,
@@ -26,8 +26,8 @@ from cspdiag.codegen.python_code import (
     infix,
     tuple_of,
 )
-from cspdiag.codegen.python_layout import LINE_LENGTH
-from cspdiag.codegen.python_statements import Block, Line, Statement, Unpack, assign, lines, run
+from cspdiag.codegen.python.text.layout import LINE_LENGTH
+from cspdiag.codegen.python.text.statements import Block, Line, Statement, Unpack, assign, lines, run
 
 NAMES = ("x", "pan_angle", "self.stiffness", "joystick_horizontal", "k1_pan_motor_speed", "0.5", "h")
 

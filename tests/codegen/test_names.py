@@ -8,7 +8,7 @@ import keyword
 import pytest
 
 from cspdiag import runtime
-from cspdiag.codegen.python_names import (
+from cspdiag.codegen.python.text.names import (
     BUILTINS,
     KEYWORDS,
     MEMBERS,

@@ -6,9 +6,9 @@ from functools import partial
 
 import pytest
 
-from cspdiag.codegen import python_rolling
-from cspdiag.codegen.python_code import Atom
-from cspdiag.codegen.python_statements import Line, Statement, lines
+from cspdiag.codegen.python.text import rolling as python_rolling
+from cspdiag.codegen.python.text.code import Atom
+from cspdiag.codegen.python.text.statements import Line, Statement, lines
 from tests.counting import calls
 
 

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from cspdiag.runtime import Observer, Outcome, ms
-from cspdiag.simulate.package import LoadedPackage
+from cspdiag.simulate.run.package import LoadedPackage
 from tests.codegen.packages import network, package
 
 Trace = list[tuple[int, str, Any]]

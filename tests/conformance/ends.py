@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from cspdiag.network import actions as act
+from cspdiag.network.ir import actions as act
 
 
 def ends_read(action: act.Action) -> Iterator[act.End]:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from functools import lru_cache
 from random import SystemRandom
 
-from cspdiag.diagnostics import SourceFile
-from cspdiag.network.ir import Network
+from cspdiag.base import SourceFile
+from cspdiag.network.ir.network import Network
 from tests.conformance.kit import judge
 from tests.conformance.sources import JUST_AFTER, network_of
 from tests.conformance.targets import REFERENCE, Target

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any, assert_never
 
-from cspdiag.network import actions as act
-from cspdiag.network.expressions import Expression
-from cspdiag.network.ir import (
+from cspdiag.network.ir import actions as act
+from cspdiag.network.ir.expressions import Expression
+from cspdiag.network.ir.network import (
     Connection,
     ConstantEnd,
     CreatedChoice,

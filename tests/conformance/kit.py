@@ -9,9 +9,9 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Literal
 
-from cspdiag.network import expressions as ex
-from cspdiag.network.ir import Network
-from cspdiag.network.walk import parts
+from cspdiag.network.ir import expressions as ex
+from cspdiag.network.ir.network import Network
+from cspdiag.network.ir.walk import parts
 from tests.conformance.sources import JUST_AFTER, InvalidProgramError, environments, network_of, programs_in, read
 from tests.conformance.targets import REFERENCE, RefusedError, Target
 from tests.conformance.traces import Communication, Execution, compare, shown

@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 from cspdiag import pipeline
-from cspdiag.diagnostics import SourceFile
-from cspdiag.diagnostics.render_text import render
-from cspdiag.network.ir import Network
+from cspdiag.base import SourceFile
+from cspdiag.base.render.text import render
+from cspdiag.network.ir.network import Network
 
 ROOT = Path(__file__).parents[2]
 LIBRARIES = {"models/jiwy/laws.csp", "models/jiwy/plant.csp", "models/dining/table.csp"}

@@ -11,8 +11,8 @@ import sys
 from collections.abc import Callable
 from typing import Any
 
-from cspdiag.network.ir import Environment, ExternalBody, ExternalPort, Network, ProcessClass
-from cspdiag.network.walk import parts
+from cspdiag.network.ir.network import Environment, ExternalBody, ExternalPort, Network, ProcessClass
+from cspdiag.network.ir.walk import parts
 from tests.conformance import media
 from tests.conformance.instances import Place, ProcessInstance, Program, exception_name
 from tests.conformance.media import Medium

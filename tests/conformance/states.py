@@ -6,8 +6,8 @@ from collections.abc import Iterable
 from typing import Any
 
 from cspdiag.runtime.deadlock import report_deadlock
-from cspdiag.runtime.scheduler import Task, scheduler
-from cspdiag.simulate.recorder import Communication, Recorder
+from cspdiag.runtime.kernel.scheduler import Task, scheduler
+from cspdiag.simulate.record.recorder import Communication, Recorder
 
 FIELDS = len(Communication._fields)
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
-from cspdiag.network import actions as act
-from cspdiag.network.expressions import Expression
-from cspdiag.network.ir import Connection, ConstantEnd, DiscardEnd, ProcessClass, SubmodelClass
+from cspdiag.network.ir import actions as act
+from cspdiag.network.ir.expressions import Expression
+from cspdiag.network.ir.network import Connection, ConstantEnd, DiscardEnd, ProcessClass, SubmodelClass
 from tests.conformance.media import EndKey, Medium, Offer
 from tests.conformance.requests import Communicate, Steps
 from tests.conformance.values import Law, Names, fitting, value_of

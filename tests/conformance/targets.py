@@ -11,13 +11,13 @@ from typing import Protocol
 
 from cspdiag import pipeline
 from cspdiag.codegen import target_errors
-from cspdiag.network.ir import Network
-from cspdiag.runtime.exceptions import described
-from cspdiag.simulate.execute import simulate
+from cspdiag.network.ir.network import Network
+from cspdiag.runtime.kernel.exceptions import described
 from cspdiag.simulate.native import run as native
 from cspdiag.simulate.native.build import CompilerError, find_compiler
-from cspdiag.simulate.recorder import Recorder
+from cspdiag.simulate.record.recorder import Recorder
 from cspdiag.simulate.result import Run
+from cspdiag.simulate.run.execute import simulate
 from tests.conformance import specification
 from tests.conformance.sources import read
 from tests.conformance.states import ObservedRun

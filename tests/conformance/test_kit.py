@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from cspdiag.diagnostics import SourceFile
-from cspdiag.network.ir import Network
+from cspdiag.base import SourceFile
+from cspdiag.network.ir.network import Network
 from tests.conformance.__main__ import main
 from tests.conformance.kit import certify, judge, tolerance
 from tests.conformance.sources import network_of

@@ -9,10 +9,10 @@ import pytest
 from hypothesis import HealthCheck, given, note, settings
 from hypothesis import strategies as st
 
-from cspdiag.diagnostics import SourceFile
-from cspdiag.network.dump import dump
-from cspdiag.network.ir import Network
-from cspdiag.network.optimize import PASSES, Pass, optimize
+from cspdiag.base import SourceFile
+from cspdiag.network.dump.network import dump
+from cspdiag.network.ir.network import Network
+from cspdiag.optimize import PASSES, Pass, optimize
 from tests.conformance.sources import JUST_AFTER, MODELS, PROGRAMS, environments, network_of, read
 from tests.conformance.specification import execute
 from tests.conformance.traces import Execution, compare

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from cspdiag.network import actions as act
-from cspdiag.network.ir import MediumKind
-from cspdiag.network.optimize import PASSES
+from cspdiag.network.ir import actions as act
+from cspdiag.network.ir.network import MediumKind
+from cspdiag.optimize import PASSES
 from tests.conformance.kit import LIBRARY_FUNCTIONS, judge, parsed
 from tests.conformance.sources import MODELS, environments
 from tests.conformance.targets import Target

@@ -8,8 +8,8 @@ from collections.abc import Callable, Mapping
 from typing import Any, assert_never
 
 from cspdiag.model.types import IntType, RealType, StructType, TimeType, Type
-from cspdiag.network import expressions as ex
-from cspdiag.network.ir import SubmodelClass
+from cspdiag.network.ir import expressions as ex
+from cspdiag.network.ir.network import SubmodelClass
 from tests.laws.interpreter import Interpreter
 
 Names = Callable[[str], Any]

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from cspdiag.diagnostics import Diagnostic, Label, Severity, SourceFile, Span
-from cspdiag.diagnostics.record import record
+from cspdiag.base import Diagnostic, Label, Severity, SourceFile, Span
+from cspdiag.base.record import record
 
 
 @record

@@ -3,12 +3,12 @@ from __future__ import annotations
 import json
 from xml.etree import ElementTree
 
-from cspdiag.diagnostics import Label
-from cspdiag.diagnostics import render_concise as concise
-from cspdiag.diagnostics import render_github as github
-from cspdiag.diagnostics import render_json as json_format
-from cspdiag.diagnostics import render_junit as junit
-from cspdiag.diagnostics import render_sarif as sarif
+from cspdiag.base import Label
+from cspdiag.base.render import concise as concise
+from cspdiag.base.render import github as github
+from cspdiag.base.render import json as json_format
+from cspdiag.base.render import junit as junit
+from cspdiag.base.render import sarif as sarif
 from tests.diagnostics.samples import Sample, SampleWarning, at, source
 
 ARM = source("process Arm {\n  in  angle : double\n}\n", "my arm.csp")

@@ -7,10 +7,10 @@ from collections import Counter
 
 import pytest
 
-from cspdiag.analyses.verification.diagnostics import diagnostics_of
+from cspdiag.base import Diagnostic
+from cspdiag.base.manual import manual_page
 from cspdiag.catalogue import kinds_of_diagnostics, manual_pages, reference
-from cspdiag.diagnostics import Diagnostic
-from cspdiag.diagnostics.manual import manual_page
+from cspdiag.proofs.answers.findings import diagnostics_of
 from tests.diagnostics.samples import Sample
 from tests.literate import CASES, MAIN, check_files, describe
 from tests.verifying import answers_to

@@ -3,8 +3,8 @@ from __future__ import annotations
 import re
 from textwrap import dedent
 
-from cspdiag.diagnostics import Diagnostic, Label, Span
-from cspdiag.diagnostics.render_text import render
+from cspdiag.base import Diagnostic, Label, Span
+from cspdiag.base.render.text import render
 from tests.diagnostics.samples import Sample, SampleWarning, at, source
 
 ARM = source("process Arm {\n  in  angle : double<rad>\n  out drive : double<V>\n  angle -> drive\n}\n")

@@ -6,10 +6,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from itertools import combinations, pairwise
 
-from cspdiag.draw.composition_shapes import POINT
-from cspdiag.draw.geometry import Point, Rectangle, around
-from cspdiag.draw.scene import Box, Ellipse, Group, Item, Line, Scene, Text
-from cspdiag.draw.scene_geometry import bounds, text_place
+from cspdiag.draw.composition.shapes import POINT
+from cspdiag.draw.scene.geometry import Point, Rectangle, around
+from cspdiag.draw.scene.scene_geometry import bounds, text_place
+from cspdiag.draw.scene.shapes import Box, Ellipse, Group, Item, Line, Scene, Text
 
 _TOLERANCE = 0.01
 

@@ -5,11 +5,24 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import combinations, pairwise
 
-from cspdiag.draw import outline
-from cspdiag.draw.geometry import Point, Rectangle
-from cspdiag.draw.scene import Box, Close, CubicTo, Curve, Ellipse, Group, Item, Line, LineTo, MoveTo, Scene, Text
-from cspdiag.draw.scene_geometry import bounds, every
-from cspdiag.draw.text_metrics import CAPITAL, runs_width
+from cspdiag.draw.scene import outline
+from cspdiag.draw.scene.geometry import Point, Rectangle
+from cspdiag.draw.scene.scene_geometry import bounds, every
+from cspdiag.draw.scene.shapes import (
+    Box,
+    Close,
+    CubicTo,
+    Curve,
+    Ellipse,
+    Group,
+    Item,
+    Line,
+    LineTo,
+    MoveTo,
+    Scene,
+    Text,
+)
+from cspdiag.draw.scene.text_metrics import CAPITAL, runs_width
 
 Segment = tuple[Point, Point]
 

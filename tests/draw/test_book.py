@@ -10,14 +10,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from cspdiag.base import SourceFile
+from cspdiag.base.sources import read_source
 from cspdiag.cli.main import main
-from cspdiag.diagnostics import SourceFile
 from cspdiag.draw.book.highlight import highlighted
 from cspdiag.draw.book.page import book
 from cspdiag.draw.layout.elk import engine_available
 from cspdiag.draw.pictures import Pictures
 from cspdiag.pipeline import check
-from cspdiag.sources import read_source
 from tests.draw.browser import BROWSER, answer
 
 ROOT = Path(__file__).parents[2]

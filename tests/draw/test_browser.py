@@ -6,14 +6,14 @@ from pathlib import Path
 
 import pytest
 
-from cspdiag.draw.geometry import Point
+from cspdiag.base.sources import read_source
 from cspdiag.draw.layout.elk import engine_available
+from cspdiag.draw.output.svg import render_svg
 from cspdiag.draw.pictures import Pictures
-from cspdiag.draw.scene import Group, Line, Run, Text
-from cspdiag.draw.scene_geometry import fitted
-from cspdiag.draw.svg import render_svg
+from cspdiag.draw.scene.geometry import Point
+from cspdiag.draw.scene.scene_geometry import fitted
+from cspdiag.draw.scene.shapes import Group, Line, Run, Text
 from cspdiag.pipeline import check
-from cspdiag.sources import read_source
 from tests.draw.browser import BROWSER, answer
 
 ROOT = Path(__file__).parents[2]

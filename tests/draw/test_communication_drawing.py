@@ -10,21 +10,21 @@ from typing import get_args
 
 import pytest
 
-from cspdiag.diagnostics import SourceFile
-from cspdiag.draw import symbols
-from cspdiag.draw.communication import draw_communication
-from cspdiag.draw.composition import draw_composition
+from cspdiag.base import SourceFile
+from cspdiag.base.sources import read_source
+from cspdiag.draw.communication import symbols
+from cspdiag.draw.communication.diagram import draw_communication
+from cspdiag.draw.composition.diagram import draw_composition
 from cspdiag.draw.elements.diagram import Box as InstanceBox
 from cspdiag.draw.elements.diagram import BoxKind, CommunicationDiagram, Store
 from cspdiag.draw.elements.marks import Mark, MarkKind
-from cspdiag.draw.geometry import Point, Rectangle
 from cspdiag.draw.hiding import ALL_LABELS, NOTHING_HIDDEN, Hidden
 from cspdiag.draw.layout.elk import engine_available
 from cspdiag.draw.pictures import Pictures, Wish, places_of
-from cspdiag.draw.scene import Box, Dash, Ellipse, Group, Ink, Item, Line, Scene, Text
-from cspdiag.draw.scene_geometry import every
+from cspdiag.draw.scene.geometry import Point, Rectangle
+from cspdiag.draw.scene.scene_geometry import every
+from cspdiag.draw.scene.shapes import Box, Dash, Ellipse, Group, Ink, Item, Line, Scene, Text
 from cspdiag.pipeline import check
-from cspdiag.sources import read_source
 from tests.draw.geometry_rules import faults
 
 ROOT = Path(__file__).parents[2]

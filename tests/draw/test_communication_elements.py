@@ -7,14 +7,14 @@ from pathlib import Path
 import pytest
 from hypothesis import HealthCheck, given, settings
 
-from cspdiag.diagnostics import SourceFile
+from cspdiag.base import SourceFile
+from cspdiag.base.sources import read_source
 from cspdiag.draw.elements.communication import communication_diagram
 from cspdiag.draw.elements.diagram import Arrow, Box, CommunicationDiagram, ParentPort
 from cspdiag.draw.elements.listing import listing
 from cspdiag.draw.elements.marks import WHOLE, Mark, mark_of_rest, marks_of, numbered
 from cspdiag.draw.pictures import Pictures, places_of
 from cspdiag.pipeline import check
-from cspdiag.sources import read_source
 from tests.properties.programs import programs
 
 ROOT = Path(__file__).parents[2]

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import HealthCheck, given, note, settings
 from hypothesis import strategies as st
 
-from cspdiag.draw.composition import draw_composition
+from cspdiag.draw.composition.diagram import draw_composition
 from cspdiag.draw.elements.compare_compositions import Compared, compared, own_text
 from cspdiag.draw.elements.composition import CompositionDiagram, Part, outline, parts, rebuilt
 from tests.draw.composition_geometry import faults

@@ -10,19 +10,19 @@ from hypothesis import HealthCheck, given, note, settings
 from hypothesis import strategies as st
 
 from cspdiag import pipeline
-from cspdiag.diagnostics import Report, SourceFile
-from cspdiag.draw.composition import draw_composition
-from cspdiag.draw.composition_blocks import MOST_LINES, PARENTHESIS
-from cspdiag.draw.composition_legend import explanations
+from cspdiag.base import Report, SourceFile
+from cspdiag.base.sources import read_source
+from cspdiag.draw.composition.blocks import MOST_LINES, PARENTHESIS
+from cspdiag.draw.composition.diagram import draw_composition
+from cspdiag.draw.composition.legend import explanations
 from cspdiag.draw.elements.composition import CompositionDiagram, outline
 from cspdiag.draw.elements.marks import Mark, MarkKind
 from cspdiag.draw.elements.read_composition import composition_diagram
-from cspdiag.draw.geometry import Point
 from cspdiag.draw.hiding import hidden
-from cspdiag.draw.scene import Box, Dash, Ellipse, Group, Ink, Item, Line, Scene, Text
-from cspdiag.draw.scene_geometry import every, moved
-from cspdiag.draw.svg import render_svg
-from cspdiag.sources import read_source
+from cspdiag.draw.output.svg import render_svg
+from cspdiag.draw.scene.geometry import Point
+from cspdiag.draw.scene.scene_geometry import every, moved
+from cspdiag.draw.scene.shapes import Box, Dash, Ellipse, Group, Ink, Item, Line, Scene, Text
 from cspdiag.syntax import ast
 from cspdiag.syntax.parser import parse
 from tests.draw.composition_geometry import faults, measured

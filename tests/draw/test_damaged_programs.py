@@ -7,17 +7,17 @@ from pathlib import Path
 
 import pytest
 
-from cspdiag.diagnostics import SourceFile
+from cspdiag.base import SourceFile
+from cspdiag.base.sources import read_source
 from cspdiag.draw.differences.picture import pictures_of
 from cspdiag.draw.differences.programs import differences
 from cspdiag.draw.differences.render_json import render as render_json
 from cspdiag.draw.differences.render_text import render
 from cspdiag.draw.elements.listing import listing
 from cspdiag.draw.layout.elk import engine_available
+from cspdiag.draw.output.svg import render_svg
 from cspdiag.draw.pictures import Pictures, Wish
-from cspdiag.draw.svg import render_svg
 from cspdiag.pipeline import check
-from cspdiag.sources import read_source
 from tests.draw.geometry_rules import faults
 from tests.robustness.damage import ROOT, damaged
 

@@ -8,18 +8,18 @@ from pathlib import Path
 import pytest
 
 from cspdiag.api import load
+from cspdiag.base import SourceFile, Span
+from cspdiag.base.sources import read_source
 from cspdiag.cli.main import main
-from cspdiag.diagnostics import SourceFile, Span
-from cspdiag.draw.deadlock import Deadlock, draw_ring
-from cspdiag.draw.deadlock_marks import Waiting, shortened, surroundings
-from cspdiag.draw.deadlock_steps import waiting_steps
-from cspdiag.draw.geometry import Point, Rectangle, around
+from cspdiag.draw.deadlock.marks import Waiting, shortened, surroundings
+from cspdiag.draw.deadlock.ring import Deadlock, draw_ring
+from cspdiag.draw.deadlock.steps import waiting_steps
 from cspdiag.draw.layout import engine
-from cspdiag.draw.scene import Box, Group, Line, Scene, Text
-from cspdiag.draw.scene_geometry import every
-from cspdiag.draw.svg import render_svg
+from cspdiag.draw.output.svg import render_svg
+from cspdiag.draw.scene.geometry import Point, Rectangle, around
+from cspdiag.draw.scene.scene_geometry import every
+from cspdiag.draw.scene.shapes import Box, Group, Line, Scene, Text
 from cspdiag.pipeline import check
-from cspdiag.sources import read_source
 
 DINING = "models/dining/deadlock.csp"
 CROSSED = """

@@ -6,13 +6,13 @@ from pathlib import Path
 
 import pytest
 
-from cspdiag.diagnostics import SourceFile
+from cspdiag.base import SourceFile
+from cspdiag.base.sources import read_source
 from cspdiag.draw.differences.picture import marks, union
 from cspdiag.draw.differences.programs import Difference, differences
 from cspdiag.draw.differences.render_text import render
 from cspdiag.model.program import Program
 from cspdiag.pipeline import check
-from cspdiag.sources import read_source
 
 ROOT = Path(__file__).parents[2]
 

@@ -7,14 +7,14 @@ from pathlib import Path
 import pytest
 from hypothesis import HealthCheck, given, settings
 
-from cspdiag.diagnostics import SourceFile
-from cspdiag.draw.geometry import Point, Rectangle
+from cspdiag.base import SourceFile
+from cspdiag.base.sources import read_source
 from cspdiag.draw.layout.elk import engine_available
 from cspdiag.draw.pictures import Pictures, Wish
-from cspdiag.draw.scene import Box, Line, Run, Scene, Text
-from cspdiag.draw.scene_geometry import fitted
+from cspdiag.draw.scene.geometry import Point, Rectangle
+from cspdiag.draw.scene.scene_geometry import fitted
+from cspdiag.draw.scene.shapes import Box, Line, Run, Scene, Text
 from cspdiag.pipeline import check
-from cspdiag.sources import read_source
 from tests.draw.geometry_rules import faults
 from tests.properties.programs import programs
 

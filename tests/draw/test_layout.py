@@ -8,7 +8,6 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from cspdiag.draw.geometry import Point, Rectangle
 from cspdiag.draw.layout.elk import engine_available, lay_out
 from cspdiag.draw.layout.graph import (
     Direction,
@@ -25,6 +24,7 @@ from cspdiag.draw.layout.graph import (
     Side,
 )
 from cspdiag.draw.layout.joined import joined
+from cspdiag.draw.scene.geometry import Point, Rectangle
 
 needs_engine = pytest.mark.skipif(not engine_available(), reason="the layout engine was not fetched (make setup)")
 

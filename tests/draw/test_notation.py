@@ -6,7 +6,7 @@ from typing import get_args
 
 import pytest
 
-from cspdiag.draw.composition import draw_composition
+from cspdiag.draw.composition.diagram import draw_composition
 from cspdiag.draw.elements.composition import (
     OPERATORS,
     Activity,

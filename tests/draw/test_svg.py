@@ -7,15 +7,17 @@ from xml.etree import ElementTree
 
 import pytest
 
-from cspdiag.draw import missing, palette, png
-from cspdiag.draw.geometry import Point, Rectangle
-from cspdiag.draw.palette import DARK, LIGHT, Scheme
-from cspdiag.draw.pdf import render_pdf
-from cspdiag.draw.png import render_png
-from cspdiag.draw.scene import Box, Dash, Ellipse, Face, Group, Head, Ink, Line, Run, Scene, Text
-from cspdiag.draw.scene_geometry import beside, bounds, fitted, stacked
-from cspdiag.draw.svg import embedded_svg, render_svg
-from cspdiag.draw.text_metrics import text_width
+from cspdiag.draw import missing
+from cspdiag.draw.output import png
+from cspdiag.draw.output.pdf import render_pdf
+from cspdiag.draw.output.png import render_png
+from cspdiag.draw.output.svg import embedded_svg, render_svg
+from cspdiag.draw.scene import palette
+from cspdiag.draw.scene.geometry import Point, Rectangle
+from cspdiag.draw.scene.palette import DARK, LIGHT, Scheme
+from cspdiag.draw.scene.scene_geometry import beside, bounds, fitted, stacked
+from cspdiag.draw.scene.shapes import Box, Dash, Ellipse, Face, Group, Head, Ink, Line, Run, Scene, Text
+from cspdiag.draw.scene.text_metrics import text_width
 
 SVG = "{http://www.w3.org/2000/svg}"
 

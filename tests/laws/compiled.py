@@ -6,15 +6,15 @@ from collections.abc import Mapping
 from functools import cache
 from typing import Any
 
-from cspdiag.diagnostics import Report, SourceFile
-from cspdiag.model.check import check
-from cspdiag.model.evaluate import evaluate
-from cspdiag.model.imports import load
+from cspdiag.base import Report, SourceFile
+from cspdiag.model.checks.rules import check
+from cspdiag.model.constants.evaluate import evaluate
+from cspdiag.model.names.imports import load
+from cspdiag.model.names.resolve import resolve
 from cspdiag.model.program import Program
-from cspdiag.model.resolve import resolve
-from cspdiag.network import lower
-from cspdiag.network.ir import Environment, SubmodelClass
-from cspdiag.network.submodels import flatten
+from cspdiag.network.ir.network import Environment, SubmodelClass
+from cspdiag.network.lower import program as lower
+from cspdiag.network.submodels.classes import flatten
 from cspdiag.syntax import ast
 from tests.laws.interpreter import Interpreter
 

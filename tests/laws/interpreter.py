@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from typing import Any, assert_never
 
 from cspdiag.model.types import ArrayType, BoolType, EnumType, IntType, RealType, StructType, TimeType, Type
-from cspdiag.network.expressions import (
+from cspdiag.network.ir.expressions import (
     ArrayElements,
     BinaryOperation,
     ConditionalValue,
@@ -29,7 +29,7 @@ from cspdiag.network.expressions import (
     UnaryOperation,
     VariableValue,
 )
-from cspdiag.network.ir import ExternalCall, SubmodelClass
+from cspdiag.network.ir.network import ExternalCall, SubmodelClass
 
 
 class FaultError(Exception):

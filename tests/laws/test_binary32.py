@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from cspdiag import pipeline
-from cspdiag.diagnostics import SourceFile
-from cspdiag.simulate.execute import simulate
-from cspdiag.sources import read_source
+from cspdiag.base import SourceFile
+from cspdiag.base.sources import read_source
+from cspdiag.simulate.run.execute import simulate
 
 PROGRAM = """\
 const third : float = 0.3333

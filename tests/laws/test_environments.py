@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cspdiag.network.ir import SubmodelClass
+from cspdiag.network.ir.network import SubmodelClass
 from tests.laws.compiled import MS, environment
 from tests.laws.interpreter import Interpreter
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cspdiag.network.external_bodies import external_bodies
+from cspdiag.network.lower.external_bodies import external_bodies
 from tests.laws.compiled import program
 
 TEXT = """

@@ -9,11 +9,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cspdiag.diagnostics import Report
-from cspdiag.network.expression_walk import walk
-from cspdiag.network.expressions import LiteralValue
-from cspdiag.network.ir import ExternalCall, SubmodelClass
-from cspdiag.network.submodels import flatten, needs_sample
+from cspdiag.base import Report
+from cspdiag.network.ir.expression_walk import walk
+from cspdiag.network.ir.expressions import LiteralValue
+from cspdiag.network.ir.network import ExternalCall, SubmodelClass
+from cspdiag.network.submodels.classes import flatten, needs_sample
 from cspdiag.syntax import ast
 from tests.laws.compiled import MS, instance, program, submodel
 from tests.laws.interpreter import FaultError, Interpreter

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cspdiag.resources import library_source
+from cspdiag.base.resources import library_source
 from cspdiag.syntax import ast
 from tests.laws.compiled import MS, instance, program
 from tests.laws.interpreter import Interpreter

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from cspdiag.diagnostics import Report, SourceFile
-from cspdiag.model.check import check
+from cspdiag.base import Report, SourceFile
+from cspdiag.model.checks.rules import check
+from cspdiag.model.names.resolve import resolve
 from cspdiag.model.program import Program, Value
-from cspdiag.model.resolve import resolve
 from cspdiag.syntax import ast
 from cspdiag.syntax.parser import parse
 

@@ -6,10 +6,10 @@ import math
 
 import pytest
 
+from cspdiag.model.constants.values import parse_value
 from cspdiag.model.program import Value
 from cspdiag.model.types import BOOL, DOUBLE, INT, TIME, UNKNOWN, ArrayType, EnumType, IntType, RealType, Type
 from cspdiag.model.units import parse_unit
-from cspdiag.model.values import parse_value
 from tests.model.programs import constant, correct
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from cspdiag.model.durations import rounded
+from cspdiag.model.constants.durations import rounded
 
 
 @pytest.mark.parametrize(

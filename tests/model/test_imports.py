@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from cspdiag.diagnostics import Report, SourceFile
-from cspdiag.model.imports import load
-from cspdiag.model.resolve import resolve
+from cspdiag.base import Report, SourceFile
+from cspdiag.model.names.imports import load
+from cspdiag.model.names.resolve import resolve
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from cspdiag.diagnostics.spelling import Speller, edits
+from cspdiag.base.spelling import Speller, edits
 
 NAMES = ["feedback", "control", "status", "kp", "T", "joystick_buttons", "max"]
 

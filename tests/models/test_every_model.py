@@ -3,9 +3,9 @@ from __future__ import annotations
 import pytest
 
 import cspdiag
-from cspdiag.diagnostics.report import Report
-from cspdiag.diagnostics.span import SourceFile
-from cspdiag.syntax.formatter import format_tree
+from cspdiag.base.report import Report
+from cspdiag.base.span import SourceFile
+from cspdiag.syntax.format.formatter import format_tree
 from cspdiag.syntax.parser import parse
 from tests.models.programs import DURATIONS, MODELS, all_files, programs, run
 

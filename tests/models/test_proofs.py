@@ -5,10 +5,10 @@ from __future__ import annotations
 import pytest
 
 from cspdiag import pipeline
-from cspdiag.analyses.proofs.verdict import Limits
-from cspdiag.analyses.verification.answer import Answer
-from cspdiag.simulate.verify import Verifier
-from cspdiag.sources import read_source
+from cspdiag.base.sources import read_source
+from cspdiag.proofs.answers.answer import Answer
+from cspdiag.proofs.verdict import Limits
+from cspdiag.verify.confirm import Verifier
 from tests.models.programs import MODELS
 
 ASSERTING = sorted(

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from cspdiag import pipeline
-from cspdiag.diagnostics import Report, SourceFile
+from cspdiag.base import Report, SourceFile
 from cspdiag.model.program import Program, Value
 from cspdiag.network.analyse import Analysis
-from cspdiag.network.ir import Network, ProcessClass
-from cspdiag.network.lower import lower
+from cspdiag.network.ir.network import Network, ProcessClass
+from cspdiag.network.lower.program import lower
 from cspdiag.network.shapes import Shape
 from tests.literate import MAIN, check_files, describe
 

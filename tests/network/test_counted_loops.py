@@ -5,10 +5,10 @@ from __future__ import annotations
 import pytest
 
 from cspdiag import pipeline
-from cspdiag.network.actions import Action, CountedLoop, ParallelSteps, SequentialSteps, SkipStep
-from cspdiag.network.compose import MOST_UNROLLED
-from cspdiag.network.walk import parts
-from cspdiag.sources import read_source
+from cspdiag.base.sources import read_source
+from cspdiag.network.elaborate.compose import MOST_UNROLLED
+from cspdiag.network.ir.actions import Action, CountedLoop, ParallelSteps, SequentialSteps, SkipStep
+from cspdiag.network.ir.walk import parts
 from tests.network.programs import network, process
 
 SOME = MOST_UNROLLED + 1

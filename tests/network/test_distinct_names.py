@@ -1,6 +1,6 @@
 from __future__ import annotations
 
-from cspdiag.network.distinct_names import DistinctNames
+from cspdiag.network.lower.distinct_names import DistinctNames
 
 
 def test_names_wanted_again_are_numbered_around_those_that_are_taken() -> None:

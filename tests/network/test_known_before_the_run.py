@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from cspdiag import pipeline
-from cspdiag.diagnostics import SourceFile
+from cspdiag.base import SourceFile
 from tests.conformance.targets import REFERENCE, TARGETS
 
 LAW = """

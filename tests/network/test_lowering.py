@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from cspdiag.network.dump import dump
-from cspdiag.network.expressions import FunctionCall, LiteralValue, ParameterValue
-from cspdiag.network.lower import SelectionError
+from cspdiag.network.dump.network import dump
+from cspdiag.network.ir.expressions import FunctionCall, LiteralValue, ParameterValue
+from cspdiag.network.lower.program import SelectionError
 from tests.network.programs import network, process
 
 FILTER = """

@@ -12,12 +12,12 @@ import sys
 import pytest
 
 from cspdiag import pipeline
-from cspdiag.diagnostics.span import SourceFile
-from cspdiag.network.diagnostics_rates import SamplesMissed
-from cspdiag.network.gaps import NOTHING, Elapsed, Gap, then
-from cspdiag.runtime.exceptions import Timeout
-from cspdiag.simulate import execute
-from cspdiag.sources import read_source
+from cspdiag.base.sources import read_source
+from cspdiag.base.span import SourceFile
+from cspdiag.network.checks.gaps import NOTHING, Elapsed, Gap, then
+from cspdiag.network.diagnostics.rates import SamplesMissed
+from cspdiag.runtime.kernel.exceptions import Timeout
+from cspdiag.simulate.run import execute
 
 PROGRAM = """
 process Main {{

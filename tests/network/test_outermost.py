@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 from cspdiag import pipeline
-from cspdiag.diagnostics import SourceFile
+from cspdiag.base import SourceFile
+from cspdiag.base.sources import read_source
 from cspdiag.draw.pictures import Pictures
-from cspdiag.sources import read_source
 
 CELL = """
 process Robot {

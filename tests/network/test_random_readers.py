@@ -10,9 +10,9 @@ from collections import Counter
 from collections.abc import Iterable
 
 from cspdiag import pipeline
-from cspdiag.diagnostics.span import SourceFile
-from cspdiag.network.diagnostics_rates import SamplesMissed
-from cspdiag.sources import read_source
+from cspdiag.base.sources import read_source
+from cspdiag.base.span import SourceFile
+from cspdiag.network.diagnostics.rates import SamplesMissed
 from tests.network.random_readers import reader
 from tests.oracle.explore import explore
 from tests.oracle.text import text

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from cspdiag import pipeline
-from cspdiag.diagnostics import Report, SourceFile
-from cspdiag.network.lower import lower
+from cspdiag.base import Report, SourceFile
+from cspdiag.network.lower.program import lower
 from tests.literate import MAIN, describe
 from tests.network.programs import checked
 

@@ -7,9 +7,9 @@ from itertools import product
 import pytest
 
 from cspdiag import pipeline
-from cspdiag.diagnostics.span import SourceFile
-from cspdiag.simulate import execute
-from cspdiag.sources import read_source
+from cspdiag.base.sources import read_source
+from cspdiag.base.span import SourceFile
+from cspdiag.simulate.run import execute
 
 PROGRAM = """
 process Main {{

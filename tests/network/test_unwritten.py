@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from cspdiag.network.unwritten import may_be_unwritten, ports_of_unwritten
+from cspdiag.network.checks.unwritten import may_be_unwritten, ports_of_unwritten
 from tests.network import programs
 
 ABANDONED = "((u ? x) interrupt after 1 ms -> skip)"

@@ -7,8 +7,8 @@ from itertools import product
 import pytest
 
 from cspdiag.model.types import IntType
-from cspdiag.network.expressions import BinaryOperation, Expression, FunctionCall, ParameterValue, UnaryOperation
-from cspdiag.network.ranges import needs_check, value_range
+from cspdiag.network.ir.expressions import BinaryOperation, Expression, FunctionCall, ParameterValue, UnaryOperation
+from cspdiag.network.ir.ranges import needs_check, value_range
 
 INT8 = IntType(8)
 RANGES = [(low, high) for low in range(-3, 4) for high in range(low, 4)] + [(-128, 127), (-128, -128), (0, 127)]

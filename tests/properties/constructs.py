@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from cspdiag.diagnostics.record import field_names
+from cspdiag.base.record import field_names
 from cspdiag.model.types import ArrayType, BoolType, EnumType, IntType, RealType, StructType, TimeType, Type
-from cspdiag.network import actions as act
-from cspdiag.network import expressions as ex
-from cspdiag.network.ir import (
+from cspdiag.network.ir import actions as act
+from cspdiag.network.ir import expressions as ex
+from cspdiag.network.ir.network import (
     ClassParameter,
     ConstantEnd,
     DiscardEnd,
@@ -18,8 +18,8 @@ from cspdiag.network.ir import (
     SubmodelClass,
     SubmodelState,
 )
-from cspdiag.network.optimize import lower_for_targets
-from cspdiag.network.walk import instances_run, parts
+from cspdiag.network.ir.walk import instances_run, parts
+from cspdiag.optimize import lower_for_targets
 
 PREDEFINED = ("Fault", "Timeout")
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from itertools import product
 
-from cspdiag.diagnostics import SourceFile
+from cspdiag.base import SourceFile
 from tests.conformance.sources import network_of
 from tests.properties.constructs import constructs
 from tests.properties.drawing import draw_programs

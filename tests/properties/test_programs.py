@@ -5,12 +5,12 @@ from __future__ import annotations
 from hypothesis import HealthCheck, given, note, settings
 
 from cspdiag import pipeline
-from cspdiag.diagnostics import Report, SourceFile
-from cspdiag.diagnostics.render_text import render
-from cspdiag.simulate.execute import simulate
-from cspdiag.simulate.files import plain_trace_text
+from cspdiag.base import Report, SourceFile
+from cspdiag.base.render.text import render
+from cspdiag.simulate.record.files import plain_trace_text
+from cspdiag.simulate.run.execute import simulate
 from cspdiag.syntax import ast
-from cspdiag.syntax.formatter import format_tree
+from cspdiag.syntax.format.formatter import format_tree
 from cspdiag.syntax.parser import parse
 from tests.properties.programs import programs
 

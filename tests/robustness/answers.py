@@ -7,14 +7,14 @@ from contextlib import contextmanager, suppress
 from typing import NoReturn
 
 from cspdiag import pipeline
-from cspdiag.codegen.target_error import TargetError
-from cspdiag.diagnostics import SourceFile
-from cspdiag.diagnostics.diagnostic import Diagnostic
-from cspdiag.diagnostics.render_text import render
-from cspdiag.network.ir import Network
-from cspdiag.network.lower import SelectionError
-from cspdiag.sources import read_source
-from cspdiag.syntax.formatter import format_tree
+from cspdiag.base import SourceFile
+from cspdiag.base.diagnostic import Diagnostic
+from cspdiag.base.render.text import render
+from cspdiag.base.sources import read_source
+from cspdiag.codegen.shared.target_error import TargetError
+from cspdiag.network.ir.network import Network
+from cspdiag.network.lower.program import SelectionError
+from cspdiag.syntax.format.formatter import format_tree
 from tests.alarm import alarm_after
 
 PATIENCE = 120

@@ -8,9 +8,9 @@ from functools import partial
 import pytest
 
 from cspdiag import pipeline
-from cspdiag.diagnostics import SourceFile
-from cspdiag.diagnostics.render_text import render
-from cspdiag.sources import read_source
+from cspdiag.base import SourceFile
+from cspdiag.base.render.text import render
+from cspdiag.base.sources import read_source
 from tests.counting import calls
 
 MOST = 2.6

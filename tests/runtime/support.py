@@ -6,7 +6,7 @@ from collections.abc import Awaitable, Callable, Sequence
 from typing import Any
 
 from cspdiag.runtime import Network, Observer, Outcome, Process
-from cspdiag.runtime.external import Port
+from cspdiag.runtime.outside.external import Port
 
 
 class Body(Process):

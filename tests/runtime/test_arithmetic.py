@@ -13,7 +13,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cspdiag.runtime import Fault, arithmetic
+from cspdiag.runtime import Fault
+from cspdiag.runtime.compiled import arithmetic
 
 INT64 = st.integers(-(2**63), 2**63 - 1)
 

@@ -22,7 +22,7 @@ from cspdiag.runtime import (
     stop,
     wait,
 )
-from cspdiag.runtime.signals import left_to_the_main_thread
+from cspdiag.runtime.kernel.signals import left_to_the_main_thread
 from tests.runtime.support import Body, Scripted
 from tests.runtime.test_real_time import Device
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from cspdiag.runtime import SampledInput, SampledOutput, instants
-from cspdiag.runtime.instants import Instants
+from cspdiag.runtime import SampledInput, SampledOutput
+from cspdiag.runtime.outside import instants
+from cspdiag.runtime.outside.instants import Instants
 
 
 class _Sensor:

@@ -26,7 +26,7 @@ from cspdiag.runtime import (
     wait,
     write_all,
 )
-from cspdiag.runtime.choice import After, Guard
+from cspdiag.runtime.choice.guards import After, Guard
 from tests.runtime.specification import Interpreter, Operation
 from tests.runtime.support import Trace, run
 

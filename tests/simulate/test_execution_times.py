@@ -10,13 +10,13 @@ import pytest
 
 import cspdiag
 from cspdiag import pipeline
-from cspdiag.analyses.timing.measured import Measured, times_of_laws
-from cspdiag.cli.verify_timing import measured_times
-from cspdiag.diagnostics import SourceFile
-from cspdiag.network.ir import Network
-from cspdiag.simulate.execute import simulate
+from cspdiag.analyses.timing.tasks.measured import Measured, times_of_laws
+from cspdiag.base import SourceFile
+from cspdiag.cli.verbs.verify_timing import measured_times
+from cspdiag.network.ir.network import Network
 from cspdiag.simulate.native import run as native
 from cspdiag.simulate.result import Run
+from cspdiag.simulate.run.execute import simulate
 from tests.models.programs import MODELS
 
 needs_compiler = pytest.mark.skipif(

@@ -8,7 +8,7 @@ import pytest
 
 import cspdiag
 from cspdiag.cli.main import main
-from cspdiag.simulate.execute import BodyError
+from cspdiag.simulate.run.execute import BodyError
 
 PROGRAM = """\
 submodel Plant(tau: double) python "plant.py:Plant" {

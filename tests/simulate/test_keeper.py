@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from cspdiag.runtime.stopping import stopping
+from cspdiag.runtime.kernel.stopping import stopping
 from cspdiag.simulate.native.keeper import Keeper
 
 ROOT = Path(__file__).parents[2]

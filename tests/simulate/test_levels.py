@@ -6,13 +6,13 @@ import numpy
 import pytest
 
 from cspdiag import pipeline
-from cspdiag.diagnostics import SourceFile
-from cspdiag.network.ir import Network
-from cspdiag.runtime.exceptions import described
-from cspdiag.simulate.chrome_trace import chrome_trace_text
-from cspdiag.simulate.execute import simulate
-from cspdiag.simulate.files import csv_text, plain_trace_text
+from cspdiag.base import SourceFile
+from cspdiag.network.ir.network import Network
+from cspdiag.runtime.kernel.exceptions import described
+from cspdiag.simulate.record.chrome_trace import chrome_trace_text
+from cspdiag.simulate.record.files import csv_text, plain_trace_text
 from cspdiag.simulate.result import Run
+from cspdiag.simulate.run.execute import simulate
 from tests.codegen.packages import MODELS, network, read
 
 MS = 1_000_000

@@ -18,17 +18,17 @@ from pathlib import Path
 import pytest
 
 from cspdiag import pipeline
-from cspdiag.codegen.target_error import TargetError
-from cspdiag.diagnostics import SourceFile
-from cspdiag.network.ir import Network
-from cspdiag.runtime.exceptions import described
-from cspdiag.simulate import execute
+from cspdiag.base import SourceFile
+from cspdiag.base.sources import read_source
+from cspdiag.codegen.shared.target_error import TargetError
+from cspdiag.network.ir.network import Network
+from cspdiag.runtime.kernel.exceptions import described
 from cspdiag.simulate.native import run as native
 from cspdiag.simulate.native.build import Build, CompilerError, explained, find_compiler
 from cspdiag.simulate.native.stream import StreamReader
-from cspdiag.simulate.recorder import Recorder
+from cspdiag.simulate.record.recorder import Recorder
 from cspdiag.simulate.result import Run
-from cspdiag.sources import read_source
+from cspdiag.simulate.run import execute
 
 needs_compiler = pytest.mark.skipif(
     not any(shutil.which(name) for name in ("cc", "gcc", "clang")), reason="there is no C compiler"

@@ -13,11 +13,11 @@ import pytest
 
 import cspdiag
 from cspdiag import pipeline
-from cspdiag.diagnostics import SourceFile
-from cspdiag.simulate.execute import simulate
-from cspdiag.simulate.plot_series import series_of, shortened, stairs, thinned, unit_of_time
+from cspdiag.base import SourceFile
+from cspdiag.base.sources import read_source
+from cspdiag.simulate.record.plot_series import series_of, shortened, stairs, thinned, unit_of_time
 from cspdiag.simulate.result import Run
-from cspdiag.sources import read_source
+from cspdiag.simulate.run.execute import simulate
 from tests.simulate.test_samples import DRIVE
 
 pytest.importorskip("matplotlib")

@@ -11,8 +11,8 @@ import numpy
 import pytest
 
 import cspdiag
-from cspdiag.simulate.files import csv_text, npz_bytes
 from cspdiag.simulate.native.build import CompilerError, find_compiler
+from cspdiag.simulate.record.files import csv_text, npz_bytes
 from cspdiag.simulate.result import Run
 
 DRIVE = """

@@ -9,9 +9,9 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from cspdiag.diagnostics import Report, SourceFile
+from cspdiag.base import Report, SourceFile
 from cspdiag.syntax import ast
-from cspdiag.syntax.formatter import format_tree
+from cspdiag.syntax.format.formatter import format_tree
 from cspdiag.syntax.parser import parse
 from tests.syntax.generate import program, sprinkled, text_of
 

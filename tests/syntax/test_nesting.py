@@ -5,10 +5,10 @@ from __future__ import annotations
 import pytest
 
 from cspdiag import pipeline
-from cspdiag.diagnostics import Report, SourceFile
+from cspdiag.base import Report, SourceFile
 from cspdiag.syntax import ast
-from cspdiag.syntax.formatter import format_tree
-from cspdiag.syntax.nesting import DEEPEST
+from cspdiag.syntax.format.formatter import format_tree
+from cspdiag.syntax.parse.nesting import DEEPEST
 from cspdiag.syntax.parser import parse
 
 LEVELS = DEEPEST - 1

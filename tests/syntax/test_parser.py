@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cspdiag.diagnostics import Report, SourceFile
+from cspdiag.base import Report, SourceFile
 from cspdiag.syntax import ast
 from cspdiag.syntax.parser import parse
 from tests.syntax.generate import program, text_of

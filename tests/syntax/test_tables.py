@@ -14,9 +14,9 @@ from hypothesis import strategies as st
 from lark import Lark
 from lark import logger as lark_logger
 
-from cspdiag import resources
-from cspdiag.syntax import tables
-from cspdiag.syntax.lexer import WORDS_OF_THEIR_PLACE
+from cspdiag.base import resources
+from cspdiag.syntax.parse import tables
+from cspdiag.syntax.parse.lexer import WORDS_OF_THEIR_PLACE
 from tests.syntax.generate import program, sprinkled
 
 SEEDS = st.integers(0, 2**40).map(Random)
@@ -81,7 +81,7 @@ def test_a_cache_that_cannot_be_written_is_none(monkeypatch: pytest.MonkeyPatch,
 def test_reading_a_program_does_not_import_lark() -> None:
     program_text = (
         "import sys\n"
-        "from cspdiag.diagnostics import Report, SourceFile\n"
+        "from cspdiag.base import Report, SourceFile\n"
         "from cspdiag.syntax.parser import parse\n"
         "parse(SourceFile('case.csp', 'const A = 1'), Report())\n"
         "print(sorted({'lark', 'numpy', 'networkx', 'jinja2', 'control'} & set(sys.modules)))\n"

@@ -6,18 +6,18 @@ from collections.abc import Sequence
 from typing import Any
 
 from cspdiag import pipeline
-from cspdiag.analyses.proofs.verdict import Limits
-from cspdiag.network.ir import Network
-from cspdiag.runtime.scheduler import Party, scheduler
-from cspdiag.simulate.package import LoadedPackage
-from cspdiag.simulate.replay.guided import Guided
-from cspdiag.simulate.replay.guided_result import GuidedRun
-from cspdiag.simulate.replay.guided_run import task_of
-from cspdiag.simulate.replay.guided_runtime import guidance, guided_runtime
-from cspdiag.simulate.replay.guided_script import Passed
-from cspdiag.simulate.replay.task_names import TaskNames, path_of
-from cspdiag.simulate.replay.trace import Trace, TraceStep
-from cspdiag.sources import read_source
+from cspdiag.base.sources import read_source
+from cspdiag.network.ir.network import Network
+from cspdiag.proofs.verdict import Limits
+from cspdiag.runtime.kernel.scheduler import Party, scheduler
+from cspdiag.simulate.run.package import LoadedPackage
+from cspdiag.verify.guided.guided import Guided
+from cspdiag.verify.guided.result import GuidedRun
+from cspdiag.verify.guided.run import task_of
+from cspdiag.verify.guided.runtime import guidance, guided_runtime
+from cspdiag.verify.guided.script import Passed
+from cspdiag.verify.runs.task_names import TaskNames, path_of
+from cspdiag.verify.runs.trace import Trace, TraceStep
 
 
 class _Record:

@@ -8,8 +8,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from random import Random
 
-from cspdiag.network.ir import Network
-from cspdiag.simulate.replay.decisions import Decisions
+from cspdiag.network.ir.network import Network
+from cspdiag.verify.replay.decisions import Decisions
 from tests.conformance.scheduler import Scheduler, Task
 from tests.conformance.specification import execute
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from cspdiag.simulate.replay import guided
+from cspdiag.verify.guided import guided
 from tests.verifying import answer_to, refuted
 
 

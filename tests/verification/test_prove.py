@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from cspdiag.analyses.proofs import portfolio
-from cspdiag.analyses.proofs.verdict import Limits
-from cspdiag.analyses.verification.prove import prove
-from cspdiag.analyses.verification.question import Question
-from cspdiag.diagnostics import SourceFile, Span
+from cspdiag.base import SourceFile, Span
+from cspdiag.proofs import portfolio
+from cspdiag.proofs.answers.prove import prove
+from cspdiag.proofs.answers.question import Question
+from cspdiag.proofs.verdict import Limits
 from tests.analyses.proofs import known
 from tests.verifying import answers_to
 

@@ -12,9 +12,9 @@ from random import Random
 import pytest
 
 from cspdiag import pipeline
-from cspdiag.analyses.proofs.verdict import Limits
-from cspdiag.diagnostics import SourceFile
-from cspdiag.simulate.verify import Verifier
+from cspdiag.base import SourceFile
+from cspdiag.proofs.verdict import Limits
+from cspdiag.verify.confirm import Verifier
 from tests.verification.refinement_oracle import Sight, refines
 from tests.verification.small_processes import HEAD, INPUTS, OUTPUTS, Drawing, Statement, erased, process
 

@@ -7,13 +7,13 @@ from dataclasses import replace
 import pytest
 
 from cspdiag import pipeline
-from cspdiag.analyses.counterexamples.counterexample import counterexample
-from cspdiag.analyses.proofs import breadth_first
-from cspdiag.analyses.proofs.verdict import Limits, Refuted
-from cspdiag.diagnostics import SourceFile
-from cspdiag.simulate.replay.trace import Trace, TraceStep, read_trace
-from cspdiag.simulate.verify import Verifier, replayed, trace_of
-from cspdiag.sources import read_source
+from cspdiag.base import SourceFile
+from cspdiag.base.sources import read_source
+from cspdiag.proofs.counterexamples.counterexample import counterexample
+from cspdiag.proofs.search import breadth_first
+from cspdiag.proofs.verdict import Limits, Refuted
+from cspdiag.verify.confirm import Verifier, replayed, trace_of
+from cspdiag.verify.runs.trace import Trace, TraceStep, read_trace
 from tests.models.programs import MODELS
 from tests.properties.drawing import draw_programs
 from tests.verifying import answers_to
@@ -204,8 +204,8 @@ def test_refutations_of_random_programs_replay() -> None:
 
 
 def _trace(found: object, process: str) -> Trace:
-    from cspdiag.analyses.counterexamples.encode import encoded
-    from cspdiag.simulate.replay.trace import trace_text
+    from cspdiag.proofs.counterexamples.encode import encoded
+    from cspdiag.verify.runs.trace import trace_text
 
     return read_trace(trace_text(encoded(found), process, "", {}, []))  # type: ignore[arg-type]
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 import pytest
 
 from cspdiag import pipeline
-from cspdiag.analyses.proofs.verdict import Limits
-from cspdiag.analyses.transitions.told_apart import AsSpecification
-from cspdiag.diagnostics import SourceFile
-from cspdiag.simulate.replay.refinement import judge
-from cspdiag.simulate.replay.rest import Resting
-from cspdiag.simulate.verify import Verifier
-from cspdiag.sources import read_source
+from cspdiag.base import SourceFile
+from cspdiag.base.sources import read_source
+from cspdiag.proofs.transitions.told_apart import AsSpecification
+from cspdiag.proofs.verdict import Limits
+from cspdiag.verify.confirm import Verifier
+from cspdiag.verify.replay.refinement import judge
+from cspdiag.verify.replay.rest import Resting
 from tests.verifying import answers_to
 
 TEXT = """process Lights(least: int) {

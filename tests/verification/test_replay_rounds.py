@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from cspdiag.simulate.replay import rounds
+from cspdiag.verify.replay import rounds
 from tests.cli.conftest import Command, cspdiag  # noqa: F401 - a fixture
 from tests.verifying import answers_to
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from cspdiag.model.types import INT, TimeType, Type
-from cspdiag.simulate.replay.values import Values
+from cspdiag.verify.runs.values import Values
 from tests.cli.conftest import Command, cspdiag  # noqa: F401 - a fixture
 from tests.verifying import answers_to
 

@@ -6,9 +6,9 @@ from collections import Counter
 from random import Random
 
 from cspdiag import pipeline
-from cspdiag.analyses.proofs.verdict import Limits
-from cspdiag.diagnostics import SourceFile
-from cspdiag.simulate.verify import Verifier
+from cspdiag.base import SourceFile
+from cspdiag.proofs.verdict import Limits
+from cspdiag.verify.confirm import Verifier
 from tests.properties.drawing import draw_programs
 from tests.verification.real_runs import followed
 from tests.verification.schedules import TooManyError, endings, small_program

@@ -7,14 +7,14 @@ import shutil
 
 import pytest
 
-from cspdiag.analyses.proofs.breadth_first import count
-from cspdiag.analyses.proofs.verdict import Limits, Proved, Refuted, Unknown
-from cspdiag.analyses.transitions.dump import dump
-from cspdiag.analyses.transitions.system import INTERNAL, Component, Event, System
 from cspdiag.codegen.cspm.package import cspm
 from cspdiag.codegen.promela.package import commands, numbers_of_commands, promela
-from cspdiag.codegen.target_error import TargetError
-from cspdiag.simulate.spin import SpinError, deadlock_free
+from cspdiag.codegen.shared.target_error import TargetError
+from cspdiag.proofs.search.breadth_first import count
+from cspdiag.proofs.transitions.systems.dump import dump
+from cspdiag.proofs.transitions.systems.system import INTERNAL, Component, Event, System
+from cspdiag.proofs.verdict import Limits, Proved, Refuted, Unknown
+from cspdiag.verify.spin import SpinError, deadlock_free
 from tests.analyses.proofs import known, naive
 from tests.analyses.proofs.random_systems import random_system
 

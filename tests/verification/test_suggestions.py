@@ -7,17 +7,17 @@ from pathlib import Path
 import pytest
 
 from cspdiag import pipeline
-from cspdiag.analyses.counterexamples.suggestion import Suggestion
-from cspdiag.analyses.counterexamples.words import waiting_lines
-from cspdiag.analyses.proofs.verdict import Limits
-from cspdiag.analyses.verification.answer import Answer
-from cspdiag.analyses.verification.diagnostics import diagnostic_of
-from cspdiag.diagnostics import Report, SourceFile, Span
-from cspdiag.simulate import suggest
-from cspdiag.simulate.verify import Verifier
+from cspdiag.base import Report, SourceFile, Span
+from cspdiag.proofs.answers.answer import Answer
+from cspdiag.proofs.answers.findings import diagnostic_of
+from cspdiag.proofs.counterexamples.suggestion import Suggestion
+from cspdiag.proofs.counterexamples.words import waiting_lines
+from cspdiag.proofs.verdict import Limits
 from cspdiag.syntax import ast
-from cspdiag.syntax.formatter import format_tree
+from cspdiag.syntax.format.formatter import format_tree
 from cspdiag.syntax.parser import parse
+from cspdiag.verify import suggest
+from cspdiag.verify.confirm import Verifier
 
 DINING = {
     name: (Path(__file__).parents[2] / "models/dining" / name).read_text() for name in ("deadlock.csp", "table.csp")

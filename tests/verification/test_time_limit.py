@@ -8,13 +8,13 @@ from contextlib import contextmanager
 import pytest
 
 from cspdiag import pipeline
-from cspdiag.analyses.proofs.verdict import Limits
-from cspdiag.cli.alarm import ended_by_alarm
-from cspdiag.diagnostics import SourceFile
-from cspdiag.simulate import suggest
-from cspdiag.simulate.replay import attempt, attempts
-from cspdiag.simulate.replay.trace import Trace
-from cspdiag.simulate.verify import Verifier, replayed
+from cspdiag.base import SourceFile
+from cspdiag.cli.support.alarm import ended_by_alarm
+from cspdiag.proofs.verdict import Limits
+from cspdiag.verify import suggest
+from cspdiag.verify.confirm import Verifier, replayed
+from cspdiag.verify.replay import attempt, attempts
+from cspdiag.verify.runs.trace import Trace
 
 ENDLESS = """process Writes {
   out c : int

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from cspdiag.analyses.counterexamples.table import table
-from cspdiag.analyses.counterexamples.words import waiting_lines
+from cspdiag.proofs.counterexamples.table import table
+from cspdiag.proofs.counterexamples.words import waiting_lines
 from tests.verifying import answer_to
 
 BUFFERED = """process Client {

@@ -11,9 +11,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, assert_never
 
-from cspdiag.model import arithmetic
+from cspdiag.model.constants import arithmetic
 from cspdiag.model.types import IntType, RealType, StructType
-from cspdiag.network.expressions import (
+from cspdiag.network.ir.expressions import (
     ArrayElements,
     BinaryOperation,
     ConditionalValue,
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
     Slope = numpy.ndarray[tuple[int, ...], numpy.dtype[numpy.float64]]
 
-from cspdiag.diagnostics import Span
+from cspdiag.base import Span
 
 
 class NotLinearError(Exception):

@@ -9,8 +9,8 @@ from cspdiag.analyses.margins.law import Leaf
 from cspdiag.analyses.margins.linear import NotLinearError, Simplification
 from cspdiag.analyses.margins.margin import Margins, margins, minimal
 from cspdiag.analyses.margins.system import Cut, Loops, OpenLoop
-from cspdiag.diagnostics import Span
-from cspdiag.network.ir import Environment, Network
+from cspdiag.base import Span
+from cspdiag.network.ir.network import Environment, Network
 
 MOTIONS = (0.1, 1.0, 10.0)
 """Speeds, in their units, at which a plant is looked at that does not answer at rest."""

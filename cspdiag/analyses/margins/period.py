@@ -12,8 +12,8 @@ from typing import Literal
 
 from cspdiag.analyses.margins.margin import margins, stability
 from cspdiag.analyses.margins.system import OpenLoop
-from cspdiag.network.expressions import LiteralValue
-from cspdiag.network.ir import Network, ProcessClass
+from cspdiag.network.ir.expressions import LiteralValue
+from cspdiag.network.ir.network import Network, ProcessClass
 
 Variant = Callable[[Mapping[str, int]], "OpenLoop | None"]
 """A loop with constants set, in nanoseconds; None where the program has no such loop then."""

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from cspdiag.analyses.margins.loops import LoopReport
-from cspdiag.diagnostics.render_json import place
+from cspdiag.base.render.json import place
 
 
 def as_json(report: LoopReport, periods: Mapping[str, tuple[int | None, str]] | None = None) -> dict[str, Any]:

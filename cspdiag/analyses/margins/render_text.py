@@ -6,9 +6,9 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 
 from cspdiag.analyses.margins.loops import AnalysedLoop, LoopReport
-from cspdiag.diagnostics import Span
-from cspdiag.diagnostics.snippet import on_one_line
-from cspdiag.model.durations import rounded
+from cspdiag.base import Span
+from cspdiag.base.render.snippet import on_one_line
+from cspdiag.model.constants.durations import rounded
 
 
 def table(report: LoopReport, periods: Mapping[str, tuple[int | None, str]] | None = None) -> str:

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from cspdiag.network.actions import (
+from cspdiag.network.elaborate.constant_value import constant_value
+from cspdiag.network.ir.actions import (
     Action,
     CatchException,
     ChannelEnd,
@@ -24,9 +25,8 @@ from cspdiag.network.actions import (
     SequentialSteps,
     WhileLoop,
 )
-from cspdiag.network.constant_value import constant_value
-from cspdiag.network.expressions import Value
-from cspdiag.network.ir import ConstantEnd, Network, ProcessClass
+from cspdiag.network.ir.expressions import Value
+from cspdiag.network.ir.network import ConstantEnd, Network, ProcessClass
 
 Branching = tuple[str, int]
 """A step down the composition: ``parallel``, ``loop`` or ``other``, and which part."""

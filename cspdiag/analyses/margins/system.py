@@ -15,7 +15,7 @@ from cspdiag.analyses.margins.law import Leaf, LinearLaw, linearize
 from cspdiag.analyses.margins.linear import NotLinearError
 from cspdiag.analyses.margins.steps import advanced, combined
 from cspdiag.analyses.margins.structure import Structure, end_name, standing_inputs
-from cspdiag.network.ir import Environment, Network, SubmodelClass
+from cspdiag.network.ir.network import Environment, Network, SubmodelClass
 
 if TYPE_CHECKING:
     import numpy

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from cspdiag.analyses.timing.flow import Missing
+from cspdiag.analyses.timing.flow.graph import Missing
 from cspdiag.analyses.timing.task import Task
-from cspdiag.diagnostics import Span
-from cspdiag.model.durations import rounded
+from cspdiag.base import Span
+from cspdiag.model.constants.durations import rounded
 
 
 @dataclass(frozen=True)

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from cspdiag.analyses.transitions.system import INTERNAL, System
-from cspdiag.codegen.identifiers import distinct
-from cspdiag.codegen.models import system_of
-from cspdiag.codegen.plain_text import one_line
-from cspdiag.network.ir import Network
+from cspdiag.codegen.shared.identifiers import distinct
+from cspdiag.codegen.shared.models import system_of
+from cspdiag.codegen.shared.plain_text import one_line
+from cspdiag.network.ir.network import Network
+from cspdiag.proofs.transitions.systems.system import INTERNAL, System
 
 
 def generate(network: Network) -> dict[str, str]:

@@ -11,12 +11,12 @@ from collections.abc import Iterator
 from itertools import product
 from math import prod
 
-from cspdiag.analyses.transitions.system import INTERNAL, Component, System
-from cspdiag.codegen.identifiers import distinct
-from cspdiag.codegen.models import system_of
-from cspdiag.codegen.plain_text import one_line
-from cspdiag.codegen.target_error import TargetError
-from cspdiag.network.ir import Network
+from cspdiag.codegen.shared.identifiers import distinct
+from cspdiag.codegen.shared.models import system_of
+from cspdiag.codegen.shared.plain_text import one_line
+from cspdiag.codegen.shared.target_error import TargetError
+from cspdiag.network.ir.network import Network
+from cspdiag.proofs.transitions.systems.system import INTERNAL, Component, System
 
 MOST_COMMANDS = 250_000
 """A model of more is refused: SPIN and the C compiler take gigabytes for it, and its text alone some hundreds of megabytes."""

@@ -7,15 +7,15 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from cspdiag.diagnostics import Span
+from cspdiag.base import Span
 from cspdiag.draw.book.highlight import Piece, highlighted
 from cspdiag.draw.elements.communication import Drawn
 from cspdiag.draw.elements.diagram import FlowKind
 from cspdiag.draw.elements.texts import optional, written
+from cspdiag.draw.output.svg import embedded_svg
 from cspdiag.draw.pictures import Pictures, Wish
-from cspdiag.draw.scene import Group, Scene
-from cspdiag.draw.scene_geometry import fitted
-from cspdiag.draw.svg import embedded_svg
+from cspdiag.draw.scene.scene_geometry import fitted
+from cspdiag.draw.scene.shapes import Group, Scene
 from cspdiag.model.program import Program
 from cspdiag.syntax import ast
 

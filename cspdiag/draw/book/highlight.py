@@ -8,8 +8,8 @@ from functools import cache
 from re import Match
 
 from cspdiag.model.symbols import TYPE_NAMES
-from cspdiag.syntax.lexer import WORDS_OF_THEIR_PLACE, Scanner
-from cspdiag.syntax.tables import load
+from cspdiag.syntax.parse.lexer import WORDS_OF_THEIR_PLACE, Scanner
+from cspdiag.syntax.parse.tables import load
 
 _KINDS = {"QUANTITY": "number", "DURATION": "number", "NUMBER": "number", "STRING": "string"}
 

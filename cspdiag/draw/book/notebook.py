@@ -5,13 +5,13 @@ from __future__ import annotations
 from html import escape
 from typing import TYPE_CHECKING
 
+from cspdiag.draw.output.svg import render_svg
 from cspdiag.draw.pictures import Pictures
-from cspdiag.draw.svg import render_svg
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from cspdiag.diagnostics import Diagnostic
+    from cspdiag.base import Diagnostic
     from cspdiag.model.program import Program
 
 
@@ -20,7 +20,7 @@ def notebook(program: Program | None, found: Sequence[Diagnostic]) -> str | None
 
     ``program`` is None where it cannot be read. What has errors is drawn as far as it can be read, with marks. Raises what ``lay_out`` raises.
     """
-    from cspdiag.diagnostics.render_text import render
+    from cspdiag.base.render.text import render
 
     parts = [f"<pre>{escape(render(found))}</pre>"] if found else []
     if program is not None:

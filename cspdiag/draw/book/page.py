@@ -6,11 +6,11 @@ import os
 from itertools import groupby
 
 from cspdiag import __version__
+from cspdiag.base.resources import template_folder
 from cspdiag.draw.book.chapters import anchor, chapters, declarations
-from cspdiag.draw.palette import MONO, SANS, Scheme
+from cspdiag.draw.output.svg import custom_properties, ink_rules, visible
 from cspdiag.draw.pictures import Pictures
-from cspdiag.draw.svg import custom_properties, ink_rules, visible
-from cspdiag.resources import template_folder
+from cspdiag.draw.scene.palette import MONO, SANS, Scheme
 
 
 def _visible(value: object) -> object:

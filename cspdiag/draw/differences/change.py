@@ -6,8 +6,8 @@ import re
 from collections.abc import Iterable, Mapping
 from typing import Literal, TypeAlias
 
-from cspdiag.diagnostics import Span
-from cspdiag.diagnostics.record import record, replaced
+from cspdiag.base import Span
+from cspdiag.base.record import record, replaced
 from cspdiag.draw.elements.texts import same_text
 
 Action: TypeAlias = Literal["added", "removed", "changed", "renamed"]

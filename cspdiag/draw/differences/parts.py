@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
+from cspdiag.draw.communication.tooltips import WORDS
 from cspdiag.draw.differences.change import Part, Parts
 from cspdiag.draw.elements import texts
 from cspdiag.draw.elements.diagram import Arrow, Box, CommunicationDiagram, FlowKind, ParentPort, Store
-from cspdiag.draw.tooltips import WORDS
-from cspdiag.model.durations import duration
+from cspdiag.model.constants.durations import duration
 from cspdiag.syntax import ast
 
 KINDS: dict[type[ast.Node], str] = {

@@ -5,17 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import TypeVar
 
-from cspdiag.diagnostics.record import replaced
+from cspdiag.base.record import replaced
 from cspdiag.draw.annotations import Note, heading, notes
-from cspdiag.draw.communication import draw_communication
-from cspdiag.draw.composition import draw_composition
+from cspdiag.draw.communication.diagram import draw_communication
+from cspdiag.draw.composition.diagram import draw_composition
 from cspdiag.draw.differences.change import Action, Change
 from cspdiag.draw.differences.programs import Difference, Pair
 from cspdiag.draw.differences.render_text import sentence, told
 from cspdiag.draw.elements.diagram import Arrow, Box, CommunicationDiagram, Element
 from cspdiag.draw.elements.marks import WHOLE, Mark, MarkKind
-from cspdiag.draw.scene import Face, Group, Item, Run, Scene
-from cspdiag.draw.scene_geometry import bounds, fitted, moved, stacked
+from cspdiag.draw.scene.scene_geometry import bounds, fitted, moved, stacked
+from cspdiag.draw.scene.shapes import Face, Group, Item, Run, Scene
 
 _MARKS: dict[Action, MarkKind] = {"added": "added", "removed": "removed", "changed": "changed", "renamed": "changed"}
 _GAP = 14.0

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from cspdiag.diagnostics.record import replaced
+from cspdiag.base.record import replaced
 from cspdiag.draw.differences.change import Change, compare
 from cspdiag.draw.differences.parts import KINDS, definition_parts, diagram_parts
 from cspdiag.draw.differences.renames import pairs, renamed, vertex_renames, with_matched_arrows

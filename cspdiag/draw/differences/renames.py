@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable, Iterable, Mapping
 from typing import TypeVar
 
-from cspdiag.diagnostics.record import replaced
+from cspdiag.base.record import replaced
 from cspdiag.draw.elements.diagram import Arrow, Box, CommunicationDiagram, End, ParentPort, Sink, Store, Value, Vertex
 
 T = TypeVar("T")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable
 
-from cspdiag.diagnostics.render_json import place
+from cspdiag.base.render.json import place
 from cspdiag.draw.differences.change import Change
 
 

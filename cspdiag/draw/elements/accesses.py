@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from cspdiag.diagnostics import Span
-from cspdiag.diagnostics.record import record
+from cspdiag.base import Span
+from cspdiag.base.record import record
 from cspdiag.draw.elements import texts
 from cspdiag.model.program import EndLabelSymbol, Program
 from cspdiag.network.syntax_walk import names, nodes

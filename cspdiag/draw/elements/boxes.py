@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from cspdiag.diagnostics.record import replaced
+from cspdiag.base.record import replaced
 from cspdiag.draw.elements import texts
 from cspdiag.draw.elements.diagram import Box, BoxKind, BoxPort, End
 from cspdiag.draw.elements.facts import Facts
 from cspdiag.model.program import Program
-from cspdiag.network.ir import Direction
+from cspdiag.network.ir.network import Direction
 from cspdiag.syntax import ast
 
 WithPorts = ast.ProcessDefinition | ast.SubmodelDefinition | ast.DriverDefinition

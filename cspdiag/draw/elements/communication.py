@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TypeAlias, assert_never
 
-from cspdiag.diagnostics import Span
-from cspdiag.diagnostics.record import replaced
+from cspdiag.base import Span
+from cspdiag.base.record import replaced
 from cspdiag.draw.elements import texts
 from cspdiag.draw.elements.accesses import Access, accesses
 from cspdiag.draw.elements.boxes import Boxes
@@ -23,7 +23,7 @@ from cspdiag.draw.elements.diagram import (
 )
 from cspdiag.draw.elements.facts import NOTHING, Facts, Flow
 from cspdiag.model.program import Program
-from cspdiag.network.ir import Direction
+from cspdiag.network.ir.network import Direction
 from cspdiag.syntax import ast
 
 Drawn: TypeAlias = ast.ProcessDefinition | ast.EnvironmentDefinition

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from itertools import takewhile
 from typing import Literal, TypeAlias, cast
 
-from cspdiag.diagnostics import Span
+from cspdiag.base import Span
 from cspdiag.draw.elements.composition import (
     OPERATORS,
     Activity,
@@ -34,7 +34,7 @@ from cspdiag.draw.elements.composition import (
 )
 from cspdiag.draw.elements.marks import Mark
 from cspdiag.draw.elements.texts import same_text, squeezed, written_span
-from cspdiag.syntax.nesting import room_to_recurse
+from cspdiag.syntax.parse.nesting import room_to_recurse
 
 Action: TypeAlias = Literal["added", "removed", "changed"]
 _Content: TypeAlias = tuple[object, ...]

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Literal, TypeAlias, TypeVar
 
-from cspdiag.diagnostics.record import record, replaced
+from cspdiag.base.record import record, replaced
 from cspdiag.draw.elements.diagram import BoxKind, Element
 
 ActivityForm: TypeAlias = Literal["run", "read", "write", "assign", "skip", "stop", "wait", "reset", "raise"]

@@ -9,9 +9,9 @@ from __future__ import annotations
 
 from typing import Literal, TypeAlias
 
-from cspdiag.diagnostics import Span
-from cspdiag.diagnostics.record import record
-from cspdiag.network.ir import Direction
+from cspdiag.base import Span
+from cspdiag.base.record import record
+from cspdiag.network.ir.network import Direction
 
 BoxKind: TypeAlias = Literal["process", "submodel", "driver", "unknown"]
 """``unknown``: the definition is missing, or cannot be read."""

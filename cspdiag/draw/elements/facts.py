@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, cast, get_args
 
-from cspdiag.diagnostics import Report
-from cspdiag.diagnostics.record import record
+from cspdiag.base import Report
+from cspdiag.base.record import record
 from cspdiag.draw.elements.diagram import FlowKind
 from cspdiag.network.shapes import UNKNOWN_PERIOD
 from cspdiag.syntax import ast
@@ -14,7 +14,7 @@ from cspdiag.syntax import ast
 if TYPE_CHECKING:
     from cspdiag.model.program import Program
     from cspdiag.network.analyse import Analysis
-    from cspdiag.network.contexts import Fact, Placed
+    from cspdiag.network.infer.contexts import Fact, Placed
 
 _FLOW_KINDS: tuple[str, ...] = get_args(FlowKind)
 
@@ -40,7 +40,7 @@ class Facts:
     """
 
     def __init__(self, program: Program, analysis: Analysis | None = None) -> None:
-        from cspdiag.network.lower import analysed
+        from cspdiag.network.lower.program import analysed
 
         known = analysed(program, Report()) if analysis is None else analysis
         self._ports: dict[tuple[ast.Node, str], list[Fact]] = {}

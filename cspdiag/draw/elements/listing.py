@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from typing import assert_never
 
 from cspdiag.draw.elements.diagram import Arrow, Box, CommunicationDiagram, ParentPort, Sink, Store, Value, Vertex
-from cspdiag.model.durations import duration
+from cspdiag.model.constants.durations import duration
 
 
 def listing(diagram: CommunicationDiagram) -> str:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Literal, TypeAlias
 
-from cspdiag.diagnostics import Diagnostic, Span
-from cspdiag.diagnostics.record import record
+from cspdiag.base import Diagnostic, Span
+from cspdiag.base.record import record
 
 MarkKind: TypeAlias = Literal["error", "warning", "added", "removed", "changed", "highlighted"]
 

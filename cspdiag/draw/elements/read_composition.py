@@ -28,7 +28,7 @@ from cspdiag.draw.elements.composition import (
 from cspdiag.draw.elements.diagram import BoxKind
 from cspdiag.draw.elements.texts import optional, replicator, written
 from cspdiag.syntax import ast
-from cspdiag.syntax.nesting import room_to_recurse
+from cspdiag.syntax.parse.nesting import room_to_recurse
 
 Definitions: TypeAlias = Mapping[str, ast.Definition]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 
-from cspdiag.diagnostics import Span
+from cspdiag.base import Span
 from cspdiag.syntax import ast
 
 _WORDS = re.compile(r"\w\s+\w")

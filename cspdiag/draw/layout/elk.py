@@ -5,12 +5,12 @@ from __future__ import annotations
 from contextlib import suppress
 from dataclasses import dataclass, field
 
-from cspdiag.draw.geometry import Point, Rectangle
 from cspdiag.draw.layout import engine, sizes
 from cspdiag.draw.layout.graph import Edge, Graph, Label, Layout, LayoutError, Route, Side
 from cspdiag.draw.layout.hierarchy import Hierarchy
 from cspdiag.draw.layout.joined import joined
 from cspdiag.draw.layout.question import LABEL_GAP, Json, Question, question, whole, without_text_order, wrapped
+from cspdiag.draw.scene.geometry import Point, Rectangle
 
 WIDEST = 2400.0
 WIDEST_SHAPE = 6.0

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum
 
-from cspdiag.draw.geometry import Point, Rectangle
+from cspdiag.draw.scene.geometry import Point, Rectangle
 
 
 class Side(Enum):

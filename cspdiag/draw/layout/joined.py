@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import pairwise
 
-from cspdiag.draw.geometry import Point
 from cspdiag.draw.layout.graph import Route, Section
+from cspdiag.draw.scene.geometry import Point
 
 _Step = tuple[Point, Point]
 

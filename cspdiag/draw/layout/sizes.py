@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from math import ceil
 
-from cspdiag.draw.geometry import Point, Rectangle
 from cspdiag.draw.layout.graph import Node, Padding, Port, Side
+from cspdiag.draw.scene.geometry import Point, Rectangle
 
 BORDER_GAP = 8.0
 """Between the border of a box and what stands in it."""

@@ -16,7 +16,7 @@ from functools import cache, cached_property
 from hashlib import sha256
 from pathlib import Path
 
-from cspdiag.caches import cache_folder
+from cspdiag.base.caches import cache_folder
 
 REQUIRED = ("-std=c99", "-ffp-contract=off")
 """Whatever else is asked for: the values of a program are defined to the last bit."""

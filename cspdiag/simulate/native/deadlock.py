@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from cspdiag.network.ir import Network
+from cspdiag.network.ir.network import Network
 from cspdiag.simulate.native.stream import WaitingRecord
 
 if TYPE_CHECKING:

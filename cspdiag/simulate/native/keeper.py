@@ -7,8 +7,8 @@ import subprocess
 import threading
 import time
 
-from cspdiag.runtime.signals import left_to_the_main_thread, name_of_signal
-from cspdiag.runtime.stopping import stopping
+from cspdiag.runtime.kernel.signals import left_to_the_main_thread, name_of_signal
+from cspdiag.runtime.kernel.stopping import stopping
 
 PATIENCE = 2.0
 """Seconds that a native program has to end, once a signal has come or it has told its end."""

@@ -6,7 +6,7 @@ import os
 import threading
 import time
 
-from cspdiag.runtime.signals import left_to_the_main_thread
+from cspdiag.runtime.kernel.signals import left_to_the_main_thread
 
 
 class Looks:

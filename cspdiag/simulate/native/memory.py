@@ -8,8 +8,8 @@ from collections.abc import Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
-from cspdiag.codegen.c.sizes import PREFIX, SizeQuestions, Sizes
-from cspdiag.network.ir import Network
+from cspdiag.codegen.c.package.sizes import PREFIX, SizeQuestions, Sizes
+from cspdiag.network.ir.network import Network
 from cspdiag.simulate.native.build import Build, CompilerError
 
 _PROBE = "sizes_probe.c"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable
 
-from cspdiag.network.ir import Network, SubmodelClass
+from cspdiag.network.ir.network import Network, SubmodelClass
 
 
 class Parties:

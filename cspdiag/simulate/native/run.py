@@ -10,22 +10,22 @@ from dataclasses import dataclass
 from io import BufferedIOBase
 from typing import TYPE_CHECKING, Literal
 
-from cspdiag.codegen.c.refusals import refuse_devices
-from cspdiag.network.ir import Environment, Network
+from cspdiag.codegen.c.package.refusals import refuse_devices
+from cspdiag.network.ir.network import Environment, Network
 from cspdiag.pipeline import Reader, generate
-from cspdiag.runtime.stopping import stopping
-from cspdiag.simulate.execute import chosen_environment
+from cspdiag.runtime.kernel.stopping import stopping
 from cspdiag.simulate.native.build import Build, CompilerError
 from cspdiag.simulate.native.deadlock import deadlock_report
 from cspdiag.simulate.native.keeper import Keeper
 from cspdiag.simulate.native.looks import Looks
 from cspdiag.simulate.native.stream import EndRecord, StreamReader
-from cspdiag.simulate.recorder import Recorder
+from cspdiag.simulate.record.recorder import Recorder
 from cspdiag.simulate.result import Run
+from cspdiag.simulate.run.execute import chosen_environment
 
 if TYPE_CHECKING:
     from cspdiag.runtime import Outcome
-    from cspdiag.runtime.outcome import Ending
+    from cspdiag.runtime.kernel.outcome import Ending
 
 Observed = Literal["all", "ports", "none"]
 """Which communications are told: recording a few is much faster than recording all."""
@@ -173,7 +173,7 @@ def _outcome(run: NativeRun, keeper: Keeper, environment: Environment | None, ne
 
 def _error(end: EndRecord, environment: Environment | None) -> BaseException:
     """The exception that the same program in Python ends with."""
-    from cspdiag.runtime.exceptions import EnvironmentFailure, Fault, Place, ProcessError, Timeout
+    from cspdiag.runtime.kernel.exceptions import EnvironmentFailure, Fault, Place, ProcessError, Timeout
 
     process, _, statement = end.place.partition(" (")
     place = Place(process, statement.removesuffix(")") or None) if process else None

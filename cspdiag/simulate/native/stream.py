@@ -8,10 +8,10 @@ from dataclasses import dataclass, field
 from io import BufferedIOBase
 
 from cspdiag.model.types import Type
-from cspdiag.network.ir import Network
+from cspdiag.network.ir.network import Network
 from cspdiag.simulate.native.parties import Parties
 from cspdiag.simulate.native.values import Decoder, decoder, layout
-from cspdiag.simulate.recorder import Recorder
+from cspdiag.simulate.record.recorder import Recorder
 
 _CHUNK = 1 << 16
 

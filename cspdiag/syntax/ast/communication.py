@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal, TypeAlias
 
-from cspdiag.diagnostics.record import node
+from cspdiag.base.record import node
 from cspdiag.syntax.ast.expressions import (
     Argument,
     Discard,

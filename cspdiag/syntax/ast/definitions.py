@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Literal, TypeAlias
 
-from cspdiag.diagnostics import SourceFile, Span
-from cspdiag.diagnostics.record import field_names, is_record, node
+from cspdiag.base import SourceFile, Span
+from cspdiag.base.record import field_names, is_record, node
 from cspdiag.syntax.ast.communication import Communication, Declaration, Instance, Ports
 from cspdiag.syntax.ast.composition import Composition
 from cspdiag.syntax.ast.expressions import (

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Literal, TypeAlias
 
-from cspdiag.diagnostics import Span
-from cspdiag.diagnostics.record import node
+from cspdiag.base import Span
+from cspdiag.base.record import node
 
 
 @node

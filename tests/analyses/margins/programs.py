@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from cspdiag.analyses.margins.loops import AnalysedLoop, LoopReport, analyse_loops
 from cspdiag.api import LoadedProgram
-from cspdiag.diagnostics import SourceFile
+from cspdiag.base import SourceFile
 
 INTEGRATOR = """
 const T = 10 ms

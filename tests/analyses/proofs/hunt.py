@@ -13,10 +13,12 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from cspdiag.analyses.proofs import breadth_first, livelock, minimization, stubborn, termination
-from cspdiag.analyses.proofs.portfolio import prove_deadlock_free, prove_knot_free
-from cspdiag.analyses.proofs.verdict import Limits, Method, Proved, Refuted, Unknown, Verdict
-from cspdiag.analyses.transitions.system import System
+from cspdiag.proofs.portfolio import prove_deadlock_free, prove_knot_free
+from cspdiag.proofs.properties import livelock, termination
+from cspdiag.proofs.reduce import minimization
+from cspdiag.proofs.search import breadth_first, stubborn
+from cspdiag.proofs.transitions.systems.system import System
+from cspdiag.proofs.verdict import Limits, Method, Proved, Refuted, Unknown, Verdict
 from tests.analyses.proofs import naive
 from tests.analyses.proofs.random_networks import FORMS, plain_knot, random_network
 from tests.analyses.proofs.random_systems import random_system

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from cspdiag.analyses.transitions.system import INTERNAL, Component, Event, EventKind, System
+from cspdiag.proofs.transitions.systems.system import INTERNAL, Component, Event, EventKind, System
 
 Table: TypeAlias = Mapping[str, Sequence[tuple[str, str]]]
 """For each state, its edges: the name of an event (``tau`` is internal) and the state after it. The first state is the initial one."""

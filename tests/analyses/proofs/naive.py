@@ -6,8 +6,8 @@ from collections.abc import Collection, Iterator, Sequence
 from itertools import combinations, product
 from typing import TypeAlias
 
-from cspdiag.analyses.proofs.verdict import Move
-from cspdiag.analyses.transitions.system import INTERNAL, System
+from cspdiag.proofs.transitions.systems.system import INTERNAL, System
+from cspdiag.proofs.verdict import Move
 
 State: TypeAlias = tuple[int, ...]
 

@@ -6,7 +6,7 @@ import random
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
-from cspdiag.analyses.transitions.system import INTERNAL, Component, Event, System
+from cspdiag.proofs.transitions.systems.system import INTERNAL, Component, Event, System
 from tests.analyses.proofs import naive
 
 Form: TypeAlias = Literal["cycles", "choices", "resources", "tokens", "anything"]

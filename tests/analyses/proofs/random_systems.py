@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from random import Random
 
-from cspdiag.analyses.transitions.system import INTERNAL, Component, Event, EventKind, System
+from cspdiag.proofs.transitions.systems.system import INTERNAL, Component, Event, EventKind, System
 
 
 def random_system(seed: int) -> System:

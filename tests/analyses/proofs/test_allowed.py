@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from cspdiag.analyses.proofs.allowed import Rest, violation
-from cspdiag.analyses.proofs.labels import Label, Labels
-from cspdiag.analyses.proofs.refinement_words import refused_too_much
-from cspdiag.analyses.proofs.verdict import LimitError, Limits
-from cspdiag.analyses.transitions.system import Component, Event, System
+from cspdiag.proofs.refine.allowed import Rest, violation
+from cspdiag.proofs.refine.labels import Label, Labels
+from cspdiag.proofs.refine.words import refused_too_much
+from cspdiag.proofs.transitions.systems.system import Component, Event, System
+from cspdiag.proofs.verdict import LimitError, Limits
 from tests.analyses.proofs.known import compose, cycle
 
 ONE_PLACE = compose([cycle("buffer", "accept", "deliver")], visible=["accept", "deliver"])

@@ -6,10 +6,10 @@ from math import comb
 
 import pytest
 
-from cspdiag.analyses.proofs.breadth_first import count, deadlock_free, explore, knot_free
-from cspdiag.analyses.proofs.packing import Flags, Packing, Words
-from cspdiag.analyses.proofs.verdict import Limits, Proved, Refuted, Unknown
-from cspdiag.analyses.transitions.system import INTERNAL, Component, System
+from cspdiag.proofs.search.breadth_first import count, deadlock_free, explore, knot_free
+from cspdiag.proofs.search.packing import Flags, Packing, Words
+from cspdiag.proofs.transitions.systems.system import INTERNAL, Component, System
+from cspdiag.proofs.verdict import Limits, Proved, Refuted, Unknown
 from tests.analyses.proofs import known
 from tests.analyses.proofs.naive import replay
 

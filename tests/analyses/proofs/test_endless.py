@@ -7,11 +7,11 @@ from types import SimpleNamespace
 
 import pytest
 
-from cspdiag.analyses.proofs import verdict
-from cspdiag.analyses.proofs.livelock import livelock_free
-from cspdiag.analyses.proofs.termination import terminates
-from cspdiag.analyses.proofs.verdict import Limits, Proved, Refuted, Unknown
-from cspdiag.analyses.transitions.system import EventKind, System
+from cspdiag.proofs import verdict
+from cspdiag.proofs.properties.livelock import livelock_free
+from cspdiag.proofs.properties.termination import terminates
+from cspdiag.proofs.transitions.systems.system import EventKind, System
+from cspdiag.proofs.verdict import Limits, Proved, Refuted, Unknown
 from tests.analyses.proofs import known
 from tests.analyses.proofs.known import Machine, compose, cycle
 from tests.analyses.proofs.naive import replay

@@ -7,15 +7,15 @@ import time
 
 import pytest
 
-from cspdiag.analyses.proofs import invariants
-from cspdiag.analyses.proofs.invariants import by_invariants
-from cspdiag.analyses.proofs.invariants_basis import invariants_with_equality
-from cspdiag.analyses.proofs.invariants_problem import problem_of
-from cspdiag.analyses.proofs.invariants_process import WeightsProcess
-from cspdiag.analyses.proofs.pairs import Structure
-from cspdiag.analyses.proofs.question import Question
-from cspdiag.analyses.proofs.sat import by_sat
-from cspdiag.analyses.proofs.verdict import Limits, Proved, Unknown
+from cspdiag.proofs.question import Question
+from cspdiag.proofs.sat import invariants
+from cspdiag.proofs.sat.deadlock import by_sat
+from cspdiag.proofs.sat.invariants import by_invariants
+from cspdiag.proofs.sat.invariants_basis import invariants_with_equality
+from cspdiag.proofs.sat.invariants_problem import problem_of
+from cspdiag.proofs.sat.invariants_process import WeightsProcess
+from cspdiag.proofs.search.pairs import Structure
+from cspdiag.proofs.verdict import Limits, Proved, Unknown
 from tests.analyses.proofs import known, naive
 from tests.analyses.proofs.known import counted_meals, table_with_butler
 from tests.analyses.proofs.random_networks import FORMS, random_network

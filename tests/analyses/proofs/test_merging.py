@@ -6,12 +6,12 @@ from dataclasses import replace
 
 import pytest
 
-from cspdiag.analyses.proofs.merging import representatives
-from cspdiag.analyses.proofs.pairs import Structure
-from cspdiag.analyses.proofs.portfolio import prove_deadlock_free, prove_knot_free
-from cspdiag.analyses.proofs.rules_runs import moves_of, the_run
-from cspdiag.analyses.proofs.verdict import Limits, Proved, Refuted
-from cspdiag.analyses.transitions.system import Edge, System
+from cspdiag.proofs.portfolio import prove_deadlock_free, prove_knot_free
+from cspdiag.proofs.rules.runs import moves_of, the_run
+from cspdiag.proofs.search.merging import representatives
+from cspdiag.proofs.search.pairs import Structure
+from cspdiag.proofs.transitions.systems.system import Edge, System
+from cspdiag.proofs.verdict import Limits, Proved, Refuted
 from tests.analyses.proofs import known, naive
 from tests.analyses.proofs.random_networks import FORMS, plain_knot, random_network, truth
 

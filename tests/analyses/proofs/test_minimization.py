@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import pytest
 
-from cspdiag.analyses.proofs import minimization, parallel_machines
-from cspdiag.analyses.proofs.branching_bisimulation import Machine, minimized
-from cspdiag.analyses.proofs.parallel_machines import Pairs, part_of, without_the_restless
-from cspdiag.analyses.proofs.verdict import Limits, Proved, Refuted, Unknown
-from cspdiag.analyses.transitions.system import INTERNAL, System
+from cspdiag.proofs.reduce import minimization, parallel_machines
+from cspdiag.proofs.reduce.branching_bisimulation import Machine, minimized
+from cspdiag.proofs.reduce.parallel_machines import Pairs, part_of, without_the_restless
+from cspdiag.proofs.transitions.systems.system import INTERNAL, System
+from cspdiag.proofs.verdict import Limits, Proved, Refuted, Unknown
 from tests.analyses.proofs import known, naive
 
 FREE = {

@@ -7,11 +7,12 @@ from types import SimpleNamespace
 
 import pytest
 
-from cspdiag.analyses.proofs import sat_solver, verdict
-from cspdiag.analyses.proofs.pairs import Structure
-from cspdiag.analyses.proofs.portfolio import METHODS, prove_deadlock_free, prove_knot_free
-from cspdiag.analyses.proofs.verdict import LimitError, Limits, Method, Proved, Refuted, Unknown
-from cspdiag.analyses.transitions.system import System
+from cspdiag.proofs import verdict
+from cspdiag.proofs.portfolio import METHODS, prove_deadlock_free, prove_knot_free
+from cspdiag.proofs.sat import solver as sat_solver
+from cspdiag.proofs.search.pairs import Structure
+from cspdiag.proofs.transitions.systems.system import System
+from cspdiag.proofs.verdict import LimitError, Limits, Method, Proved, Refuted, Unknown
 from tests.analyses.proofs import known, naive
 from tests.analyses.proofs.random_networks import FORMS, plain_knot, random_network, truth
 from tests.analyses.proofs.random_systems import random_system

@@ -7,10 +7,10 @@ from typing import TypeAlias
 
 import pytest
 
-from cspdiag.analyses.proofs import reduction
-from cspdiag.analyses.proofs.refinement import refines_in_failures, refines_in_traces
-from cspdiag.analyses.proofs.verdict import Limits, Proved, Refuted, Unknown, Verdict
-from cspdiag.analyses.transitions.system import INTERNAL, Component, Event, System
+from cspdiag.proofs.reduce import reduction
+from cspdiag.proofs.refine.refinement import refines_in_failures, refines_in_traces
+from cspdiag.proofs.transitions.systems.system import INTERNAL, Component, Event, System
+from cspdiag.proofs.verdict import Limits, Proved, Refuted, Unknown, Verdict
 from tests.analyses.proofs import known, naive
 from tests.analyses.proofs.known import Machine, compose, cycle
 

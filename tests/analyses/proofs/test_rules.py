@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from cspdiag.analyses.proofs.question import Question
-from cspdiag.analyses.proofs.rules import by_rules
-from cspdiag.analyses.proofs.verdict import Limits, Proved, Refuted, Unknown, Verdict
-from cspdiag.analyses.transitions.system import System
+from cspdiag.proofs.question import Question
+from cspdiag.proofs.rules.deadlock import by_rules
+from cspdiag.proofs.transitions.systems.system import System
+from cspdiag.proofs.verdict import Limits, Proved, Refuted, Unknown, Verdict
 from tests.analyses.proofs import known, naive
 from tests.analyses.proofs.known import Machine, compose, cycle
 from tests.analyses.proofs.random_networks import FORMS, Form, plain_knot, random_network, truth

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from cspdiag.analyses.proofs import sat_solver
-from cspdiag.analyses.proofs.question import Question
-from cspdiag.analyses.proofs.sat import by_sat
-from cspdiag.analyses.proofs.verdict import Limits, Proved, Unknown
-from cspdiag.analyses.transitions.system import System
+from cspdiag.proofs.question import Question
+from cspdiag.proofs.sat import solver as sat_solver
+from cspdiag.proofs.sat.deadlock import by_sat
+from cspdiag.proofs.transitions.systems.system import System
+from cspdiag.proofs.verdict import Limits, Proved, Unknown
 from tests.analyses.proofs import known
 from tests.analyses.proofs.random_networks import FORMS, Form, random_network, truth
 

@@ -6,9 +6,11 @@ from collections.abc import Callable
 
 import pytest
 
-from cspdiag.analyses.proofs import breadth_first, cycles, livelock, minimization, reduction, stubborn, termination
-from cspdiag.analyses.proofs.verdict import Limits, Proved, Refuted, Verdict
-from cspdiag.analyses.transitions.system import System
+from cspdiag.proofs.properties import cycles, livelock, termination
+from cspdiag.proofs.reduce import minimization, reduction
+from cspdiag.proofs.search import breadth_first, stubborn
+from cspdiag.proofs.transitions.systems.system import System
+from cspdiag.proofs.verdict import Limits, Proved, Refuted, Verdict
 from tests.analyses.proofs import naive
 from tests.analyses.proofs.random_systems import random_system
 

@@ -8,10 +8,10 @@ from random import Random
 import numpy as np
 import pytest
 
-from cspdiag.analyses.proofs import state_table
-from cspdiag.analyses.proofs.packing import Words
-from cspdiag.analyses.proofs.state_table import StateTable
-from cspdiag.analyses.proofs.verdict import LimitError, Limits
+from cspdiag.proofs.search import state_table
+from cspdiag.proofs.search.packing import Words
+from cspdiag.proofs.search.state_table import StateTable
+from cspdiag.proofs.verdict import LimitError, Limits
 
 
 def batch(states: list[tuple[int, ...]], words: int) -> Words:

@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import pytest
 
-from cspdiag.analyses.proofs import stubborn
-from cspdiag.analyses.proofs.stuck_sets import Offers
-from cspdiag.analyses.proofs.verdict import Limits, Proved, Refuted, Unknown
-from cspdiag.analyses.transitions.system import INTERNAL, Component, System
+from cspdiag.proofs.search import stubborn
+from cspdiag.proofs.search.stuck_sets import Offers
+from cspdiag.proofs.transitions.systems.system import INTERNAL, Component, System
+from cspdiag.proofs.verdict import Limits, Proved, Refuted, Unknown
 from tests.analyses.proofs import known
 from tests.analyses.proofs.naive import deadlocked, replay
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from cspdiag.analyses.proofs.pairs import Structure
-from cspdiag.analyses.proofs.traps import Place, Traps
-from cspdiag.analyses.transitions.system import System
+from cspdiag.proofs.sat.traps import Place, Traps
+from cspdiag.proofs.search.pairs import Structure
+from cspdiag.proofs.transitions.systems.system import System
 from tests.analyses.proofs import known, naive
 from tests.analyses.proofs.random_networks import random_network
 

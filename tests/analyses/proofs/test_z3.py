@@ -10,11 +10,11 @@ from types import SimpleNamespace
 
 import pytest
 
-from cspdiag.analyses.proofs.portfolio import prove_deadlock_free, prove_knot_free
-from cspdiag.analyses.proofs.question import Question
-from cspdiag.analyses.proofs.sat import by_sat
-from cspdiag.analyses.proofs.sat_solver import SolverTimeoutError, find_solver
-from cspdiag.analyses.proofs.verdict import Limits, Proved, Refuted, Unknown
+from cspdiag.proofs.portfolio import prove_deadlock_free, prove_knot_free
+from cspdiag.proofs.question import Question
+from cspdiag.proofs.sat.deadlock import by_sat
+from cspdiag.proofs.sat.solver import SolverTimeoutError, find_solver
+from cspdiag.proofs.verdict import Limits, Proved, Refuted, Unknown
 from tests.analyses.proofs import known, naive
 from tests.analyses.proofs.random_networks import random_network, truth
 

@@ -11,7 +11,7 @@ import re
 from collections import Counter
 from dataclasses import dataclass, field
 
-from cspdiag.analyses.timing.report import timing_report
+from cspdiag.analyses.timing.report.timing import timing_report
 from tests.analyses.timing.judge import build, missed
 from tests.analyses.timing.meetings import Meetings
 from tests.analyses.timing.shapes import Shapes

@@ -12,11 +12,11 @@ from typing import Any, NoReturn
 
 import cspdiag.runtime.network
 from cspdiag import pipeline
-from cspdiag.diagnostics import SourceFile
-from cspdiag.network.ir import Network
+from cspdiag.base import SourceFile
+from cspdiag.network.ir.network import Network
 from cspdiag.runtime import SampledInput, Submodel
-from cspdiag.simulate.execute import simulate
-from cspdiag.simulate.probes import parts_of
+from cspdiag.simulate.run.execute import simulate
+from cspdiag.simulate.run.probes import parts_of
 from tests.alarm import alarm_after
 from tests.analyses.timing.processor import Processor, read, wcets
 

@@ -10,12 +10,12 @@ from typing import Any
 
 from cspdiag import pipeline
 from cspdiag.api import LoadedProgram
-from cspdiag.diagnostics import SourceFile
-from cspdiag.network.ir import Network, SubmodelClass
+from cspdiag.base import SourceFile
+from cspdiag.network.ir.network import Network, SubmodelClass
 from cspdiag.runtime import Submodel
-from cspdiag.simulate.execute import simulate
-from cspdiag.simulate.probes import parts_of
 from cspdiag.simulate.result import Run
+from cspdiag.simulate.run.execute import simulate
+from cspdiag.simulate.run.probes import parts_of
 
 
 class Processor:

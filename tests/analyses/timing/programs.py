@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from cspdiag.analyses.timing.report import timing_report
+from cspdiag.analyses.timing.report.timing import timing_report
 from cspdiag.analyses.timing.result import LoopTiming, TimingReport
 from cspdiag.api import LoadedProgram
-from cspdiag.diagnostics import SourceFile
-from cspdiag.network.ir import Network
+from cspdiag.base import SourceFile
+from cspdiag.network.ir.network import Network
 
 US = 1000
 MS = 1_000_000

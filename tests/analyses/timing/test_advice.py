@@ -8,12 +8,12 @@ from dataclasses import replace
 
 import pytest
 
-from cspdiag.analyses.timing.assignment import feasible_order
-from cspdiag.analyses.timing.demand import demand, meets_deadlines
-from cspdiag.analyses.timing.render_text import table
-from cspdiag.analyses.timing.response import response_times
-from cspdiag.analyses.timing.schedule import simulate
+from cspdiag.analyses.timing.report.render_text import table
 from cspdiag.analyses.timing.task import Task
+from cspdiag.analyses.timing.tasks.assignment import feasible_order
+from cspdiag.analyses.timing.tasks.demand import demand, meets_deadlines
+from cspdiag.analyses.timing.tasks.response import response_times
+from cspdiag.analyses.timing.tasks.schedule import simulate
 from tests.analyses.timing.programs import law, loops_of, report_of
 
 

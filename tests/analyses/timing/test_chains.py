@@ -9,9 +9,9 @@ from math import gcd
 import pytest
 
 import cspdiag.runtime.network
-from cspdiag.analyses.timing.report import timing_report
+from cspdiag.analyses.timing.report.timing import timing_report
 from cspdiag.analyses.timing.result import TimingReport
-from cspdiag.network.ir import Network
+from cspdiag.network.ir.network import Network
 from tests.analyses.timing.processor import Processor, run, wcets, with_bench
 from tests.analyses.timing.programs import MS, US, network_of
 

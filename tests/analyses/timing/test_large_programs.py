@@ -8,11 +8,11 @@ from typing import Any
 
 import pytest
 
-from cspdiag.analyses.timing import chains
-from cspdiag.analyses.timing.render_json import as_json
-from cspdiag.analyses.timing.render_text import table
-from cspdiag.analyses.timing.report import timing_report
-from cspdiag.network.ir import Network
+from cspdiag.analyses.timing.report import chains
+from cspdiag.analyses.timing.report.render_json import as_json
+from cspdiag.analyses.timing.report.render_text import table
+from cspdiag.analyses.timing.report.timing import timing_report
+from cspdiag.network.ir.network import Network
 from tests.analyses.timing.programs import US, law, loops_of, network_of
 
 

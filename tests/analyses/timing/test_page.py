@@ -5,10 +5,10 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from cspdiag.analyses.timing.gantt import gantt_svg
-from cspdiag.analyses.timing.render_text import table
-from cspdiag.diagnostics import Report, SourceFile
-from cspdiag.syntax.formatter import format_tree
+from cspdiag.analyses.timing.report.gantt import gantt_svg
+from cspdiag.analyses.timing.report.render_text import table
+from cspdiag.base import Report, SourceFile
+from cspdiag.syntax.format.formatter import format_tree
 from cspdiag.syntax.parser import parse
 from tests.analyses.timing.programs import report_of
 

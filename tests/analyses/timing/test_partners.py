@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import cspdiag
-from cspdiag.analyses.timing.report import timing_report
+from cspdiag.analyses.timing.report.timing import timing_report
 from tests.analyses.timing.programs import MS, US, by_name, law, report_of
 from tests.models.programs import MODELS
 from tests.verifying import answers_to

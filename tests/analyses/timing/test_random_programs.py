@@ -11,15 +11,15 @@ import pytest
 from cspdiag import pipeline
 from cspdiag.analyses.margins.linear import NotLinearError
 from cspdiag.analyses.margins.loops import analyse_loops
-from cspdiag.analyses.timing.gantt import gantt_svg
-from cspdiag.analyses.timing.render_json import render
-from cspdiag.analyses.timing.render_text import table
-from cspdiag.analyses.timing.report import timing_report
-from cspdiag.diagnostics import SourceFile
-from cspdiag.network.ir import Network, SubmodelClass
+from cspdiag.analyses.timing.report.gantt import gantt_svg
+from cspdiag.analyses.timing.report.render_json import render
+from cspdiag.analyses.timing.report.render_text import table
+from cspdiag.analyses.timing.report.timing import timing_report
+from cspdiag.base import SourceFile
+from cspdiag.network.ir.network import Network, SubmodelClass
 from cspdiag.runtime import Submodel
-from cspdiag.simulate.execute import simulate
-from cspdiag.simulate.probes import parts_of
+from cspdiag.simulate.run.execute import simulate
+from cspdiag.simulate.run.probes import parts_of
 from tests.properties.drawing import draw_programs
 
 

@@ -6,8 +6,8 @@ import random
 
 import pytest
 
-from cspdiag.analyses.timing.response import response_time, response_times
 from cspdiag.analyses.timing.task import Task
+from cspdiag.analyses.timing.tasks.response import response_time, response_times
 from tests.analyses.timing.oracle import worst_response
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import cspdiag.runtime.network
-from cspdiag.analyses.timing.report import timing_report
+from cspdiag.analyses.timing.report.timing import timing_report
 from tests.analyses.timing.processor import Processor, longest, wcets, with_bench
 from tests.analyses.timing.programs import MS, US, by_name, law, report_of
 

@@ -8,10 +8,10 @@ from contextlib import suppress
 import pytest
 
 import cspdiag.runtime.network
-from cspdiag.analyses.timing.diagnostics import diagnostic_of
-from cspdiag.analyses.timing.render_text import table
-from cspdiag.analyses.timing.report import timing_report
-from cspdiag.network.ir import Network
+from cspdiag.analyses.timing.report.diagnostics import diagnostic_of
+from cspdiag.analyses.timing.report.render_text import table
+from cspdiag.analyses.timing.report.timing import timing_report
+from cspdiag.network.ir.network import Network
 from tests.analyses.timing.processor import Processor, run, wcets, with_bench
 from tests.analyses.timing.programs import MS, US, law, loops_of, network_of, report_of
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from cspdiag import pipeline
-from cspdiag.analyses.transitions import transition_system
-from cspdiag.analyses.transitions.dump import dump
-from cspdiag.analyses.transitions.system import Component, System
-from cspdiag.diagnostics import SourceFile
-from cspdiag.diagnostics.render_text import render
+from cspdiag.base import SourceFile
+from cspdiag.base.render.text import render
+from cspdiag.proofs.transitions import transition_system
+from cspdiag.proofs.transitions.systems.dump import dump
+from cspdiag.proofs.transitions.systems.system import Component, System
 
 
 def _nothing(path: str) -> SourceFile:

@@ -7,10 +7,10 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import product
 from typing import Any
 
-from cspdiag.analyses.transitions.system import INTERNAL, Event, System
 from cspdiag.model.types import Type
-from cspdiag.network.dump_expression import value_text
-from cspdiag.network.ir import Network
+from cspdiag.network.dump.expression import value_text
+from cspdiag.network.ir.network import Network
+from cspdiag.proofs.transitions.systems.system import INTERNAL, Event, System
 from cspdiag.settings import parse_duration
 
 Communication = tuple[str, str]

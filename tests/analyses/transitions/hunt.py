@@ -12,12 +12,12 @@ from collections import Counter
 from collections.abc import Sequence
 from random import SystemRandom
 
-from cspdiag.analyses.proofs.portfolio import prove_deadlock_free
-from cspdiag.analyses.proofs.verdict import Limits, Proved
-from cspdiag.analyses.transitions import transition_system
-from cspdiag.analyses.transitions.system import System
-from cspdiag.diagnostics import SourceFile
-from cspdiag.network.ir import Network
+from cspdiag.base import SourceFile
+from cspdiag.network.ir.network import Network
+from cspdiag.proofs.portfolio import prove_deadlock_free
+from cspdiag.proofs.transitions import transition_system
+from cspdiag.proofs.transitions.systems.system import System
+from cspdiag.proofs.verdict import Limits, Proved
 from tests.analyses.transitions.following import Lost
 from tests.analyses.transitions.schedules import random_run
 from tests.analyses.transitions.test_following import assert_allowed, is_followed, run_of

@@ -7,7 +7,7 @@ from random import Random
 from typing import Any
 
 from cspdiag.model.types import ArrayType, BoolType, EnumType, IntType, RealType, StructType, Type
-from cspdiag.network.ir import Network
+from cspdiag.network.ir.network import Network
 from tests.conformance.scheduler import Scheduler, Task
 from tests.conformance.specification import execute
 from tests.conformance.traces import Execution

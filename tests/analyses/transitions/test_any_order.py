@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from cspdiag.analyses.transitions import transition_system
-from cspdiag.diagnostics import SourceFile
+from cspdiag.base import SourceFile
+from cspdiag.proofs.transitions import transition_system
 from tests.analyses.transitions.following import Lost
 from tests.analyses.transitions.hunt import schedule
 from tests.analyses.transitions.schedules import random_run

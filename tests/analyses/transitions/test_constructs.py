@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from cspdiag.analyses.transitions.system import INTERNAL
+from cspdiag.proofs.transitions.systems.system import INTERNAL
 from tests.analyses.transitions.building import component, listing, system_of
 
 WRITER = "process P { out c : int composition { c ! 1 } }\n"

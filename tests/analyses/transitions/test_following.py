@@ -10,12 +10,12 @@ import pytest
 from hypothesis import HealthCheck, given, note, settings
 
 from cspdiag import pipeline
-from cspdiag.analyses.transitions import transition_system
-from cspdiag.analyses.transitions.system import System
-from cspdiag.diagnostics import SourceFile
-from cspdiag.network.ir import Network
-from cspdiag.simulate.execute import simulate
+from cspdiag.base import SourceFile
+from cspdiag.network.ir.network import Network
+from cspdiag.proofs.transitions import transition_system
+from cspdiag.proofs.transitions.systems.system import System
 from cspdiag.simulate.result import Run
+from cspdiag.simulate.run.execute import simulate
 from tests.analyses.transitions.following import Lost, follow, has_ended, is_stuck, observed
 from tests.conformance.sources import environments, network_of, read
 from tests.properties.encounters import encounters

@@ -10,10 +10,10 @@ from pathlib import Path
 import pytest
 
 from cspdiag import load
-from cspdiag.analyses.proofs.breadth_first import count, deadlock_free
-from cspdiag.analyses.proofs.verdict import Limits, Refuted
-from cspdiag.analyses.transitions import transition_system
-from cspdiag.analyses.transitions.system import System
+from cspdiag.proofs.search.breadth_first import count, deadlock_free
+from cspdiag.proofs.transitions import transition_system
+from cspdiag.proofs.transitions.systems.system import System
+from cspdiag.proofs.verdict import Limits, Refuted
 
 PROGRAMS = Path(__file__).parent / "programs"
 
@@ -66,8 +66,8 @@ def test_shortest_trace(name: str, top: str, number: int | None, length: int) ->
 def test_equal_instances_share_what_was_found_out(
     name: str, top: str, per_cell: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from cspdiag.analyses.transitions import explore as exploring
-    from cspdiag.analyses.transitions import threads
+    from cspdiag.proofs.transitions.threads import explore as exploring
+    from cspdiag.proofs.transitions.threads import threads
 
     followed: list[str] = []
 

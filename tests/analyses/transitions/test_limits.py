@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from cspdiag.analyses.transitions import explore, meetings
-from cspdiag.analyses.transitions.explore import TransitionError
-from cspdiag.analyses.transitions.follow import Follower
-from cspdiag.analyses.transitions.thread import Configuration
+from cspdiag.proofs.transitions import meetings
+from cspdiag.proofs.transitions.threads import explore
+from cspdiag.proofs.transitions.threads.explore import TransitionError
+from cspdiag.proofs.transitions.threads.follow import Follower
+from cspdiag.proofs.transitions.threads.thread import Configuration
 from tests.analyses.transitions.building import system_of
 
 ANY = (

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from cspdiag.analyses.transitions.minimal import minimized
-from cspdiag.analyses.transitions.template import Label, Spot, Template
+from cspdiag.proofs.transitions.systems.minimal import minimized
+from cspdiag.proofs.transitions.systems.template import Label, Spot, Template
 
 A: Label = ("time", "a")
 B: Label = ("time", "b")

@@ -8,7 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cspdiag.analyses.transitions.ranges import (
+from cspdiag.model.types import DOUBLE, INT, IntType
+from cspdiag.proofs.transitions.ranges import (
     Cell,
     Range,
     bounds,
@@ -20,7 +21,6 @@ from cspdiag.analyses.transitions.ranges import (
     pieces,
     text,
 )
-from cspdiag.model.types import DOUBLE, INT, IntType
 from tests.analyses.transitions.building import component, listing, system_of
 from tests.verifying import answers_to
 

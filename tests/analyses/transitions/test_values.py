@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from cspdiag.analyses.transitions.values import UNKNOWN, EvaluationFault, Known, evaluated, replaced_element, same
 from cspdiag.model.types import BOOL, DOUBLE, INT, ArrayType, IntType, Type
-from cspdiag.network.expressions import (
+from cspdiag.network.ir.expressions import (
     BinaryOperation,
     ConditionalValue,
     Conversion,
@@ -18,6 +17,7 @@ from cspdiag.network.expressions import (
     Value,
     VariableValue,
 )
+from cspdiag.proofs.transitions.values import UNKNOWN, EvaluationFault, Known, evaluated, replaced_element, same
 
 
 def literal(value: Value, kind: Type = INT) -> Expression:

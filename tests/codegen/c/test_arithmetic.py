@@ -11,8 +11,8 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from cspdiag.runtime import arithmetic
-from cspdiag.runtime.exceptions import Fault
+from cspdiag.runtime.compiled import arithmetic
+from cspdiag.runtime.kernel.exceptions import Fault
 from tests.codegen.c.arithmetic_library import Arithmetic, compilers
 
 LOW, HIGH = -(2**63), 2**63 - 1

@@ -8,10 +8,10 @@ from pathlib import Path
 import pytest
 
 from cspdiag import pipeline
-from cspdiag.diagnostics import SourceFile
-from cspdiag.network.ir import Network
+from cspdiag.base import SourceFile
+from cspdiag.base.sources import read_source
+from cspdiag.network.ir.network import Network
 from cspdiag.simulate.native import run as native
-from cspdiag.sources import read_source
 from tests.c_kernel.building import STRICT
 from tests.codegen.c.test_leaves import HEADER, NEEDS_COMPILER, SOURCE
 from tests.codegen.c.test_package import COMPILERS, written

@@ -8,12 +8,12 @@ from pathlib import Path
 import pytest
 
 from cspdiag import pipeline
-from cspdiag.diagnostics import SourceFile
-from cspdiag.network.ir import Network
-from cspdiag.simulate import execute
+from cspdiag.base import SourceFile
+from cspdiag.base.sources import read_source
+from cspdiag.network.ir.network import Network
 from cspdiag.simulate.native import run as native
 from cspdiag.simulate.result import Run
-from cspdiag.sources import read_source
+from cspdiag.simulate.run import execute
 
 MS = 1_000_000
 NEEDS_COMPILER = pytest.mark.skipif(

@@ -11,9 +11,9 @@ from pathlib import Path
 import pytest
 
 from cspdiag import pipeline
-from cspdiag.network.ir import Network
+from cspdiag.base.sources import read_source
+from cspdiag.network.ir.network import Network
 from cspdiag.simulate.native.memory import FunctionFacts, deepest, memory_report
-from cspdiag.sources import read_source
 
 MODELS = Path(__file__).parents[3] / "models"
 COMPILERS = [name for name in ("gcc", "clang") if shutil.which(name)]

@@ -9,10 +9,10 @@ from pathlib import Path
 import pytest
 
 from cspdiag import pipeline
-from cspdiag.network.ir import Network
-from cspdiag.simulate import execute
+from cspdiag.base.sources import read_source
+from cspdiag.network.ir.network import Network
 from cspdiag.simulate.native import run as native
-from cspdiag.sources import read_source
+from cspdiag.simulate.run import execute
 
 ROOT = Path(__file__).parents[3]
 OWN = Path(__file__).parent / "programs"

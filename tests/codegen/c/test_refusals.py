@@ -5,10 +5,10 @@ from __future__ import annotations
 import pytest
 
 from cspdiag import pipeline
-from cspdiag.codegen.c.refusals import refuse, refuse_devices
-from cspdiag.codegen.target_error import TargetError
-from cspdiag.diagnostics import SourceFile
-from cspdiag.network.ir import Network
+from cspdiag.base import SourceFile
+from cspdiag.codegen.c.package.refusals import refuse, refuse_devices
+from cspdiag.codegen.shared.target_error import TargetError
+from cspdiag.network.ir.network import Network
 
 PROGRAM = """
 submodel Filter python "laws/filter.py:Filter" {

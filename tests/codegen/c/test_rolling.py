@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from cspdiag.codegen.c.rolling import marked, rolled
-from cspdiag.codegen.c.rows import lines
+from cspdiag.codegen.c.text.rolling import marked, rolled
+from cspdiag.codegen.c.text.rows import lines
 
 
 def shown(*groups: list[str]) -> list[str]:

@@ -9,7 +9,7 @@ import pytest
 from cspdiag import pipeline
 from cspdiag.model.types import RealType
 from cspdiag.runtime import Environment, ms
-from cspdiag.simulate.package import LoadedPackage
+from cspdiag.simulate.run.package import LoadedPackage
 from tests.codegen.packages import NAMES, network, read
 
 WITH_ENVIRONMENT = [

@@ -11,15 +11,15 @@ from typing import Any, Literal
 import pytest
 
 from cspdiag import runtime
-from cspdiag.codegen.optimized_python.expressions import FastPrinter
-from cspdiag.codegen.optimized_python.temporaries import Temporaries
-from cspdiag.codegen.python_code import Atom, Code
-from cspdiag.codegen.python_expressions import Printer
-from cspdiag.codegen.python_imports import Imports
-from cspdiag.codegen.python_names import Names, PackageNames
-from cspdiag.codegen.python_statements import assign, lines
+from cspdiag.codegen.python.fast.expressions import FastPrinter
+from cspdiag.codegen.python.fast.temporaries import Temporaries
+from cspdiag.codegen.python.plain.expressions import Printer
+from cspdiag.codegen.python.text.code import Atom, Code
+from cspdiag.codegen.python.text.imports import Imports
+from cspdiag.codegen.python.text.names import Names, PackageNames
+from cspdiag.codegen.python.text.statements import assign, lines
 from cspdiag.model.types import BOOL, DOUBLE, INT, ArrayType, IntType, RealType, TimeType, Type
-from cspdiag.network.expressions import (
+from cspdiag.network.ir.expressions import (
     BinaryOperation,
     ConditionalValue,
     Conversion,
@@ -30,7 +30,7 @@ from cspdiag.network.expressions import (
     SignalValue,
     UnaryOperation,
 )
-from cspdiag.network.walk import parts
+from cspdiag.network.ir.walk import parts
 from tests.codegen.packages import network
 
 INT8, UINT8, TIME = IntType(bits=8), IntType(bits=8, signed=False), TimeType()

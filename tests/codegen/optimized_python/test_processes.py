@@ -5,13 +5,13 @@ from __future__ import annotations
 import pytest
 
 from cspdiag import pipeline
-from cspdiag.codegen.optimized_python.cancellation import checked_classes
-from cspdiag.codegen.optimized_python.storage import local_variables, run_again
-from cspdiag.codegen.python_statements import Block, Line, lines
-from cspdiag.diagnostics import SourceFile
-from cspdiag.diagnostics.render_text import render
-from cspdiag.network.ir import Network, ProcessClass
-from cspdiag.network.optimize import lower_for_targets
+from cspdiag.base import SourceFile
+from cspdiag.base.render.text import render
+from cspdiag.codegen.python.fast.cancellation import checked_classes
+from cspdiag.codegen.python.fast.storage import local_variables, run_again
+from cspdiag.codegen.python.text.statements import Block, Line, lines
+from cspdiag.network.ir.network import Network, ProcessClass
+from cspdiag.optimize import lower_for_targets
 
 
 def network(text: str) -> Network:

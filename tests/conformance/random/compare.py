@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import NoReturn
 
-from cspdiag.diagnostics import SourceFile
+from cspdiag.base import SourceFile
 from tests.alarm import alarm_after
 from tests.conformance.kit import external_channels
 from tests.conformance.random.nodes import Program

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from cspdiag.network.actions import PortEnd, ProcessScope, RunInstance
-from cspdiag.network.expressions import ParameterValue
-from cspdiag.network.ir import Network, ProcessClass
-from cspdiag.network.optimize import optimize, pass_named
-from cspdiag.network.optimize.flatten import LARGEST, LONGEST
-from cspdiag.network.walk import parts
-from cspdiag.syntax.nesting import DEEPEST
+from cspdiag.network.ir.actions import PortEnd, ProcessScope, RunInstance
+from cspdiag.network.ir.expressions import ParameterValue
+from cspdiag.network.ir.network import Network, ProcessClass
+from cspdiag.network.ir.walk import parts
+from cspdiag.optimize import optimize, pass_named
+from cspdiag.optimize.flatten.processes import LARGEST, LONGEST
+from cspdiag.syntax.parse.nesting import DEEPEST
 from tests.network import programs
 
 

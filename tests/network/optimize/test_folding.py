@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cspdiag.model.types import BOOL, DOUBLE, INT, TIME, IntType, RealType, Type
-from cspdiag.network.expressions import (
+from cspdiag.network.ir.expressions import (
     BinaryOperation,
     ConditionalValue,
     Conversion,
@@ -19,8 +19,8 @@ from cspdiag.network.expressions import (
     UnaryOperation,
     VariableValue,
 )
-from cspdiag.network.faults import may_fault
-from cspdiag.network.optimize.folding import LIBRARY_FUNCTIONS, folded_with
+from cspdiag.network.ir.faults import may_fault
+from cspdiag.optimize.folding import LIBRARY_FUNCTIONS, folded_with
 from tests.conformance.values import RaisedFaultError, value_of
 
 INT8 = IntType(bits=8)

@@ -5,14 +5,14 @@ from __future__ import annotations
 import pytest
 from hypothesis import HealthCheck, given, note, settings
 
-from cspdiag.diagnostics import SourceFile
-from cspdiag.network.actions import ReportCommunication, RunInstance
-from cspdiag.network.dump import dump
-from cspdiag.network.ir import Network, ProcessClass
-from cspdiag.network.optimize import PASSES, optimize
-from cspdiag.network.optimize.fuse import explain_fusion, fuse, fused
-from cspdiag.network.optimize.fuse_code import NotStaticError
-from cspdiag.network.walk import parts
+from cspdiag.base import SourceFile
+from cspdiag.network.dump.network import dump
+from cspdiag.network.ir.actions import ReportCommunication, RunInstance
+from cspdiag.network.ir.network import Network, ProcessClass
+from cspdiag.network.ir.walk import parts
+from cspdiag.optimize import PASSES, optimize
+from cspdiag.optimize.fuse.code import NotStaticError
+from cspdiag.optimize.fuse.program import explain_fusion, fuse, fused
 from tests.conformance.sources import JUST_AFTER, environments, network_of, read
 from tests.conformance.specification import execute
 from tests.conformance.traces import compare

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cspdiag.network.actions import (
+from cspdiag.network.ir.actions import (
     Action,
     AssignValue,
     ReadInputs,
@@ -12,9 +12,9 @@ from cspdiag.network.actions import (
     SequentialSteps,
     WriteOutputs,
 )
-from cspdiag.network.ir import ExternalCall, Network, ProcessClass
-from cspdiag.network.optimize import optimize, pass_named
-from cspdiag.network.walk import parts
+from cspdiag.network.ir.network import ExternalCall, Network, ProcessClass
+from cspdiag.network.ir.walk import parts
+from cspdiag.optimize import optimize, pass_named
 from tests.network import programs
 
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from cspdiag.network.actions import ChannelEnd, Choice, PortEnd, ReadValue, WaitStep, WriteValue
-from cspdiag.network.ir import CreatedChoice, CreatedInstance, Medium, Network, ProcessClass
-from cspdiag.network.optimize import lower_for_targets
-from cspdiag.network.walk import parts
+from cspdiag.network.ir.actions import ChannelEnd, Choice, PortEnd, ReadValue, WaitStep, WriteValue
+from cspdiag.network.ir.network import CreatedChoice, CreatedInstance, Medium, Network, ProcessClass
+from cspdiag.network.ir.walk import parts
+from cspdiag.optimize import lower_for_targets
 from tests.network import programs
 
 SINK = """

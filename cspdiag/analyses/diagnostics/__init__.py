@@ -1,0 +1,1 @@
+"""What the analyses find, in words for people."""

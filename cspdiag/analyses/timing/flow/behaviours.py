@@ -1,0 +1,138 @@
+"""How each thread goes from wait to wait, and where it may let samples go by."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from cspdiag.analyses.timing.flow.graph import Place, Thread
+from cspdiag.analyses.timing.flow.jobs import Gap, Jobs, UnboundedError, cycles
+from cspdiag.analyses.timing.flow.paths import Job
+from cspdiag.analyses.timing.result import Refusal
+from cspdiag.model.constants.durations import duration
+
+
+@dataclass(slots=True)
+class Behaviour:
+    """A thread with its jobs; ``waits`` are those that it can come to, ``loop_of`` the cycle that each is part of."""
+
+    number: int
+    thread: Thread
+    level: int
+    jobs: list[Job]
+    waits: frozenset[int]
+    loop_of: dict[int, int]
+    has_samples: bool
+    ways: Jobs
+
+    @property
+    def ends(self) -> bool:
+        """Whether it may come to an end, or stand still for ever, while others go on."""
+        return self.ways.ends
+
+    def at(self, wait: int) -> Iterator[Job]:
+        """The jobs that begin at a wait."""
+        return (job for job in self.jobs if job.wait == wait)
+
+    def idle_waits(self) -> Iterator[tuple[int, Place]]:
+        """The waits at which time may pass whatever others do."""
+        return ((wait, self.thread.places[wait]) for wait in sorted(self.waits) if self.thread.places[wait].is_idle)
+
+    def jobs_on(self, channel: str, *, writes: bool) -> list[Job]:
+        """The jobs that a communication begins."""
+        return [
+            job
+            for job in self.jobs
+            if job.offer is not None and job.offer.kind == "partner" and job.offer.end == (channel, writes)
+        ]
+
+    def stops_after(self) -> dict[int, frozenset[int]]:
+        """From each wait to those that come next."""
+        after: dict[int, frozenset[int]] = {}
+        for job in self.jobs:
+            after[job.wait] = after.get(job.wait, frozenset()) | job.path.stops
+        return after
+
+    def goes_straight(self) -> bool:
+        """Whether none of its jobs waits for anything on the way."""
+        return not any(job.path.meets or job.path.delays for job in self.jobs)
+
+    def is_prompt(self, channel: str, writes: bool) -> bool:
+        """Whether it offers a communication, or waits for an event, wherever it waits."""
+        return self.goes_straight() and all(
+            any(offer.is_certain and offer.channel == channel and offer.writes == writes for offer in place.offers)
+            for place in (self.thread.places[wait] for wait in self.waits)
+        )
+
+
+def behaviour(number: int, thread: Thread, level: int, refusals: list[Refusal]) -> Behaviour | None:
+    """How a thread goes from wait to wait; None where its work has no bound, which is told."""
+    samples = thread.has_samples()
+    try:
+        ways = Jobs(thread, meets=samples)
+        jobs = ways.all()
+    except UnboundedError as problem:
+        refusals.append(
+            Refusal(thread.path, problem.reason, problem.span, "let each round of the loop wait for a sample")
+        )
+        return None
+    refusals += dict.fromkeys(_refused(thread, gap) for gap in ways.gaps)
+    waits = frozenset(wait for job in jobs for wait in job.path.stops)
+    one = Behaviour(number, thread, level, jobs, waits, {}, samples, ways)
+    after = one.stops_after()
+    loops = cycles({wait: after.get(wait, frozenset()) for wait in waits})
+    one.loop_of = {wait: k for k, loop in enumerate(loops) for wait in loop}
+    return one
+
+
+def _refused(thread: Thread, gap: Gap) -> Refusal:
+    """Why samples may go by unseen at a place."""
+    place = thread.places[gap.place]
+    net, period = gap.followed[0]
+    name = net.rpartition(".")[2]
+    if gap.untaken:
+        return Refusal(
+            place.path,
+            f"the sample of `{name}` may not have been taken when this waits for the next samples, {duration(period)} later: it would be overwritten",
+            place.span,
+            "take the samples of all inputs of a period in every round, or give the loops a process each",
+        )
+    if place.is_end:
+        what = "stands still here" if place.halts else "ends here"
+        return Refusal(
+            place.path, f"who reads `{name}` {what}, and its samples come until the process has ended", place.span,
+            f"let a process of its own read `{name}`, which ends with its loop",
+        )  # fmt: skip
+    others = place.certain_periods()
+    if others:
+        shortest, longest = sorted((period, max(others)))
+        return Refusal(
+            place.path, f"one loop waits for samples of {duration(shortest)} and of {duration(longest)}, so that it misses the faster ones",
+            place.span, "read the slower input in an alternative with the faster one, or in a parallel process",
+        )  # fmt: skip
+    if place.periods():
+        return Refusal(
+            place.path, f"it may wait where a sample of `{name}` is taken only under a condition", place.span,
+            f"let the alternative take samples of `{name}` whatever holds",
+        )  # fmt: skip
+    delay = place.longest_delay()
+    if delay is not None:
+        return Refusal(
+            place.path, f"between two samples of `{name}`, which come every {duration(period)}, it waits {duration(delay)}", place.span,
+            "wait in a parallel process, or by `after` in an alternative with the sample",
+        )  # fmt: skip
+    return Refusal(
+        place.path, f"between its samples it waits for {_awaited(place)}, without bound", place.span,
+        "wait for it in an alternative together with the sample, or in a parallel process",
+    )  # fmt: skip
+
+
+def _awaited(place: Place) -> str:
+    for offer in place.offers:
+        if offer.kind == "event":
+            return f"the event `{offer.channel.rpartition('.')[2]}`"
+        if offer.kind == "join":
+            return "parallel parts that loop"
+        if offer.kind == "delay":
+            return "time to pass"
+    return "something else"

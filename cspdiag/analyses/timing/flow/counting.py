@@ -1,0 +1,289 @@
+"""Loops of computing that come to an end: by a count that draws nearer to the bound of their condition, or because all of their values are known."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from math import inf
+from typing import TypeAlias
+
+from cspdiag.analyses.timing.flow.ends import Ends
+from cspdiag.model.types import IntType, TimeType
+from cspdiag.network.ir.actions import (
+    Action,
+    AssignValue,
+    CatchException,
+    Choice,
+    CountedLoop,
+    Event,
+    Group,
+    IfElse,
+    InputEvent,
+    InterruptOn,
+    ParallelSteps,
+    RaiseException,
+    ReadValue,
+    Repeat,
+    SequentialSteps,
+    StopStep,
+    Target,
+    WhileLoop,
+)
+from cspdiag.network.ir.everywhere import rewritten
+from cspdiag.network.ir.expressions import (
+    BinaryOperation,
+    Expression,
+    LiteralValue,
+    UnaryOperation,
+    Value,
+    VariableValue,
+)
+from cspdiag.network.ir.network import ProcessClass
+from cspdiag.network.ir.walk import parts
+
+Values: TypeAlias = Mapping[str, Value]
+"""What is known of the variables of a process, by name; one that is not in it may have any value."""
+
+MOST_ROUNDS = 1_000
+"""Rounds of loops that are followed value by value."""
+
+_NEGATED = {"<": ">=", "<=": ">", ">": "<=", ">=": "<", "==": "!=", "!=": "=="}
+
+
+@dataclass(frozen=True, slots=True)
+class Loop:
+    """A loop of a process, by its path; ``before`` gives what is known when it begins."""
+
+    path: str
+    action: Repeat | WhileLoop
+    before: Callable[[], Values]
+
+
+class _TooManyRoundsError(Exception):
+    """More rounds than are followed."""
+
+
+class Counting:
+    """Says of loops whether they end. Nobody but the loop changes a variable meanwhile: parallel parts share none."""
+
+    def __init__(self, ends: Ends) -> None:
+        self._ends = ends
+
+    def initial(self, path: str, entry: ProcessClass) -> dict[str, Value]:
+        """The values of variables with which a process begins for the first time."""
+        found = {}
+        for channel in entry.channels:
+            if channel.initial is not None and self._ends.is_own(path, channel.name):
+                value = self._ends.constant(path, channel.initial)
+                if value is not None:
+                    found[channel.name] = value
+        return found
+
+    def ends(self, loop: Loop) -> bool:
+        """Whether the loop surely comes to its end, if nothing in it waits for ever. A fault ends it, too."""
+        return self._draws_nearer(loop) or self._is_followed(loop)
+
+    # What is known after actions.
+
+    def after(self, path: str, action: Action, values: Values) -> Values:
+        """What is known when an action has come to its end."""
+        try:
+            return self._after(path, action, values, [MOST_ROUNDS])
+        except _TooManyRoundsError:
+            return without(values, action)
+
+    def before_each(self, path: str, steps: Sequence[Action], values: Values) -> list[Values]:
+        """What is known before each of several steps."""
+        found = [values]
+        for step in steps[:-1]:
+            found.append(self.after(path, step, found[-1]))
+        return found
+
+    def _after(self, path: str, action: Action, values: Values, left: list[int]) -> Values:
+        match action:
+            case AssignValue(target=Target(channel=name, indexes=())) if self._ends.is_own(path, name):
+                value = self._value(path, action.value, values)
+                return {**without(values, action), **({} if value is None else {name: value})}
+            case SequentialSteps(steps=steps):
+                for step in steps:
+                    values = self._after(path, step, values, left)
+                return values
+            case IfElse():
+                decided = self._value(path, action.condition, values)
+                if decided is None:
+                    one, other = (self._after(path, side, values, left) for side in (action.then, action.otherwise))
+                    return {name: value for name, value in one.items() if repr(other.get(name)) == repr(value)}
+                return self._after(path, action.then if decided else action.otherwise, values, left)
+            case Group(body=body):
+                return self._after(path, body, values, left)
+            case Repeat() | WhileLoop():
+                return self._through(path, action, values, left)
+            case CountedLoop(body=body, turns=turns):
+                for _ in range(turns):
+                    left[0] -= 1
+                    if left[0] < 0:
+                        raise _TooManyRoundsError
+                    values = self._after(path, body, values, left)
+                return values
+            case _:
+                return without(values, action)
+
+    def _through(self, path: str, loop: Repeat | WhileLoop, values: Values, left: list[int]) -> Values:
+        """What is known after a loop of which every condition is known; otherwise what it leaves alone."""
+        begun = values
+        if isinstance(loop, Repeat):
+            values = self._after(path, loop.body, values, left)
+        while True:
+            goes_on = self._goes_on(path, loop, values)
+            if goes_on is None:
+                return without(begun, loop)
+            if not goes_on:
+                return values
+            left[0] -= 1
+            if left[0] < 0:
+                raise _TooManyRoundsError
+            values = self._after(path, loop.body, values, left)
+
+    def _goes_on(self, path: str, loop: Repeat | WhileLoop, values: Values) -> Value | None:
+        if isinstance(loop, WhileLoop):
+            return self._value(path, loop.condition, values)
+        ends = False if loop.until is None else self._value(path, loop.until, values)
+        return None if ends is None else not ends
+
+    def _value(self, path: str, expression: Expression, values: Values) -> Value | None:
+        def known(part: object) -> object:
+            if isinstance(part, VariableValue) and part.channel in values:
+                return LiteralValue(span=part.span, type=part.type, value=values[part.channel])
+            return part
+
+        return self._ends.constant(path, rewritten(expression, known))
+
+    def _is_followed(self, loop: Loop) -> bool:
+        """Whether every round is known, from what the loop begins with to its end."""
+        left = [MOST_ROUNDS]
+        values = loop.before()
+        try:
+            if isinstance(loop.action, Repeat):
+                values = self._after(loop.path, loop.action.body, values, left)
+            while goes_on := self._goes_on(loop.path, loop.action, values):
+                left[0] -= 1
+                values = self._after(loop.path, loop.action.body, values, left)
+                if left[0] < 0:
+                    return False
+        except _TooManyRoundsError:
+            return False
+        return goes_on is False
+
+    # Counts.
+
+    def _draws_nearer(self, loop: Loop) -> bool:
+        action = loop.action
+        condition = action.condition if isinstance(action, WhileLoop) else action.until
+        return condition is not None and self._fails(loop, condition, holds=isinstance(action, WhileLoop))
+
+    def _fails(self, loop: Loop, condition: Expression, *, holds: bool) -> bool:
+        """Whether a condition fails some day and ever after; with ``holds`` False, whether it comes to hold."""
+        match condition:
+            case UnaryOperation(operator="not", operand=operand):
+                return self._fails(loop, operand, holds=not holds)
+            case BinaryOperation(operator="and" | "or" as operator, left=left, right=right):
+                sides = (self._fails(loop, side, holds=holds) for side in (left, right))
+                return any(sides) if (operator == "and") == holds else all(sides)
+            case BinaryOperation(operator="<" | "<=" | ">" | ">=" as operator, left=left, right=right):
+                if not isinstance(left.type, IntType | TimeType):
+                    return False
+                is_less = (operator if holds else _NEGATED[operator]) in ("<", "<=")
+                low, high = (left, right) if is_less else (right, left)
+                return self._rise(loop, low, 1) + self._rise(loop, high, -1) > 0
+        return False
+
+    def _rise(self, loop: Loop, expression: Expression, sign: int) -> float:
+        """By how much at least ``sign`` times the expression is greater after each round."""
+        if not any(isinstance(part, VariableValue) for part in parts(expression)):
+            return 0
+        match expression:
+            case VariableValue(channel=name):
+                return self._rise_of(loop.path, loop.action.body, name, sign)
+            case UnaryOperation(operator="-", operand=operand):
+                return self._rise(loop, operand, -sign)
+            case BinaryOperation(operator="+" | "-" as operator, left=left, right=right):
+                return self._rise(loop, left, sign) + self._rise(loop, right, sign if operator == "+" else -sign)
+        names = {part.channel for part in parts(expression) if isinstance(part, VariableValue)}
+        changed = names & written(loop.action.body) or any(not self._ends.is_own(loop.path, name) for name in names)
+        return -inf if changed else 0
+
+    def _rise_of(self, path: str, action: Action, name: str, sign: int) -> float:
+        """By how much at least ``sign`` times a variable is greater when an action has come to its end; infinite where it never does."""
+
+        def of(inner: Action) -> float:
+            return self._rise_of(path, inner, name, sign)
+
+        if not self._ends.is_own(path, name):
+            return -inf
+        match action:
+            case StopStep() | RaiseException():
+                return inf
+            case AssignValue(target=Target(channel=channel, indexes=())) if channel == name:
+                return self._added(path, action.value, name, sign)
+            case SequentialSteps(steps=steps) | ParallelSteps(steps=steps):
+                rises = [of(step) for step in steps]
+                return inf if inf in rises else sum(rises)
+            case IfElse(then=then, otherwise=otherwise):
+                return min(of(then), of(otherwise))
+            case Choice(branches=branches):
+                return min(-inf if name in written(branch.event) else of(branch.body) for branch in branches)
+            case Group(body=body):
+                return of(body)
+            case Repeat(body=body):
+                return of(body) if of(body) >= 0 else -inf
+            case CountedLoop(body=body, turns=turns):
+                return turns * of(body)
+            case WhileLoop(body=body):
+                return 0 if of(body) >= 0 else -inf
+            case CatchException(body=body, handler=handler):
+                return min(of(body), self._least_on_the_way(path, body, name, sign) + of(handler))
+            case InterruptOn(body=body, branch=branch):
+                if name in written(branch.event):
+                    return -inf
+                return min(of(body), self._least_on_the_way(path, body, name, sign) + of(branch.body))
+        return -inf if name in written(action) else 0
+
+    def _least_on_the_way(self, path: str, action: Action, name: str, sign: int) -> float:
+        """By how much a variable may be greater where an action is left before its end: nothing, if none of its steps lets it fall."""
+        for part in parts(action):
+            match part:
+                case AssignValue(target=Target(channel=channel, indexes=()), value=value) if channel == name:
+                    if self._added(path, value, name, sign) < 0:
+                        return -inf
+                case AssignValue(target=target) | ReadValue(target=target) | InputEvent(target=target):
+                    if target.channel == name:
+                        return -inf
+        return 0
+
+    def _added(self, path: str, value: Expression, name: str, sign: int) -> float:
+        """What ``name := value`` adds to the variable, times ``sign``; minus infinity where that is not known."""
+        match value:
+            case VariableValue(channel=channel) if channel == name:
+                return 0
+            case BinaryOperation(operator="+", left=VariableValue(channel=channel), right=added) if channel == name:
+                return self._number(path, added, sign)
+            case BinaryOperation(operator="+", left=added, right=VariableValue(channel=channel)) if channel == name:
+                return self._number(path, added, sign)
+            case BinaryOperation(operator="-", left=VariableValue(channel=channel), right=added) if channel == name:
+                return self._number(path, added, -sign)
+        return -inf
+
+    def _number(self, path: str, expression: Expression, sign: int) -> float:
+        known = self._ends.constant(path, expression)
+        return sign * known if isinstance(known, int) and not isinstance(known, bool) else -inf
+
+
+def written(*actions: Action | Event) -> set[str]:
+    """The variables of a process that actions, or events of guards, may change."""
+    return {part.channel for part in parts(actions) if isinstance(part, Target)}
+
+
+def without(values: Values, *actions: Action | Event) -> Values:
+    """What is known still when actions may have been done in part."""
+    changed = written(*actions)
+    return {name: value for name, value in values.items() if name not in changed}

@@ -1,0 +1,40 @@
+"""Which parts of a composition loop: branches of a parallel that do are threads."""
+
+from __future__ import annotations
+
+from cspdiag.network.ir.actions import Action, Repeat, RunInstance, WhileLoop
+from cspdiag.network.ir.network import Network, SubmodelClass
+from cspdiag.network.ir.walk import parts
+
+
+class Looping:
+    """The loops within actions and the processes that they run."""
+
+    def __init__(self, network: Network) -> None:
+        self._classes = {entry.name: entry for entry in network.classes}
+        self._class_of = {instance.path: instance.class_name for instance in network.instances}
+        self._known: dict[str, bool] = {}
+
+    def has_loop(self, action: Action, path: str) -> bool:
+        """Whether something in an action of the process at a path is repeated, or written by hand."""
+        return any(
+            isinstance(part, Repeat | WhileLoop)
+            or (isinstance(part, RunInstance) and self._class_has_loop(self._class_of[f"{path}.{part.instance}"]))
+            for part in parts(action)
+        )
+
+    def _class_has_loop(self, name: str) -> bool:
+        if name not in self._known:
+            entry = self._classes[name]
+            if isinstance(entry, SubmodelClass):
+                self._known[name] = False
+            elif entry.body is None:
+                self._known[name] = True
+            else:
+                inside = {instance.name: instance.class_name for instance in entry.instances}
+                self._known[name] = any(
+                    isinstance(part, Repeat | WhileLoop)
+                    or (isinstance(part, RunInstance) and self._class_has_loop(inside[part.instance]))
+                    for part in parts(entry.body)
+                )
+        return self._known[name]

@@ -1,0 +1,124 @@
+"""The places of threads: what each computes, waits for and goes on to."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterable, Mapping
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import Any
+
+from cspdiag.analyses.timing.flow.counting import Counting, Values, without
+from cspdiag.analyses.timing.flow.ends import Ends
+from cspdiag.analyses.timing.flow.graph import Missing, Move, Offer, Place, Thread
+from cspdiag.analyses.timing.result import Refusal
+from cspdiag.network.ir.actions import Action, Branch, Event, PortEnd, Step
+from cspdiag.network.ir.expressions import Expression, VariableValue
+from cspdiag.network.ir.network import Connection, Declared, Network, ProcessClass, SubmodelClass
+from cspdiag.network.ir.walk import parts
+
+
+@dataclass(frozen=True)
+class Context:
+    """Where an action stands: its thread and process, what ends it early, and the stated time that replaces those inside.
+
+    ``before`` gives what is known of the variables of the process when the action begins; ``is_first`` where it begins but once.
+    """
+
+    thread: Thread
+    path: str
+    priority: tuple[int, ...]
+    handlers: tuple[tuple[str, int], ...] = ()
+    interrupts: tuple[Offer, ...] = ()
+    stated: int | None = None
+    before: Callable[[], Values] = dict
+    is_first: bool = False
+
+    def changed(self, *by: Action | Event) -> Context:
+        """After something may have been done in part."""
+        return replace(self, before=cache(lambda: without(self.before(), *by)))
+
+
+class Places:
+    """Makes the places of threads. ``missing`` are the laws without a worst-case execution time; ``measured`` gives times by
+    path, in nanoseconds, that count instead of stated ones. ``unseen`` says of what no analysis can know how it communicates.
+    """
+
+    def __init__(self, network: Network, measured: Mapping[str, int]) -> None:
+        self.network = network
+        self.measured = measured
+        self.classes = {entry.name: entry for entry in network.classes}
+        self.instances = {instance.path: instance for instance in network.instances}
+        self.ends = Ends(network)
+        self.counting = Counting(self.ends)
+        self.missing: dict[str, Missing] = {}
+        self.unseen: list[Refusal] = []
+
+    def place(self, context: Context, where: Step | Declared, **fields: Any) -> int:
+        """A new place of a thread: its number."""
+        context.thread.places.append(Place(where.span, context.path, **fields))
+        return len(context.thread.places) - 1
+
+    def cost(self, path: str, entry: ProcessClass | SubmodelClass, context: Context) -> int:
+        """How long it computes at most, in nanoseconds; 0 within a process that states its time."""
+        if context.stated is not None:
+            return 0
+        stated = self.measured.get(path, entry.wcet)
+        if stated is None:
+            kind = "submodel" if isinstance(entry, SubmodelClass) else "process"
+            self.missing.setdefault(path, Missing(path, entry.definition, kind, entry.span))  # type: ignore[arg-type]
+            return 0
+        return stated
+
+    def waiting(self, context: Context, where: Step | Declared, offers: list[Offer], following: int) -> int:
+        """A place that waits for one communication; ``following`` where it never waits."""
+        if not offers:
+            return following
+        waits = self.place(context, where)
+        place = context.thread.places[waits]
+        place.offers = [replace(offer, target=self.resumed(context, where, offer.target)) for offer in offers]
+        self.interruptible(place, context)
+        return waits
+
+    def resumed(self, context: Context, where: Step | Declared, target: int) -> int:
+        """Within a process that states its time, every step takes that long; where a fault is caught, what is computed next may be one."""
+        fault = self.handler(context, "Fault")
+        if context.stated is None and fault is None:
+            return target
+        leaf = "" if context.stated is None else context.path
+        resumed = self.place(context, where, cost=context.stated or 0, leaf=leaf)
+        context.thread.places[resumed].successors = [target] if fault is None else [target, fault]
+        return resumed
+
+    def interruptible(self, place: Place, context: Context) -> None:
+        """Adds what may end a wait from around it: interrupts, and a sample that was missed."""
+        missed = [(offer, self.handler(context, "Timeout")) for offer in place.offers if offer.kind == "sample"]
+        place.offers += [replace(offer, target=target) for offer, target in missed if target is not None]
+        place.offers += context.interrupts
+
+    def handler(self, context: Context, exception: str) -> int | None:
+        """Where an exception is caught, None where it leaves the thread."""
+        return next((target for name, target in reversed(context.handlers) if name == exception), None)
+
+    def move(self, path: str, connections: Iterable[Connection], inputs: Collection[str]) -> Move:
+        """What a law or a process written by hand computes from what."""
+        nets = [(self.ends.net(path, PortEnd(c.port, c.index)), c.port in inputs) for c in connections]
+        reads = frozenset(net.path for net, is_read in nets if net is not None and is_read)
+        return Move(reads, frozenset(net.path for net, is_read in nets if net is not None and not is_read))
+
+    def faults(self, context: Context) -> list[int]:
+        """Where a computation that may fail goes on, if that is caught."""
+        fault = self.handler(context, "Fault")
+        return [] if fault is None else [fault]
+
+    def may_hold(self, branch: Branch, context: Context) -> bool:
+        """Whether the condition of a guard is not false for certain."""
+        return branch.condition is None or self.ends.constant(context.path, branch.condition) is not False
+
+    def must_hold(self, branch: Branch, context: Context) -> bool:
+        """Whether a guard has no condition, or one that is true for certain."""
+        return branch.condition is None or self.ends.constant(context.path, branch.condition) is True
+
+
+def variables_in(path: str, value: Expression) -> frozenset[str]:
+    """The variables of a process that a value is computed from."""
+    return frozenset(f"{path}.{part.channel}" for part in parts(value) if isinstance(part, VariableValue))

@@ -1,0 +1,436 @@
+"""From a network to its threads."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from functools import cache, partial
+from typing import assert_never
+
+from cspdiag.analyses.timing.flow.counting import MOST_ROUNDS, Loop
+from cspdiag.analyses.timing.flow.ends import never_waits
+from cspdiag.analyses.timing.flow.graph import Circle, Move, Offer, Thread
+from cspdiag.analyses.timing.flow.looping import Looping
+from cspdiag.analyses.timing.flow.places import Context, Places, variables_in
+from cspdiag.analyses.timing.result import Refusal
+from cspdiag.network.ir.actions import (
+    Action,
+    AfterEvent,
+    AssignValue,
+    Branch,
+    CatchException,
+    ChannelEnd,
+    Choice,
+    CountedLoop,
+    Group,
+    IfElse,
+    InputEvent,
+    InterruptOn,
+    OptimizedStep,
+    OutputEvent,
+    ParallelSteps,
+    PortEnd,
+    RaiseException,
+    ReadValue,
+    ReadyEvent,
+    Repeat,
+    ResetInstance,
+    RunInstance,
+    SequentialSteps,
+    SkipEvent,
+    SkipStep,
+    StopStep,
+    WaitStep,
+    WhileLoop,
+    WriteValue,
+)
+from cspdiag.network.ir.expressions import Value
+from cspdiag.network.ir.network import Connection, Network, ProcessClass, SubmodelClass
+from cspdiag.network.ir.walk import parts
+
+
+class Threads(Places):
+    """The threads of a network."""
+
+    def __init__(self, network: Network, measured: Mapping[str, int]) -> None:
+        super().__init__(network, measured)
+        self._looping = Looping(network)
+        self._runs: dict[str, Counter[str]] = {}
+        self.root = Thread(network.top, (), is_outermost=True)
+        entry = self.classes[self.instances[network.top].class_name]
+        context = Context(self.root, network.top, (), is_first=True)
+        end = self.place(context, entry)
+        self.root.entry = self._process(network.top, context, end)
+        self._relate(list(self.root.with_forks()))
+
+    @staticmethod
+    def _relate(threads: Sequence[Thread]) -> None:
+        """Notes of each thread what others read, too, and whether the program begins with it."""
+        followed = [{(key[1], period) for key, period in thread.samples()} for thread in threads]
+        counts = Counter(period for periods in followed for period in periods)
+        for thread, periods in zip(threads, followed, strict=True):
+            thread.shared = frozenset(period for period in periods if counts[period] > 1)
+            thread.begins_at_once |= thread.is_outermost
+            first = thread.waits_first()
+            for join, group in zip(thread.joins, thread.forks, strict=True):
+                for branch in group:
+                    branch.begins_at_once = thread.begins_at_once and first == {join}
+
+    def _process(self, path: str, context: Context, following: int) -> int:
+        entry = self.classes[self.instances[path].class_name]
+        assert isinstance(entry, ProcessClass)
+        initial = cache(lambda: self.counting.initial(path, entry) if context.is_first else {})
+        inner = replace(context, path=path, before=initial)
+        if entry.external is not None:
+            return self._written_by_hand(path, entry, inner, following)
+        if entry.body is None:
+            return following
+        starts = self.place(inner, entry, starts=path)
+        context.thread.places[starts].successors = [self._begun(path, entry, inner, following)]
+        return starts
+
+    def _begun(self, path: str, entry: ProcessClass, context: Context, following: int) -> int:
+        inner = context
+        assert entry.body is not None
+        stated = entry.wcet
+        if stated is None or context.stated is not None:
+            return self._action(entry.body, inner, following)
+        inner = replace(inner, stated=stated)
+        began = self.place(inner, entry, cost=stated, leaf=path)
+        context.thread.places[began].successors = [self._action(entry.body, inner, following)]
+        return began
+
+    def _written_by_hand(self, path: str, entry: ProcessClass, context: Context, following: int) -> int:
+        """It waits for any of its ports, computes, and waits again, until it ends."""
+        cost = self.cost(path, entry, context)
+        ports = [(port, k) for port in entry.ports for k in ((None,) if port.size is None else range(port.size))]
+        ends = [(self.ends.net(path, PortEnd(port.name, k)), port.direction) for port, k in ports]
+        move = Move(
+            frozenset(net.path for net, direction in ends if net is not None and direction == "in"),
+            frozenset(net.path for net, direction in ends if net is not None and direction == "out"),
+        )
+        outputs = tuple(net.path for net, _ in ends if net is not None and net.external == "out")
+        gives = tuple(net.path for net, _ in ends if net is not None and never_waits(net))
+        work = self.place(context, entry, cost=cost, leaf=path, outputs=outputs, gives=gives, move=move)
+        waits = self.place(context, entry)
+        place = context.thread.places[waits]
+        for port, k in ports:
+            end = PortEnd(port.name, k)
+            if port.direction == "in":
+                offers = self.ends.reading(path, end, work, entry)
+                place.offers += offers
+                self.unseen += [_unseen(path, port.name, entry) for offer in offers if offer.kind == "sample"]
+            else:
+                place.offers += self.ends.writing(path, end, work, entry)
+        context.thread.places[work].successors = [waits, following] if place.offers else [following]
+        self.interruptible(place, context)
+        return waits if place.offers else work
+
+    def _law(
+        self,
+        path: str,
+        law: SubmodelClass,
+        connections: tuple[Connection, ...],
+        context: Context,
+        following: int,
+        where: Action,
+    ) -> int:
+        inputs = {port.name for port in law.ports if port.direction == "in"}
+        present = following
+        for connection in reversed(connections):
+            if connection.port not in inputs:
+                offers = self.ends.writing(path, PortEnd(connection.port, connection.index), present, where)
+                present = self.waiting(context, where, offers, present)
+        names = [port.name for port in law.ports if port.direction == "out"]
+        nets = [self.ends.net(path, PortEnd(c.port, c.index)) for c in connections if c.port in names]
+        outputs = tuple(net.path for net in nets if net is not None and net.external == "out")
+        gives = tuple(net.path for net in nets if net is not None and never_waits(net))
+        work = self.place(
+            context, law, cost=self.cost(path, law, context), leaf=path, outputs=outputs, gives=gives, move=self.move(path, connections, inputs)
+        )  # fmt: skip
+        fault = self.handler(context, "Fault")
+        context.thread.places[work].successors = [present] if fault is None else [present, fault]
+        present = work
+        # The sample comes first: it is what begins the work of a period.
+        reads: list[Offer] = []
+        for connection in connections:
+            attached = connection.attachment
+            if connection.port in inputs and isinstance(attached, PortEnd | ChannelEnd):
+                end = PortEnd(connection.port, connection.index, attached.end)
+                reads += self.ends.reading(path, end, 0, where, owner=context.path)
+        for offer in sorted(reads, key=lambda offer: ("partner", "event", "sample").index(offer.kind)):
+            present = self.waiting(context, where, [replace(offer, target=present)], present)
+        return present
+
+    def _action(self, action: Action, context: Context, following: int) -> int:
+        match action:
+            case RunInstance():
+                return self._run(action, context, following)
+            case ReadValue():
+                moved = self._copied(context, action, following)
+                return self.waiting(
+                    context, action, self.ends.reading(context.path, action.source, moved, action), moved
+                )
+            case WriteValue():
+                return self._written(context, action, following)
+            case WaitStep():
+                return self.waiting(
+                    context, action, self.ends.delay(context.path, action.duration, following, action.span), following
+                )
+            case AssignValue():
+                target = frozenset([f"{context.path}.{action.target.channel}"])
+                move = Move(variables_in(context.path, action.value), target)
+                return self.place(context, action, successors=[following, *self.faults(context)], move=move)
+            case SkipStep() | ResetInstance():
+                return following
+            case StopStep():
+                stops = self.place(context, action, halts=True)
+                self.interruptible(context.thread.places[stops], context)
+                return stops
+            case RaiseException():
+                handler = self.handler(context, action.exception)
+                return self.place(context, action, raises=True) if handler is None else handler
+            case SequentialSteps():
+                found = cache(lambda: self.counting.before_each(context.path, action.steps, context.before()))
+                for k, step in reversed(list(enumerate(action.steps))):
+                    before = partial(lambda k: found()[k], k)
+                    following = self._action(step, replace(context, before=before), following)
+                return following
+            case ParallelSteps():
+                return self._parallel(action, context, following)
+            case Choice():
+                return self._choice(action, context, following)
+            case Repeat() | WhileLoop():
+                return self._loop(action, context, following)
+            case CountedLoop():
+                return self._turns(action, context, following)
+            case IfElse():
+                known = self.ends.constant(context.path, action.condition)
+                if isinstance(known, bool):
+                    return self._action(action.then if known else action.otherwise, context, following)
+                decides = self.place(context, action)
+                sides = [self._action(side, context, following) for side in (action.then, action.otherwise)]
+                context.thread.places[decides].successors = [*sides, *self.faults(context)]
+                return decides
+            case CatchException():
+                handler = self._action(action.handler, context.changed(action.body), following)
+                inner = replace(context, handlers=(*context.handlers, (action.exception, handler)))
+                begun = self._action(action.body, inner, following)
+                if action.exception != "Fault":
+                    return begun
+                return self.place(context, action, successors=[begun, handler])
+            case InterruptOn():
+                if not self.may_hold(action.branch, context):
+                    return self._action(action.body, context, following)
+                outside = context.changed(action.body)
+                offers = self._guard(action.branch, outside, following)
+                if not offers:
+                    # A guard that never waits abandons the body wherever that would wait first.
+                    offers = [Offer("delay", self._guarded(action.branch, outside, following), action.span)]
+                offers = [replace(offer, is_certain=False) for offer in offers]
+                inner = replace(context, interrupts=(*context.interrupts, *offers))
+                return self._action(action.body, inner, following)
+            case Group():
+                return self._action(action.body, context, following)
+            case OptimizedStep():
+                raise AssertionError("made by the optimizer, later")
+            case _:
+                assert_never(action)
+
+    def _run(self, action: RunInstance, context: Context, following: int) -> int:
+        path = f"{context.path}.{action.instance}"
+        entry = self.classes[self.instances[path].class_name]
+        if isinstance(entry, ProcessClass):
+            return self._process(path, self._begun_by(action, context), following)
+        owner = self.classes[self.instances[context.path].class_name]
+        assert isinstance(owner, ProcessClass)
+        declared = next(instance for instance in owner.instances if instance.name == action.instance)
+        return self._law(path, entry, declared.connections, context, following, action)
+
+    def _begun_by(self, action: RunInstance, context: Context) -> Context:
+        """Where a process begins: with its initial values only if nothing else of its owner runs it, too."""
+        owner = self.instances[context.path].class_name
+        if owner not in self._runs:
+            self._runs[owner] = Counter(
+                part.instance for part in parts(self.classes[owner]) if isinstance(part, RunInstance)
+            )
+        return context if self._runs[owner][action.instance] == 1 else replace(context, is_first=False)
+
+    def _loop(self, action: Repeat | WhileLoop, context: Context, following: int) -> int:
+        again = self.place(context, action)
+        circles = replace(context.changed(action.body), is_first=False)
+        body = self._action(action.body, circles, again)
+        ends = cache(partial(self.counting.ends, Loop(context.path, action, context.before)))
+        context.thread.circles.append(Circle(again, len(context.thread.places), ends))
+        after = [body, *self.faults(context)]
+        if isinstance(action, WhileLoop):
+            goes_on = self.ends.constant(context.path, action.condition)
+        else:
+            goes_on = True if action.until is None else _negated(self.ends.constant(context.path, action.until))
+        if goes_on is False:
+            after = [following]
+        elif goes_on is not True:
+            after.append(following)
+        context.thread.places[again].successors = after
+        return again if isinstance(action, WhileLoop) else body
+
+    def _turns(self, action: CountedLoop, context: Context, following: int) -> int:
+        """Turn by turn, so that it is known what all of them take; very many as a loop that ends some day."""
+        if action.turns > MOST_ROUNDS:
+            again = self.place(context, action)
+            turn = replace(context.changed(action.body), is_first=False)
+            body = self._action(action.body, turn, again)
+            context.thread.circles.append(Circle(again, len(context.thread.places), lambda: True))
+            context.thread.places[again].successors = [body, following]
+            return body
+        turns = SequentialSteps(span=action.span, steps=(action.body,) * action.turns)
+        return self._action(turns, replace(context, is_first=False), following)
+
+    def _choice(self, action: Choice, context: Context, following: int) -> int:
+        branches = [branch for branch in action.branches if self.may_hold(branch, context)]
+        offers = [offer for branch in branches for offer in self._guard(branch, context, following)]
+        always = [branch for branch in branches if not self._guard_waits(branch, context)]
+        ready = [self._guarded(branch, context, following) for branch in always]
+        if not offers:
+            return self.place(context, action, successors=ready or [following])
+        waits = self.waiting(context, action, offers, following)
+        if not ready:
+            return waits
+        if any(self.must_hold(branch, context) for branch in always):
+            context.thread.places[waits].polls = True
+            context.thread.places[waits].successors = ready
+            return waits
+        return self.place(context, action, successors=[*ready, waits])
+
+    def _guarded(self, branch: Branch, context: Context, following: int) -> int:
+        """What comes after a guard, with what the guard itself hands on."""
+        body = self._action(branch.body, context.changed(branch.event), following)
+        match branch.event:
+            case InputEvent():
+                return self._copied(context, branch.event, body)
+            case OutputEvent():
+                return self._handed_over(context, branch.event, body)
+            case _:
+                return body
+
+    def _copied(self, context: Context, action: ReadValue | InputEvent, following: int) -> int:
+        """A value that was read into a variable."""
+        net = self.ends.net(context.path, action.source)
+        read = frozenset() if net is None else frozenset([net.path])
+        move = Move(read, frozenset([f"{context.path}.{action.target.channel}"]))
+        return self.place(context, action, successors=[following, *self.faults(context)], move=move)
+
+    def _handed_over(self, context: Context, action: WriteValue | OutputEvent, following: int) -> int:
+        """A value that goes to a channel or an output."""
+        net = self.ends.net(context.path, action.sink)
+        if net is None:
+            return following
+        move = Move(variables_in(context.path, action.value), frozenset([net.path]))
+        outputs = (net.path,) if net.external == "out" else ()
+        gives = (net.path,) if never_waits(net) else ()
+        return self.place(
+            context, action, successors=[following, *self.faults(context)], outputs=outputs, gives=gives, move=move
+        )
+
+    def _written(self, context: Context, action: WriteValue, following: int) -> int:
+        offers = self.ends.writing(context.path, action.sink, following, action)
+        return self._handed_over(context, action, self.waiting(context, action, offers, following))
+
+    def _guard_waits(self, branch: Branch, context: Context) -> bool:
+        return bool(self._offers(branch, context, 0))
+
+    def _guard(self, branch: Branch, context: Context, following: int) -> list[Offer]:
+        if not self._offers(branch, context, 0):
+            return []
+        offers = self._offers(branch, context, self._guarded(branch, context, following))
+        certain = self.must_hold(branch, context)
+        return [replace(offer, is_certain=certain) for offer in offers]
+
+    def _offers(self, branch: Branch, context: Context, target: int) -> list[Offer]:
+        event = branch.event
+        match event:
+            case ReadyEvent():
+                return self.ends.reading(context.path, event.source, target, event, takes=False)
+            case InputEvent():
+                return self.ends.reading(context.path, event.source, target, event)
+            case OutputEvent():
+                return self.ends.writing(context.path, event.sink, target, event)
+            case AfterEvent():
+                return self.ends.delay(context.path, event.duration, target, event.span)
+            case SkipEvent():
+                return []
+            case _:
+                assert_never(event)
+
+    def _parallel(self, action: ParallelSteps, context: Context, following: int) -> int:
+        ranks = [(*context.priority, k) if action.prioritized else context.priority for k in range(len(action.steps))]
+        if not any(self._looping.has_loop(step, context.path) for step in action.steps):
+            known = len(context.thread.places)
+            inner = self._abandoned_by_others(action, context)
+            for step, rank in zip(reversed(action.steps), reversed(ranks), strict=True):
+                switches = self.place(context, step, successors=[following], breaks=True)
+                following = self._action(step, replace(inner, priority=rank), switches)
+            inside = [offer for place in context.thread.places[known:] for offer in place.offers]
+            opens = frozenset((offer.key, offer.period) for offer in inside if offer.kind == "sample")
+            return self.place(context, action, successors=[following], opens=opens)
+        started: list[Thread] = []
+        for step, rank in zip(action.steps, ranks, strict=True):
+            thread = Thread(self._named(step, context.path), rank)
+            inner = Context(
+                thread, context.path, rank, stated=context.stated, before=context.before, is_first=context.is_first
+            )
+            thread.entry = self._action(step, inner, self.place(inner, step))
+            started.append(thread)
+        context.thread.forks.append(started)
+        joins = self.place(context, action)
+        context.thread.joins.append(joins)
+        # What ends a branch ends the others, and goes on where it is caught.
+        below = [thread for branch in started for thread in branch.with_forks()]
+        # The books of processes that are abandoned are closed.
+        opens = frozenset(end for thread in below for end in thread.samples() if end[0][1] == context.path)
+        abandons = [Offer("join", handler, action.span) for _, handler in context.handlers]
+        abandons = [replace(offer, opens=opens) for offer in (*abandons, *context.interrupts)]
+        context.thread.places[joins].offers = [Offer("join", following, action.span), *abandons]
+        return joins
+
+    def _abandoned_by_others(self, action: ParallelSteps, context: Context) -> Context:
+        """Within parallel parts, which come one after another here: an exception of one abandons what another waits for, at once."""
+        raised = {"Fault", "Timeout", *self._raised_in(action, context.path)}
+        handlers = [handler for name, handler in context.handlers if name in raised]
+        abandons = [Offer("delay", handler, action.span, is_certain=False) for handler in handlers]
+        return replace(context, interrupts=(*context.interrupts, *abandons))
+
+    def _raised_in(self, action: Action, path: str) -> Iterator[str]:
+        for part in parts(action):
+            match part:
+                case RaiseException():
+                    yield part.exception
+                case RunInstance():
+                    inner = f"{path}.{part.instance}"
+                    entry = self.classes[self.instances[inner].class_name]
+                    if isinstance(entry, ProcessClass) and entry.body is not None:
+                        yield from self._raised_in(entry.body, inner)
+                case _:
+                    pass
+
+    def _named(self, step: Action, path: str) -> str:
+        match step:
+            case RunInstance():
+                return f"{path}.{step.instance}"
+            case Group():
+                return f"{path}.{step.label}"
+            case _:
+                runs = [part for part in parts(step) if isinstance(part, RunInstance)]
+                return f"{path}.{runs[0].instance}" if runs else path
+
+
+def _negated(value: Value | None) -> bool | None:
+    return not value if isinstance(value, bool) else None
+
+
+def _unseen(path: str, port: str, entry: ProcessClass) -> Refusal:
+    """Of who reads a sampled input is written by hand."""
+    reason = f"its body is written by hand, and whether it takes each sample of `{port}` cannot be seen"
+    advice = f"read `{port}` in a composition, and let a submodel written by hand compute with it"
+    return Refusal(path, reason, entry.span, advice)

@@ -1,0 +1,1 @@
+"""The timing report: latencies, chains and pictures, as text and as JSON."""

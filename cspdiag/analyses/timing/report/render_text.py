@@ -1,0 +1,132 @@
+"""The timing report as tables for people."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from cspdiag.analyses.timing.flow.graph import Missing
+from cspdiag.analyses.timing.result import LoopTiming, TimingReport
+from cspdiag.analyses.timing.task import ONCE
+from cspdiag.base.render.snippet import on_one_line
+from cspdiag.model.constants.durations import rounded
+
+_ROWS_SHOWN = 200
+
+
+def table(report: TimingReport) -> str:
+    """The whole report; it ends with a line break."""
+    return "\n".join(_lines(report)) + "\n"
+
+
+def _lines(report: TimingReport) -> Iterator[str]:
+    unknown = "REFUSED" if report.missing or report.refusals else "NOT PROVED"
+    verdict = {True: "SCHEDULABLE", False: "NOT SCHEDULABLE", None: unknown}[report.is_schedulable]
+    yield f"{verdict}: {report.process}: {report.reason}"
+    if report.is_schedulable and not report.loops:
+        yield f"  = help: give the inputs that `{report.process}` samples a period, `in x : double @ 1 ms`"
+    if report.missing:
+        yield ""
+        yield from _missing(report.missing)
+    for refusal in report.refusals:
+        yield ""
+        yield f"`{refusal.subject}`: {refusal.reason}"
+        yield f"  --> {on_one_line(refusal.span.source.name)}:{refusal.span.line}:{refusal.span.column}"
+        yield f"  = help: {refusal.help}"
+    if report.loops:
+        yield ""
+        yield from _aligned(_loop_rows(report.loops))
+        yield ""
+        yield from _summary(report)
+    if report.chains:
+        yield ""
+        rows = [("from", "through", "to", "reaction", "age")]
+        rows += [
+            (c.source, ", ".join(c.loops), c.sink, time(c.reaction), time(c.age)) for c in report.chains[:_ROWS_SHOWN]
+        ]
+        yield from _aligned(rows, right=2)
+        if len(report.chains) > _ROWS_SHOWN or not report.are_all_chains:
+            more = "at least " if not report.are_all_chains else ""
+            yield f"and {more}{len(report.chains) - len(rows) + 1} chains more"
+        yield "reaction: from a change of the input to the first output that knows of it"
+        yield "age: of a sample, when an output that is based on it is handed over"
+
+
+def _loop_rows(loops: Sequence[LoopTiming]) -> list[tuple[str, ...]]:
+    levels = sorted({loop.priority for loop in loops})
+    head = ["loop", "period", "work", "load", "step", "blocking", "response", "slack", "latency", "jitter", "outputs"]
+    if len(levels) > 1:
+        head.insert(1, "priority")
+    rows = [tuple(head)]
+    for loop in loops[:_ROWS_SHOWN]:
+        row = [
+            loop.name, time(loop.period), time(loop.work), f"{100 * loop.utilization:.1f} %", time(loop.step), time(loop.blocking),
+            "no bound" if loop.response is None else time(loop.response),
+            "none" if loop.slack is None else time(loop.slack),
+            "" if loop.latency is None else _interval(loop.latency),
+            "" if loop.jitter is None else time(loop.jitter), ", ".join(loop.outputs),
+        ]  # fmt: skip
+        if len(levels) > 1:
+            row.insert(1, str(levels.index(loop.priority) + 1))
+        rows.append(tuple(row))
+    return rows
+
+
+def _interval(latency: tuple[int, int]) -> str:
+    shortest, longest = latency
+    return time(shortest) if shortest == longest else f"{time(shortest)} to {time(longest)}"
+
+
+def _summary(report: TimingReport) -> Iterator[str]:
+    if len(report.loops) > _ROWS_SHOWN:
+        yield f"and {len(report.loops) - _ROWS_SHOWN} loops more"
+    yield f"the processor is used up to {100 * report.utilization:.1f} %; everything repeats after {time(report.hyperperiod)}"
+    waiting = [loop for loop in report.loops if loop.partners]
+    for loop in waiting:
+        yield f"`{loop.name}` waits within a sample for {', '.join(f'`{partner}`' for partner in loop.partners)}: their work is part of it"
+    if not all(loop.is_met for loop in report.loops):
+        yield from _advice(report)
+    if report.measured:
+        yield f"execution times of {len(report.measured)} laws and processes were measured: a longest one seen is no proof that none is longer"
+    yield "times count from the nominal release, the tick; a step runs until its process waits, and nothing preempts it"
+
+
+def _advice(report: TimingReport) -> Iterator[str]:
+    if report.advice is not None:
+        yield f"with these priorities every deadline would be met: {' ||> '.join(report.advice)}"
+    elif report.is_overloaded:
+        yield "more work than time: no order of priorities helps"
+    else:
+        yield "no order of priorities is known that meets every deadline with these steps"
+    if report.is_edf_feasible is not None:
+        yield f"earliest deadline first would {'' if report.is_edf_feasible else 'not '}meet every deadline"
+
+
+def _missing(missing: Sequence[Missing]) -> Iterator[str]:
+    by_definition: dict[tuple[str, int], list[Missing]] = {}
+    for part in missing:
+        by_definition.setdefault((part.span.source.name, part.span.line), []).append(part)
+    for parts in by_definition.values():
+        first = parts[0]
+        more = f" (and {len(parts) - 1} more)" if len(parts) > 1 else ""
+        yield f"`{first.leaf}`{more} does not say its worst-case execution time"
+        yield f"  --> {on_one_line(first.span.source.name)}:{first.span.line}:{first.span.column}"
+        yield f"  = help: write it in the head, `{first.kind} {first.definition}(...) wcet 100 us {{`, or give measured times with --wcet-from"
+
+
+def time(nanoseconds: int) -> str:
+    """A duration with four digits: ``1.25 ms``."""
+    if nanoseconds >= ONCE:
+        return "once"
+    return rounded(nanoseconds)
+
+
+def _aligned(rows: Sequence[tuple[str, ...]], right: int | None = None) -> Iterator[str]:
+    """Columns: the first and the last to the left, the rest to the right; with ``right`` only the last so many to the right."""
+    widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
+    last = len(widths) - 1
+    for row in rows:
+        cells = []
+        for k, (cell, width) in enumerate(zip(row, widths, strict=True)):
+            to_right = 0 < k < last if right is None else k > last - right
+            cells.append(cell.rjust(width) if to_right else cell.ljust(width))
+        yield "  ".join(cells).rstrip()

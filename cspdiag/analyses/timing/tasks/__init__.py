@@ -1,0 +1,1 @@
+"""Recurring work on one processor: response times, schedules and advice on priorities."""

@@ -1,0 +1,37 @@
+"""Advice on priorities: an order under which every deadline is met, if there is one.
+
+Audsley, "On priority assignment in fixed priority scheduling" (2001): level by level from the least urgent; a task that meets its
+deadline there may have it, whatever the order of the others.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from cspdiag.analyses.timing.task import Task
+from cspdiag.analyses.timing.tasks.response import response_time
+
+
+def feasible_order(tasks: Sequence[Task]) -> list[int] | None:
+    """Indexes of the tasks from the most to the least urgent, or None where no order meets every deadline.
+
+    Of several that may have a level it goes to the one with the longest deadline, so that the order is the usual one where that is possible.
+    """
+    open_ = list(range(len(tasks)))
+    order: list[int] = []
+    while open_:
+        candidates = sorted(open_, key=lambda k: (-tasks[k].deadline, -k))
+        chosen = next((k for k in candidates if _fits_lowest(tasks, k, open_, order)), None)
+        if chosen is None:
+            return None
+        open_.remove(chosen)
+        order.insert(0, chosen)
+    return order
+
+
+def _fits_lowest(tasks: Sequence[Task], candidate: int, above: Sequence[int], below: Sequence[int]) -> bool:
+    others = [replace(tasks[k], priority=0) for k in above if k != candidate]
+    others += [replace(tasks[k], priority=2) for k in below]
+    worst = response_time(replace(tasks[candidate], priority=1), others).worst
+    return worst is not None and worst <= tasks[candidate].deadline

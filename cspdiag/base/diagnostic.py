@@ -1,0 +1,78 @@
+"""What is told to the person at the keyboard.
+
+Each kind of diagnostic is a subclass beside the phase that finds it, in a module named ``diagnostics.py`` or
+``diagnostics_*.py`` of that phase. Its docstring is its manual page (``cspdiag explain CODE``).
+"""
+
+from __future__ import annotations
+
+from typing import ClassVar, Literal, Self
+
+from cspdiag.base.record import record, replaced
+from cspdiag.base.span import Span
+
+Severity = Literal["error", "warning"]
+
+
+@record
+class Label:
+    """A further place that belongs to a diagnostic, and what is to be seen there."""
+
+    span: Span
+    message: str
+
+
+@record
+class Diagnostic:
+    """One thing that is wrong, where, why, and how to mend it.
+
+    A subclass is a ``record`` that sets ``code`` and ``title`` and adds the facts it needs as fields;
+    ``message``, ``help`` and ``labels`` make sentences of them. Its docstring is the manual page: a first line that says
+    what it means, a paragraph that says why it is refused, then a section ``Refused::`` with a whole program
+    that triggers it, a section ``Mended::`` with the program that does not.
+    """
+
+    code: ClassVar[str]
+    title: ClassVar[str]
+    severity: ClassVar[Severity] = "error"
+
+    span: Span
+
+    @property
+    def message(self) -> str:
+        """What is wrong, in one sentence in the words of the diagram, without a final full stop."""
+        raise NotImplementedError
+
+    @property
+    def label(self) -> str:
+        """A few words for under the marked source; may be empty."""
+        return ""
+
+    @property
+    def help(self) -> str | None:
+        """How to mend it, or None where nothing useful can be said."""
+        return None
+
+    def __repr__(self) -> str:
+        return f"<{self.code} {self}>"
+
+    def __str__(self) -> str:
+        line, column = self.span.source.position(self.span.start)
+        return f"{self.span.file}:{line}:{column}: {self.message}"
+
+    @property
+    def labels(self) -> tuple[Label, ...]:
+        """The other places involved."""
+        return ()
+
+    def with_labels(self, further: tuple[Label, ...]) -> Self:
+        """The same with further places, of which who has found it knows nothing."""
+        copied = replaced(self)
+        vars(copied)["_further"] = further
+        return copied
+
+    @property
+    def all_labels(self) -> tuple[Label, ...]:
+        """The other places to be shown: those involved, and those that were added."""
+        further: tuple[Label, ...] = vars(self).get("_further", ())
+        return (*self.labels, *further)

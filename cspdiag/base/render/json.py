@@ -1,0 +1,37 @@
+"""Diagnostics as JSON."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from typing import Any
+
+from cspdiag.base.diagnostic import Diagnostic
+from cspdiag.base.span import Span
+
+
+def render(diagnostics: Sequence[Diagnostic]) -> str:
+    """A list with an object for each diagnostic; lines and columns count from 1, the end is exclusive."""
+    return json.dumps([_object(diagnostic) for diagnostic in diagnostics], indent=2) + "\n"
+
+
+def place(span: Span | None) -> dict[str, Any]:
+    """``file``, ``line`` and ``column``; nothing where there is no place."""
+    if span is None:
+        return {}
+    line, column = span.source.position(span.start)
+    return {"file": span.file, "line": line, "column": column}
+
+
+def _object(diagnostic: Diagnostic) -> dict[str, Any]:
+    span = diagnostic.span
+    return {
+        "code": diagnostic.code,
+        "severity": diagnostic.severity,
+        "message": diagnostic.message,
+        **place(span),
+        "end_line": span.end_line,
+        "end_column": span.end_column,
+        "help": diagnostic.help,
+        "related": [{"message": label.message, **place(label.span)} for label in diagnostic.all_labels],
+    }

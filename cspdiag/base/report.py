@@ -1,0 +1,34 @@
+"""The collection that passes report into, so that one run shows everything that is wrong."""
+
+from __future__ import annotations
+
+from cspdiag.base.diagnostic import Diagnostic, Label
+
+
+class Report:
+    """Diagnostics of one run, each told once.
+
+    The same kind of diagnostic at the same place is kept once, whatever the number of instances that lead to it.
+    """
+
+    def __init__(self) -> None:
+        self._found: dict[tuple[str, str, int, int], Diagnostic] = {}
+        self.suspects: tuple[Label, ...] = ()
+        """What was set from outside in a program that has no errors without that; each error shows it from now on."""
+
+    def add(self, diagnostic: Diagnostic) -> None:
+        """Add a diagnostic, unless the same code was already reported for the same range of characters."""
+        span = diagnostic.span
+        if self.suspects and diagnostic.severity == "error":
+            diagnostic = diagnostic.with_labels(self.suspects)
+        self._found.setdefault((diagnostic.code, span.file, span.start, span.end), diagnostic)
+
+    @property
+    def diagnostics(self) -> list[Diagnostic]:
+        """All diagnostics by file and place."""
+        return sorted(self._found.values(), key=lambda d: (d.span.file, d.span.start, d.code))
+
+    @property
+    def has_errors(self) -> bool:
+        """Whether any diagnostic is an error."""
+        return any(d.severity == "error" for d in self._found.values())

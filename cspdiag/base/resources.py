@@ -1,0 +1,61 @@
+"""Finds what ships beside the code: the grammar, the templates, the benchmarks and the bundled library.
+
+A checkout (and an editable install) has ``grammars/`` and its kin at its top level; a wheel has them under
+``cspdiag/_resources/``. ``pathlib`` is imported only where a path is asked for: ``check`` starts without it.
+"""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+_PACKAGE = os.path.dirname(os.path.dirname(os.path.realpath(__file__)))
+
+
+def _place(*parts: str) -> str:
+    installed = os.path.join(_PACKAGE, "_resources", *parts)
+    return installed if os.path.exists(installed) else os.path.join(os.path.dirname(_PACKAGE), *parts)
+
+
+def _path(*parts: str) -> Path:
+    from pathlib import Path
+
+    return Path(_place(*parts))
+
+
+def _text(path: str) -> str:
+    with open(path, encoding="utf-8") as file:
+        return file.read()
+
+
+def grammar() -> str:
+    """The text of the grammar."""
+    return _text(_place("grammars", "csp.lark"))
+
+
+def template_folder(target: str) -> Path:
+    """The folder of the templates of a target, such as ``python``."""
+    return _path("templates", target)
+
+
+def third_party(*parts: str) -> str | None:
+    """The path of a file that others have written, such as ``third_party("elkjs", "elk-worker.min.js")``; None where it was not fetched."""
+    path = _place("third-party", *parts)
+    return path if os.path.isfile(path) else None
+
+
+def benchmark_folder() -> Path:
+    """The folder of the benchmarks, itself a program."""
+    return _path("benchmarks")
+
+
+def library_source(name: str) -> str | None:
+    """The text of a bundled library by the name that ``import`` gives it (``std.control``), or None if there is none."""
+    parts = name.split(".")
+    if len(parts) < 2 or parts[0] != "std" or not all(part.isidentifier() for part in parts):
+        return None
+    path = os.path.join(_PACKAGE, *parts) + ".csp"
+    return _text(path) if os.path.isfile(path) else None

@@ -1,0 +1,81 @@
+"""Reads source files."""
+
+from __future__ import annotations
+
+import errno
+import os
+import stat
+import sys
+
+from cspdiag.base.span import SourceFile
+
+MAXIMUM_SIZE = 64 * 1024 * 1024
+"""Bytes. A larger file (or a device that never ends) is not a program."""
+
+STANDARD_INPUT = "-"
+
+_OPEN_ALREADY = ("/dev/fd", "/proc/self/fd")
+"""Folders whose entries are what the process was started with, such as what a shell makes of ``<(command)``."""
+
+_KINDS = (
+    (stat.S_ISFIFO, "a named pipe"),
+    (stat.S_ISSOCK, "a socket"),
+    (stat.S_ISCHR, "a device"),
+    (stat.S_ISBLK, "a device"),
+)
+
+
+def read_source(path: str) -> SourceFile:
+    """The text of a file, or of standard input for ``-``, with line ends as ``\\n``.
+
+    Raises OSError, with a ``strerror`` for people, for a file that cannot be read, is none, is not UTF-8 text or is too large.
+    """
+    try:
+        if path == STANDARD_INPUT:
+            data = _standard_input()
+        else:
+            require_ordinary_file(path)
+            with open(path, "rb") as file:
+                data = file.read(MAXIMUM_SIZE + 1)
+    except ValueError as problem:
+        raise OSError(errno.EINVAL, str(problem), path) from None
+    return SourceFile(name=path, text=decoded(data, path))
+
+
+def require_ordinary_file(path: str) -> None:
+    """Raise OSError for what is there and is no file: from a pipe or a device nothing may ever come.
+
+    Standard input by its name, and what the process was started with, are read as they are. What is not there is left to who opens it.
+    """
+    place = os.path.abspath(path)
+    if place == "/dev/stdin" or os.path.dirname(place) in _OPEN_ALREADY:
+        return
+    try:
+        mode = os.stat(path).st_mode
+    except OSError:
+        return
+    for is_kind, name in _KINDS:
+        if is_kind(mode):
+            raise OSError(errno.EINVAL, f"it is {name}, and no file", path)
+
+
+def _standard_input() -> bytes:
+    try:
+        return sys.stdin.buffer.read(MAXIMUM_SIZE + 1)
+    except OSError as problem:
+        reason = "it is closed" if problem.errno == errno.EBADF else problem.strerror
+        raise OSError(problem.errno, reason, "standard input") from None
+
+
+def decoded(data: bytes, path: str) -> str:
+    """The text of a file given by its bytes; raises what ``read_source`` raises."""
+    if len(data) > MAXIMUM_SIZE:
+        raise OSError(errno.EFBIG, f"larger than {MAXIMUM_SIZE // 1024 // 1024} MiB", path)
+    zero = data.find(b"\0")
+    if zero >= 0:
+        raise OSError(errno.EILSEQ, f"not text (a zero byte at offset {zero})", path)
+    try:
+        return data.decode("utf-8-sig").replace("\r\n", "\n")
+    except UnicodeDecodeError as problem:
+        byte = data[problem.start]
+        raise OSError(errno.EILSEQ, f"not UTF-8 text (byte 0x{byte:02x} at offset {problem.start})", path) from None

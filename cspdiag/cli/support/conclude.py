@@ -1,0 +1,94 @@
+"""What is left of a run: its files, the account of it, and the exit code."""
+
+from __future__ import annotations
+
+from argparse import Namespace
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from cspdiag.base.render.snippet import on_one_line
+from cspdiag.cli.support.failure import WRONG_USAGE, described
+from cspdiag.cli.support.missed import told_of_timeout
+from cspdiag.cli.support.terminal import say
+
+if TYPE_CHECKING:
+    from cspdiag.model.program import Program
+    from cspdiag.pipeline import Checked
+    from cspdiag.simulate.result import Run
+
+_Writer = Callable[[Path], object]
+
+
+def conclude(arguments: Namespace, result: Run, checked: Checked) -> int:
+    """Write what was asked for, tell how the run ended, and return the exit code.
+
+    The files of a run that was stopped are written like those of any other. A signal during that, after a run that ended by itself, ends the command.
+    """
+    from cspdiag.runtime.kernel.signals import name_of_signal
+    from cspdiag.runtime.kernel.stopping import Stopped, stopping
+
+    if result.outcome.deadlock is not None:
+        say(result.outcome.deadlock.text)
+    wanted = list(_wanted(arguments, result, checked.program))
+    if stopping.signal:
+        missing = _write(wanted)
+    else:
+        try:
+            with stopping.raising():
+                missing = _write(wanted)
+        except Stopped as stopped:
+            left = ", ".join(on_one_line(path) for path, _ in wanted)
+            say(f"cspdiag: stopped by {name_of_signal(stopped.signal)} before {left} had been written")
+            return stopped.exit_code
+    _tell(arguments, result, checked, [str(path) for path, _ in wanted if path not in missing])
+    return result.outcome.exit_code or (WRONG_USAGE if missing else 0)
+
+
+def _wanted(arguments: Namespace, result: Run, program: Program | None) -> Iterator[tuple[Path, _Writer]]:
+    if arguments.record is not None:
+        yield arguments.record, result.to_npz if str(arguments.record).endswith(".npz") else result.to_csv
+    if arguments.trace is not None:
+        yield arguments.trace, result.to_trace
+    if arguments.plot is not None:
+        yield arguments.plot, result.plot
+    if arguments.draw_deadlock is not None and result.outcome.deadlock is not None:
+        yield arguments.draw_deadlock, lambda path: _draw_deadlock(path, result, program)
+
+
+def _write(wanted: list[tuple[Path, _Writer]]) -> list[Path]:
+    """The paths that cannot be written; one that cannot keeps nothing else from being written."""
+    missing = []
+    for path, writer in wanted:
+        try:
+            writer(path)
+        except OSError as problem:
+            problem.filename = str(path)
+            say(f"cspdiag: {described(problem)}")
+            missing.append(path)
+    return missing
+
+
+def _tell(arguments: Namespace, result: Run, checked: Checked, written: list[str]) -> None:
+    from cspdiag.runtime.kernel.exceptions import described
+
+    if arguments.quiet:
+        for error in filter(None, (result.outcome.error, *result.outcome.release_errors)):
+            say(f"cspdiag: {described(error)}")
+        return
+    say(result.summary())
+    timeout = told_of_timeout(result, checked.report.diagnostics)
+    if timeout is not None:
+        say(timeout)
+    if written:
+        say(f"  wrote {', '.join(map(on_one_line, written))}")
+    if arguments.draw_deadlock is not None and result.outcome.deadlock is None:
+        say(f"  no deadlock: {on_one_line(arguments.draw_deadlock)} was not written")
+
+
+def _draw_deadlock(path: Path, result: Run, program: Program | None) -> None:
+    from cspdiag.cli.support.deadlock_picture import write_picture
+    from cspdiag.verify.deadlock_picture import deadlock_of
+
+    assert result.outcome.deadlock is not None
+    write_picture(path, deadlock_of(result.outcome.deadlock, result.network), program)

@@ -1,0 +1,40 @@
+"""How diagnostics are told in each of the formats of ``check`` and ``verify``."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from cspdiag.base.diagnostic import Diagnostic
+
+FORMATS = ("text", "concise", "json", "sarif", "github", "junit")
+
+
+def told_diagnostics(
+    diagnostics: Sequence[Diagnostic], format_: str, files: Sequence[str], *, colour: bool
+) -> tuple[str, str]:
+    """What goes to standard output, and what to standard error; ``files`` are those that were looked at."""
+    match format_:
+        case "concise":
+            from cspdiag.base.render.concise import render as render_concise
+
+            return "", render_concise(diagnostics)
+        case "json":
+            from cspdiag.base.render.json import render as render_json
+
+            return render_json(diagnostics), ""
+        case "sarif":
+            from cspdiag.base.render.sarif import render as render_sarif
+
+            return render_sarif(diagnostics), ""
+        case "github":
+            from cspdiag.base.render.github import render as render_github
+
+            return render_github(diagnostics), ""
+        case "junit":
+            from cspdiag.base.render.junit import render as render_junit
+
+            return render_junit(diagnostics, files), ""
+        case _:
+            from cspdiag.base.render.text import render as render_text
+
+            return "", render_text(diagnostics, colour=colour) if diagnostics else ""

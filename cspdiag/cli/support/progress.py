@@ -1,0 +1,115 @@
+"""The line that tells while a program runs: simulated time, speed, and the mode of each part.
+
+On a terminal it is rewritten all the time, unless somebody else works there now; into a file or a pipe a new one is written once in a while.
+"""
+
+from __future__ import annotations
+
+import os
+import threading
+import time
+from collections.abc import Sequence
+from types import TracebackType
+from typing import TYPE_CHECKING, Protocol
+
+from cspdiag.base.standard_streams import standard_error
+from cspdiag.cli.support.terminal import put
+from cspdiag.runtime.kernel.signals import left_to_the_main_thread
+
+if TYPE_CHECKING:
+    from cspdiag.simulate.record.modes import ModeGroup
+    from cspdiag.simulate.record.recorder import Recorder
+
+_INTERVAL = 0.2
+_INTERVAL_OF_LINES = 10.0
+
+
+class Running(Protocol):
+    """A program that runs."""
+
+    @property
+    def now(self) -> int:
+        """The present instant in nanoseconds."""
+        ...
+
+
+def is_in_foreground() -> bool:
+    """Whether this process is one of those that the terminal of standard error is for now: a shell has not put it into the background."""
+    try:
+        return os.tcgetpgrp(standard_error().fileno()) == os.getpgrp()
+    except (OSError, AttributeError):
+        # It is not the terminal that controls this process, or the system knows no such thing.
+        return True
+
+
+def _columns() -> int:
+    """Of the terminal: a longer line would go on in the next one, and be written below itself again and again."""
+    try:
+        return os.get_terminal_size(standard_error().fileno()).columns or 80
+    except OSError:
+        return 80
+
+
+class Progress:
+    """Writes the line to standard error from a thread of its own, so that the run pays nothing for it.
+
+    ``interval`` is in seconds. Used as a context manager around the run; ``attach`` is to be called when the network is there.
+    """
+
+    def __init__(self, recorder: Recorder, groups: Sequence[ModeGroup], interval: float | None = None) -> None:
+        self._is_terminal = standard_error().isatty()
+        self._interval = interval or (_INTERVAL if self._is_terminal else _INTERVAL_OF_LINES)
+        self._recorder = recorder
+        self._groups = groups
+        self._network: Running | None = None
+        self._ended = threading.Event()
+        self._thread = threading.Thread(target=self._show, name="progress", daemon=True)
+        self._begin = time.monotonic()
+        self.written = 0
+        """How often the line was written."""
+
+    def attach(self, network: Running) -> None:
+        """Tell what runs; its clock begins now."""
+        self._network = network
+        self._begin = time.monotonic()
+
+    def __enter__(self) -> Progress:
+        with left_to_the_main_thread():
+            self._thread.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._ended.set()
+        self._thread.join()
+        if self._is_terminal and is_in_foreground():
+            put("\r\x1b[K")
+
+    def _show(self) -> None:
+        while not self._ended.wait(self._interval):
+            if self._network is None or (self._is_terminal and not is_in_foreground()):
+                continue
+            put(f"\r\x1b[K{self.line()[: _columns() - 1]}" if self._is_terminal else f"{self.line()}\n")
+            self.written += 1
+
+    def line(self) -> str:
+        """The text of the line at this moment."""
+        simulated = self._network.now / 1e9 if self._network is not None else 0.0
+        elapsed = time.monotonic() - self._begin
+        speed = simulated / elapsed if elapsed > 0 else 0.0
+        running = self._running()
+        modes = "  ".join(
+            f"{group.name}: {'+'.join(name for path, name in group.modes.items() if path in running) or 'ended'}"
+            for group in self._groups
+            if group.modes
+        )
+        return f"{simulated:8.2f} s  {speed:6.1f}x  {modes}"
+
+    def _running(self) -> set[str]:
+        while True:
+            try:
+                return set(self._recorder.running)
+            except RuntimeError:
+                # The scheduler's thread changed the dictionary meanwhile; the next look succeeds.
+                continue

@@ -1,0 +1,84 @@
+"""Reads files as they are in a revision of a git repository."""
+
+from __future__ import annotations
+
+import errno
+import os
+import subprocess
+from collections.abc import Callable
+
+from cspdiag.base.sources import decoded, read_source
+from cspdiag.base.span import SourceFile
+from cspdiag.cli.support.failure import UsageError
+
+Reader = Callable[[str], SourceFile]
+
+
+def reader_of(revision: str | None) -> Reader:
+    """Reads a file, named as in the working tree, in a revision; None is the working tree itself.
+
+    The reader raises OSError where the revision has no such file, and UsageError where there is no such revision.
+    """
+    if revision is None:
+        return read_source
+
+    def read(path: str) -> SourceFile:
+        return SourceFile(name=path, text=decoded(_shown(revision, path), path))
+
+    return read
+
+
+def split_name(name: str) -> tuple[str | None, str]:
+    """``REVISION:FILE`` as git writes it, or a file by its name.
+
+    As in git the file counts from the top of the repository, unless it begins with ``./`` or ``../``.
+    """
+    revision, colon, path = name.partition(":")
+    if not colon or not revision or not path or os.path.exists(name):
+        return None, name
+    if not path.startswith(("./", "../")):
+        top = _git(path, os.curdir, "rev-parse", "--show-toplevel").decode().rstrip("\n")
+        path = os.path.relpath(os.path.join(top, path))
+    return revision, os.path.normpath(path)
+
+
+def _shown(revision: str, path: str) -> bytes:
+    # The folder may not exist any more in the working tree.
+    folder, rest = os.path.split(os.path.abspath(path))
+    while not os.path.isdir(folder):
+        folder, last = os.path.split(folder)
+        rest = os.path.join(last, rest)
+    _git(
+        path,
+        folder,
+        "rev-parse",
+        "--verify",
+        "--quiet",
+        "--end-of-options",
+        f"{revision}^{{commit}}",
+        says=f"no revision {revision!r}",
+    )
+    try:
+        return _git(path, folder, "show", "--end-of-options", f"{revision}:./{rest}")
+    except UsageError:
+        raise OSError(errno.ENOENT, f"not in revision {revision}", path) from None
+
+
+def _git(path: str, folder: str, *arguments: str, says: str = "") -> bytes:
+    """What git prints in a folder; ``path`` is the file that this is about."""
+    try:
+        done = subprocess.run(
+            ["git", "-C", folder, *arguments],
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            check=False,
+            env={**os.environ, "LC_ALL": "C"},
+        )
+    except FileNotFoundError:
+        raise UsageError("to read a revision git is needed, and it is not installed") from None
+    if done.returncode != 0:
+        told = done.stderr.decode(errors="replace").strip().partition("\n")[0].removeprefix("fatal: ")
+        if told.startswith("not a git repository"):
+            raise UsageError(f"{path} is not in a git repository, so name two files to compare: diff OLD NEW")
+        raise UsageError(f"git: {told or says}")
+    return done.stdout

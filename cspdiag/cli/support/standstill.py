@@ -1,0 +1,119 @@
+"""One line on standard error where simulated time stands still while a program runs."""
+
+from __future__ import annotations
+
+import threading
+import time
+from types import TracebackType
+from typing import TYPE_CHECKING, Protocol
+
+from cspdiag.base.standard_streams import standard_error
+from cspdiag.cli.support.terminal import put
+from cspdiag.runtime.kernel.places import whereabouts
+from cspdiag.runtime.kernel.signals import left_to_the_main_thread
+
+if TYPE_CHECKING:
+    from cspdiag.cli.support.progress import Running
+    from cspdiag.simulate.record.recorder import Recorder
+
+
+class Visited(Protocol):
+    """A program that runs, and can be asked who is at work."""
+
+    @property
+    def now(self) -> int:
+        """The present instant in nanoseconds."""
+        ...
+
+    def at_work(self) -> list[str]:
+        """Processes that were found at work, each with its place."""
+        ...
+
+
+PATIENCE = 3.0
+_LOOKS = 20
+"""So often is looked who runs: between two steps nobody does, and several may take turns."""
+_BETWEEN_LOOKS = 0.005
+_MOST_PLACES = 3
+_MOST_NAMES = 4
+
+
+class InThread:
+    """A network that runs in the thread that makes this object."""
+
+    def __init__(self, network: Running) -> None:
+        self._network = network
+        self._scheduler = threading.get_ident()
+
+    @property
+    def now(self) -> int:
+        """The present instant in nanoseconds."""
+        return self._network.now
+
+    def at_work(self) -> list[str]:
+        """Processes that are found at work during a tenth of a second, each with its line."""
+        found: dict[str, None] = {}
+        for _ in range(_LOOKS):
+            if at_work := whereabouts(self._scheduler, only_processes=True):
+                found[at_work] = None
+            if len(found) == _MOST_PLACES:
+                break
+            time.sleep(_BETWEEN_LOOKS)
+        return list(found)
+
+
+class Standstill:
+    """Looks at the time of a run in virtual time now and then, from a thread of its own, so that the run pays nothing for it.
+
+    Used as a context manager around the run; ``attach`` is to be called when the network is there. ``top`` is the outermost process. Says once that the instant is the same
+    at two looks, ``patience`` seconds apart.
+    """
+
+    def __init__(self, recorder: Recorder, top: str, patience: float = PATIENCE) -> None:
+        self._recorder = recorder
+        self._top = top
+        self._patience = patience
+        self._network: Visited | None = None
+        self._ended = threading.Event()
+        self.thread = threading.Thread(target=self._watch, name="standstill", daemon=True)
+
+    def attach(self, network: Visited) -> None:
+        """Tell what runs."""
+        self._network = network
+        with left_to_the_main_thread():
+            self.thread.start()
+
+    def __enter__(self) -> Standstill:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._ended.set()
+        if self._network is not None:
+            self.thread.join()
+
+    def _watch(self) -> None:
+        assert self._network is not None
+        before = self._network.now
+        while not self._ended.wait(self._patience):
+            now = self._network.now
+            if now == before:
+                # A line of progress may stand there.
+                clear = "\r\x1b[K" if standard_error().isatty() else ""
+                put(f"{clear}{self.line(now, self._network.at_work()[:_MOST_PLACES])}\n")
+                return
+            before = now
+
+    def line(self, now: int, places: list[str]) -> str:
+        """What is said at an instant in nanoseconds; ``places`` are those of the processes that were at work."""
+        prefix = f"{self._top}."
+        # A copy in one step: the scheduler's thread goes on meanwhile.
+        names = [path.removeprefix(prefix) for path in list(self._recorder.running) if path != self._top]
+        more = f" and {len(names) - _MOST_NAMES} more" if len(names) > _MOST_NAMES else ""
+        running = f", with {', '.join(names[:_MOST_NAMES])}{more} running" if names else ""
+        at_work = f"; at work: {', '.join(places)}" if places else ""
+        return (
+            f"cspdiag: simulated time stands still at {now / 1e9:g} s{running}{at_work}: Ctrl-C ends the run, "
+            f"and verify shows who goes on for ever without passing a port (assert {self._top} livelock free)"
+        )

@@ -1,0 +1,96 @@
+"""Remembers what was proved, so that a program that has not changed costs nothing.
+
+An entry has what was printed, and the digest of every file that was read for it. The version of cspdiag, and the installed files themselves, are part of the key.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from contextlib import suppress
+from hashlib import sha256
+from pathlib import Path
+from typing import NamedTuple
+
+from cspdiag import __version__
+from cspdiag.base.caches import cache_folder
+from cspdiag.base.sources import read_source
+from cspdiag.base.span import SourceFile
+
+
+class Printed(NamedTuple):
+    """What a run of ``verify`` said and how it ended."""
+
+    code: int
+    stdout: str
+    stderr: str
+
+
+class Cache:
+    """What ``verify`` said with certain options about a file; what cannot be read or written is as if it were not there."""
+
+    def __init__(self, options: str) -> None:
+        self._name = f"{sha256(f'{_installed()} {options}'.encode()).hexdigest()}.json"
+        self._read: dict[str, str] = {}
+
+    def read(self, path: str) -> SourceFile:
+        """Read a source file, and remember that the result depends on it. Raises as ``read_source`` does."""
+        source = read_source(path)
+        self._read[path] = _digest(source.text)
+        return source
+
+    def look(self) -> Printed | None:
+        """What was said about the same files before."""
+        try:
+            entry = json.loads(self._path().read_text(encoding="utf-8"))
+            unchanged = all(_digest(read_source(path).text) == digest for path, digest in entry["files"].items())
+            return Printed(entry["code"], entry["stdout"], entry["stderr"]) if unchanged else None
+        except (OSError, ValueError, KeyError, TypeError, AttributeError):
+            return None
+
+    def keep(self, printed: Printed) -> None:
+        """Remember what was said about the files that were read."""
+        entry = {"files": self._read, **printed._asdict()}
+        with suppress(OSError):
+            path = self._path()
+            temporary = path.with_name(f"{path.name}.{os.getpid()}.tmp")
+            path.parent.mkdir(exist_ok=True)
+            try:
+                temporary.write_text(json.dumps(entry), encoding="utf-8")
+                os.replace(temporary, path)
+            except OSError:
+                temporary.unlink()
+
+    def _path(self) -> Path:
+        return Path(cache_folder(), "verify", self._name)
+
+
+def _installed() -> str:
+    """Changes with every change of cspdiag itself, also in a checkout."""
+    root = Path(__file__).parents[2]
+    files = (
+        entry for folder in _CONCERNED for ending in ("py", "csp") for entry in (root / folder).rglob(f"*.{ending}")
+    )
+    newest = max((entry.stat().st_mtime_ns for entry in files), default=0)
+    return f"{__version__} {newest}"
+
+
+_CONCERNED = (
+    "analyses",
+    "base",
+    "cli",
+    "codegen",
+    "model",
+    "network",
+    "optimize",
+    "proofs",
+    "runtime",
+    "simulate",
+    "std",
+    "syntax",
+    "verify",
+)
+
+
+def _digest(text: str) -> str:
+    return sha256(text.encode()).hexdigest()

@@ -1,0 +1,80 @@
+"""Whether an output can be written is known before the work, and said by the name that the output was given."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from typing import TYPE_CHECKING
+
+from cspdiag.base.sources import STANDARD_INPUT
+from cspdiag.cli.support.failure import UsageError, described
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+
+def require_file(option: str, path: str | Path | None, endings: Sequence[str] = (), *, any_case: bool = False) -> None:
+    """Refuse a file that could not be written; ``option`` is what named it. Of one that is there nothing is changed.
+
+    Its name has one of ``endings``, in capitals too with ``any_case``.
+    """
+    if path is None:
+        return
+    name = os.fspath(path)
+    ending = os.path.splitext(name)[1]
+    if endings and (ending.lower() if any_case else ending) not in endings:
+        raise UsageError(
+            f"{option} {name}: the name must end in {', '.join(endings[:-1])}{' or ' * (len(endings) > 1)}{endings[-1]}"
+        )
+    if os.path.isdir(name):
+        raise UsageError(f"{option} {name}: is a directory")
+    folder = os.path.dirname(name)
+    if folder and not os.path.isdir(folder):
+        raise UsageError(f"{option} {name}: there is no folder {folder}")
+    if os.path.exists(name) and not os.path.isfile(name):
+        if not os.access(name, os.W_OK):
+            raise UsageError(f"{option} {name}: permission denied")
+        return
+    _try_folder(option, name, os.path.dirname(os.path.realpath(name)))
+
+
+def require_different(named: Mapping[str, str | Path | None]) -> None:
+    """Refuse two names of one file, by what named them: what is written later would replace what is read or written before."""
+    known: dict[str, str] = {}
+    for option, path in named.items():
+        if path is None or os.fspath(path) == STANDARD_INPUT or _is_no_file(path):
+            continue
+        other = known.setdefault(os.path.realpath(path), option)
+        if other != option:
+            raise UsageError(f"{other} and {option} name one file: {path}")
+
+
+def _is_no_file(path: str | Path) -> bool:
+    """Whether it is a device or a pipe, which takes one thing after the other."""
+    return os.path.exists(path) and not os.path.isfile(path)
+
+
+def require_folder(option: str, path: str) -> None:
+    """Refuse a folder in which no file could be written; it need not be there, nor what is above it."""
+    name = path.rstrip(os.sep) or path
+    if os.path.islink(name) and not os.path.exists(name):
+        raise UsageError(f"{option} {path}: is a symbolic link that leads nowhere")
+    there = os.path.realpath(name)
+    while not os.path.lexists(there):
+        there = os.path.dirname(there)
+    if not os.path.isdir(there):
+        raise UsageError(f"{option} {path}: {there} is in the way: it is not a folder")
+    _try_folder(option, path, there)
+
+
+def _try_folder(option: str, name: str, folder: str) -> None:
+    """Permissions are not all that decides: a file is made and removed again."""
+    trial = os.path.join(folder, f".cspdiag-{os.getpid()}.tmp")
+    try:
+        os.close(os.open(trial, os.O_CREAT | os.O_EXCL | os.O_WRONLY))
+    except OSError as problem:
+        reason = described(OSError(problem.errno, problem.strerror))
+        raise UsageError(f"{option} {name}: no file can be written in {folder} ({reason})") from None
+    with suppress(OSError):
+        os.unlink(trial)

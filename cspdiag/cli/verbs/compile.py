@@ -1,0 +1,166 @@
+"""``cspdiag compile``: generate a controller package."""
+
+from __future__ import annotations
+
+import os
+from argparse import ArgumentParser, Namespace
+from typing import TYPE_CHECKING
+
+from cspdiag.base.render.snippet import on_one_line, printable
+from cspdiag.base.report import Report
+from cspdiag.base.sources import read_source
+from cspdiag.cli.support.failure import FINE, UNSUCCESSFUL, NoResultError, UsageError
+from cspdiag.cli.support.terminal import say, show_diagnostics, write_out
+from cspdiag.cli.support.written import require_folder
+from cspdiag.codegen import TARGETS, target_errors
+from cspdiag.pipeline import build, check, generate
+from cspdiag.settings import SettingError, split_settings
+
+if TYPE_CHECKING:
+    from cspdiag.network.ir.network import Network
+
+EXAMPLE = "cspdiag compile models/jiwy/jiwy.csp -o build\ncspdiag compile models/jiwy/jiwy.csp -O1 --emit network"
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Declare the options."""
+    parser.add_argument("file", metavar="FILE", help="a program; - reads standard input")
+    parser.add_argument(
+        "-o", "--output", metavar="DIR", default="build", help="where the package goes (default: build)"
+    )
+    parser.add_argument(
+        "--target",
+        metavar="TARGET",
+        default="python",
+        help=f"language of the package: {', '.join(TARGETS)} (default: python)",
+    )
+    parser.add_argument("--top", metavar="PROCESS", help="the outermost process (default: that of the environment)")
+    parser.add_argument("--environment", metavar="NAME", help="the environment to compile for (default: the first)")
+    parser.add_argument(
+        "--set", metavar="NAME=VALUE", action="append", default=[], help="set a constant or a parameter"
+    )
+    parser.add_argument("--force", action="store_true", help="overwrite files that were changed by hand")
+    parser.add_argument("--emit", choices=("ast", "model", "network", "lts"), help="print a representation instead")
+    level = parser.add_mutually_exclusive_group()
+    level.add_argument("-O0", dest="level", action="store_const", const=0, default=0, help="readable code (default)")
+    level.add_argument("-O1", dest="level", action="store_const", const=1, help="fast code")
+
+
+def run(arguments: Namespace) -> int:
+    """Generate the package, or print what was asked for."""
+    match arguments.emit:
+        case "ast":
+            return _emit_tree(arguments)
+        case "model":
+            return _emit_model(arguments)
+        case "network":
+            return _emit_network(arguments)
+        case "lts":
+            return _emit_transitions(arguments)
+        case _:
+            return _generate(arguments)
+
+
+def _emit_tree(arguments: Namespace) -> int:
+    from cspdiag.cli.support.representation import show_tree
+    from cspdiag.syntax.parser import parse
+
+    report = Report()
+    tree = parse(read_source(arguments.file), report)
+    show_diagnostics(report.diagnostics, arguments.color)
+    if tree is None or report.has_errors:
+        return UNSUCCESSFUL
+    write_out(printable(show_tree(tree)))
+    return FINE
+
+
+def _emit_model(arguments: Namespace) -> int:
+    from cspdiag.cli.support.representation import show_model
+
+    checked = check(read_source(arguments.file), read_source)
+    show_diagnostics(checked.report.diagnostics, arguments.color)
+    if checked.program is None or checked.report.has_errors:
+        return UNSUCCESSFUL
+    write_out(printable(show_model(checked.program)))
+    return FINE
+
+
+def _emit_network(arguments: Namespace) -> int:
+    network = _network(arguments)
+    if network is None:
+        return UNSUCCESSFUL
+    from cspdiag.network.dump.network import dump
+
+    if arguments.level == 1:
+        from cspdiag.optimize import PASSES, explain_fusion, optimize
+
+        *before, last = PASSES
+        network = optimize(network, before)
+        explained = [f"// {line}\n" for line in explain_fusion(network)]
+        write_out(printable("".join([dump(optimize(network, (last,))), "\n", *explained])))
+    else:
+        write_out(printable(dump(network)))
+    return FINE
+
+
+def _emit_transitions(arguments: Namespace) -> int:
+    network = _network(arguments)
+    if network is None:
+        return UNSUCCESSFUL
+    from cspdiag.proofs.transitions import transition_system
+    from cspdiag.proofs.transitions.systems.dump import dump
+    from cspdiag.proofs.transitions.threads.explore import TransitionError
+
+    try:
+        write_out(printable(dump(transition_system(network))))
+    except TransitionError as problem:
+        raise NoResultError(str(problem)) from None
+    return FINE
+
+
+def _generate(arguments: Namespace) -> int:
+    from cspdiag.cli.support.output import write_package
+    from cspdiag.network.lower.program import is_taken_by_python
+
+    if arguments.target not in TARGETS:
+        raise UsageError(f"unknown target {arguments.target!r} (there are: {', '.join(TARGETS)})")
+    require_folder("-o", arguments.output)
+    network = _network(arguments)
+    if network is None:
+        return UNSUCCESSFUL
+    folder = os.path.join(arguments.output, network.name)
+    if os.path.lexists(folder) and not os.path.isdir(folder):
+        raise UsageError(f"{folder} is in the way: it is not a folder")
+    try:
+        files = generate(network, read_source, arguments.target, arguments.level)
+    except target_errors() as problem:
+        raise NoResultError(str(problem)) from None
+    write_package(folder, files, force=arguments.force)
+    renamed = network.name.removesuffix("_")
+    if renamed != network.name and is_taken_by_python(renamed):
+        say(
+            f"`{renamed}` is a name of Python's own, so the package is called `{network.name}`; it has its name from the file"
+        )
+    say(f"wrote {on_one_line(folder)}")
+    if arguments.target == "c":
+        from cspdiag.simulate.native.memory import report_or_reason
+
+        say(f"{report_or_reason(network, files, arguments.level)}")
+    return FINE
+
+
+def _network(arguments: Namespace) -> Network | None:
+    from cspdiag.network.lower.program import SelectionError
+
+    try:
+        built = build(
+            read_source(arguments.file),
+            read_source,
+            top=arguments.top,
+            environment=arguments.environment,
+            settings=split_settings(arguments.set),
+        )
+    except (SettingError, SelectionError) as problem:
+        raise UsageError(str(problem)) from None
+    show_diagnostics(built.checked.report.diagnostics, arguments.color)
+    return built.network

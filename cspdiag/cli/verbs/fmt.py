@@ -1,0 +1,90 @@
+"""``cspdiag fmt``: format programs."""
+
+from __future__ import annotations
+
+import os
+import re
+import sys
+from argparse import ArgumentParser, Namespace
+
+from cspdiag.base.render.snippet import on_one_line, printable
+from cspdiag.base.report import Report
+from cspdiag.base.sources import STANDARD_INPUT, read_source
+from cspdiag.base.span import SourceFile
+from cspdiag.cli.support.failure import FINE, UNSUCCESSFUL, UsageError
+from cspdiag.cli.support.output import replace_text
+from cspdiag.cli.support.terminal import say, show_diagnostics, write_out
+from cspdiag.syntax.format.formatter import format_tree
+from cspdiag.syntax.parser import parse
+
+EXAMPLE = "cspdiag fmt controller.csp\ncspdiag fmt --check --diff models/*/*.csp"
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Declare the options."""
+    parser.add_argument("files", nargs="+", metavar="FILE", help="a program; - reads standard input and prints")
+    parser.add_argument("--check", action="store_true", help="change nothing; exit 1 if a file would change")
+    parser.add_argument(
+        "--diff", action="store_true", help="change nothing; print the differences, exit 1 if there are any"
+    )
+
+
+def run(arguments: Namespace) -> int:
+    """Format every file; one with syntax errors is left as it is."""
+    changes_files = not arguments.check and not arguments.diff
+    for name in arguments.files:
+        if changes_files and name != STANDARD_INPUT and os.path.exists(name) and not os.path.isfile(name):
+            kind = "a directory" if os.path.isdir(name) else "no file that could be replaced; `fmt -` reads and prints"
+            raise UsageError(f"{name}: is {kind}")
+    report = Report()
+    changed: list[SourceFile] = []
+    for source in [read_source(name) for name in dict.fromkeys(arguments.files)]:
+        text = formatted(source, report)
+        if text is None:
+            continue
+        if arguments.diff:
+            difference = _difference(source, text)
+            write_out(printable(difference) if sys.stdout.isatty() else difference)
+        elif source.name == STANDARD_INPUT and not arguments.check:
+            write_out(text)
+        if text != source.text:
+            changed.append(source)
+            _change(source, text, arguments)
+    show_diagnostics(report.diagnostics, arguments.color)
+    only_looked = arguments.check or arguments.diff
+    return UNSUCCESSFUL if report.has_errors or (only_looked and changed) else FINE
+
+
+def formatted(source: SourceFile, report: Report) -> str | None:
+    """The text of a file in the one style; None, with the reason in ``report``, if it has syntax errors."""
+    own = Report()
+    tree = parse(source, own)
+    for diagnostic in own.diagnostics:
+        report.add(diagnostic)
+    return None if tree is None or own.has_errors else format_tree(tree)
+
+
+def _change(source: SourceFile, text: str, arguments: Namespace) -> None:
+    if arguments.check:
+        say(f"would format {on_one_line(source.name)}")
+    elif not arguments.diff and source.name != STANDARD_INPUT:
+        replace_text(source.name, text)
+        say(f"formatted {on_one_line(source.name)}")
+
+
+def _difference(source: SourceFile, text: str) -> str:
+    from difflib import unified_diff
+
+    name = on_one_line(source.name)
+    lines = unified_diff(
+        _lines(source.text),
+        _lines(text),
+        name,
+        f"{name} (formatted)",
+    )
+    return "".join(line if line.endswith("\n") else f"{line}\n\\ No newline at end of file\n" for line in lines)
+
+
+def _lines(text: str) -> list[str]:
+    """The lines with their ends, which are line feeds: a comment may have other characters that Python takes for ends of lines."""
+    return [line for line in re.split(r"(?<=\n)", text) if line]

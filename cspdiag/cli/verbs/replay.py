@@ -1,0 +1,96 @@
+"""``cspdiag run --replay``: step a program through a counterexample."""
+
+from __future__ import annotations
+
+from argparse import Namespace
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from cspdiag.base.sources import read_source
+from cspdiag.cli.support.failure import FINE, UNSUCCESSFUL, NoResultError, UsageError
+from cspdiag.cli.support.terminal import say, show_diagnostics
+
+if TYPE_CHECKING:
+    from cspdiag.network.ir.network import Network
+    from cspdiag.verify.replay.result import Replay
+    from cspdiag.verify.runs.trace import Trace
+
+_UNFIT = ("environment", "until", "record", "trace", "plot")
+
+
+def run(arguments: Namespace) -> int:
+    """Say what happens, and whether that was what the trace says; exit code 0 if it was."""
+    _refuse_others(arguments)
+    from cspdiag.codegen import target_errors
+    from cspdiag.proofs.verdict import LimitError
+    from cspdiag.simulate.run.execute import BodyError
+    from cspdiag.verify.confirm import replayed
+    from cspdiag.verify.runs.trace import TraceError, read_trace
+
+    try:
+        trace = read_trace(read_source(str(arguments.replay)).text)
+    except TraceError as problem:
+        raise UsageError(f"{arguments.replay}: {problem}") from None
+    network = _network(arguments, trace)
+    if network is None:
+        return UNSUCCESSFUL
+    try:
+        result = replayed(network, trace, read_source)
+    except (BodyError, LimitError, target_errors()) as problem:
+        raise NoResultError(str(problem)) from None
+    if not arguments.quiet:
+        say("\n".join(_told(network, trace, result)))
+    return FINE if result.succeeded else UNSUCCESSFUL
+
+
+def _refuse_others(arguments: Namespace) -> None:
+    given = [name for name in _UNFIT if getattr(arguments, name) is not None]
+    if arguments.real_time:
+        given.append("real_time")
+    if given:
+        names = ", ".join("--for" if name == "until" else f"--{name.replace('_', '-')}" for name in given)
+        raise UsageError(f"--replay goes without {names}: the trace says what happens and when")
+
+
+def _network(arguments: Namespace, trace: Trace) -> Network | None:
+    from cspdiag.network.lower.program import SelectionError
+    from cspdiag.pipeline import build
+    from cspdiag.settings import SettingError, split_settings
+
+    try:
+        settings = {**trace.settings, **split_settings(arguments.settings)}
+        built = build(read_source(arguments.file), read_source, top=trace.process, settings=settings)
+    except (SettingError, SelectionError) as problem:
+        raise UsageError(str(problem)) from None
+    show_diagnostics(built.checked.report.diagnostics, arguments.color)
+    return built.network
+
+
+def _told(network: Network, trace: Trace, result: Replay) -> Iterator[str]:
+    from cspdiag.runtime.kernel.durations import shown
+    from cspdiag.verify.runs.names import below, in_words
+    from cspdiag.verify.runs.values import types_of, written
+
+    types = types_of(network)
+    yield f"replay of the counterexample to `{trace.assertion}`"
+    instants = [f"{shown(instant)}  " for instant in result.instants] if any(result.instants) else []
+    width = max(map(len, instants), default=0)
+    round_from = None if result.divergence is not None else result.round_from
+    for number, (channel, value) in enumerate(result.communications):
+        if number == round_from:
+            yield "then again and again:"
+        when = instants[number].rjust(width) if instants else ""
+        name = channel.removeprefix(f"{trace.process}.")
+        yield f"{number + 1:>5}  {when}{name}  {written(value, types[channel])}"
+    if round_from == len(result.communications):
+        yield f"then again and again, {trace.round}"
+    if result.deadlock is not None:
+        yield below(result.deadlock, trace.process).text
+    total = trace.shown_before(len(trace.steps) + len(trace.cycle))
+    steps = f"{total} step{'' if total == 1 else 's'}"
+    if round_from is not None:
+        yield "replayed: the program " + (f"did all {steps}, and " if total else "") + "can go on so for ever"
+    elif result.divergence is None:
+        yield f"replayed: the program did all {steps}"
+    else:
+        yield f"not replayed: after {trace.shown_before(result.steps)} of {steps}, {in_words(result.divergence, trace.process)}"

@@ -1,0 +1,228 @@
+"""``cspdiag run``: run a program against an environment."""
+
+from __future__ import annotations
+
+from argparse import ArgumentParser, Namespace
+from collections.abc import Callable
+from contextlib import nullcontext
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from cspdiag.base.sources import read_source
+from cspdiag.cli.support.failure import UNSUCCESSFUL, NoResultError, UsageError
+from cspdiag.cli.support.terminal import say, show_diagnostics
+from cspdiag.cli.support.written import require_different, require_file
+
+if TYPE_CHECKING:
+    from cspdiag.cli.support.standstill import Visited
+    from cspdiag.network.ir.network import Network
+    from cspdiag.pipeline import Built
+    from cspdiag.simulate.record.recorder import Recorder
+    from cspdiag.simulate.result import Run
+
+EXAMPLE = (
+    "cspdiag run models/jiwy/jiwy.csp --for 20s --plot jiwy.svg --record jiwy.csv\n"
+    "cspdiag run models/jiwy/jiwy.csp --set Tsh=10ms --set pan.inertia=2e-3\n"
+    "cspdiag run models/dining/deadlock.csp --replay trace.json"
+)
+
+_ENDINGS = {
+    "record": (".csv", ".npz"),
+    "trace": (".json", ".jsonl"),
+    "plot": (".svg", ".png", ".pdf"),
+}
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Declare the options."""
+    parser.add_argument("file", metavar="FILE", help="a program; - reads standard input")
+    parser.add_argument("--environment", metavar="NAME", help="the environment to run in (default: the first)")
+    parser.add_argument("--for", dest="until", metavar="TIME", help="end after this time, such as 20s or 500ms")
+    parser.add_argument("--real-time", action="store_true", help="run against the clock instead of in virtual time")
+    parser.add_argument(
+        "--set", action="append", default=[], metavar="NAME=VALUE", dest="settings",
+        help="a constant (Tsh=10ms), a field of one (gains.kp=3) or an instance's parameter (pan.inertia=2e-3); may be given again",
+    )  # fmt: skip
+    parser.add_argument(
+        "--target", choices=("python", "c"), default="python", help="what to run it on (default: python)"
+    )
+    level = parser.add_mutually_exclusive_group()
+    level.add_argument("-O0", dest="level", action="store_const", const=0, default=1, help="run readable code")
+    level.add_argument("-O1", dest="level", action="store_const", const=1, help="run fast code (default)")
+    parser.add_argument("--record", type=Path, metavar="FILE", help="the external ports over time, as .csv or .npz")
+    parser.add_argument(
+        "--trace", type=Path, metavar="FILE", help="Chrome trace events as .json, or the plain trace as .jsonl"
+    )
+    parser.add_argument("--plot", type=Path, metavar="FILE", help="a figure, as .svg, .png or .pdf")
+    parser.add_argument(
+        "--draw-deadlock", type=Path, metavar="FILE",
+        help="if the run ends in a deadlock: who waits for whom, as .svg, .png or .pdf",
+    )  # fmt: skip
+    parser.add_argument(
+        "--replay", type=Path, metavar="FILE", help="step through the counterexample that verify --trace-out wrote"
+    )
+    parser.add_argument("--quiet", action="store_true", help="no summary and no progress")
+
+
+def run(arguments: Namespace) -> int:
+    """Compile, run, record; the exit code says how the run ended."""
+    if arguments.replay is not None:
+        from cspdiag.cli.verbs.replay import run as run_replay
+
+        return run_replay(arguments)
+    for option, endings in _ENDINGS.items():
+        require_file(f"--{option}", getattr(arguments, option), endings)
+    outputs = (*_ENDINGS, "draw-deadlock")
+    named = {f"--{option}": getattr(arguments, option.replace("-", "_")) for option in outputs}
+    require_different({"the program": arguments.file, **named})
+    if arguments.plot is not None:
+        _require_matplotlib()
+    if arguments.draw_deadlock is not None:
+        from cspdiag.cli.support.deadlock_picture import check_picture
+
+        check_picture("--draw-deadlock", arguments.draw_deadlock)
+    from cspdiag.network.lower.program import SelectionError
+    from cspdiag.settings import SettingError, parse_time_limit
+
+    try:
+        until = None if arguments.until is None else parse_time_limit(arguments.until)
+        built = _built(arguments)
+    except (SettingError, SelectionError) as problem:
+        raise UsageError(str(problem)) from None
+    if built.network is None:
+        return UNSUCCESSFUL
+    if until is None and not arguments.quiet:
+        _tell_of_no_end(built.network)
+    from cspdiag.cli.support.conclude import conclude
+    from cspdiag.runtime.kernel.signals import name_of_signal
+    from cspdiag.runtime.kernel.stopping import HandlerFailed, Stopped, stopping
+    from cspdiag.runtime.outside.job_control import stay_running
+
+    with stopping.until_exit(lambda text: say(f"cspdiag: {text}")) if arguments.whole_process else stopping:
+        if arguments.whole_process:
+            stay_running(real_time=arguments.real_time)
+        try:
+            result = _simulate(arguments, built.network, until)
+        except Stopped as stopped:
+            say(f"cspdiag: stopped by {name_of_signal(stopped.signal)} before the run began")
+            return stopped.exit_code
+        except HandlerFailed as failed:
+            raise NoResultError(str(failed.error)) from None
+        return conclude(arguments, result, built.checked)
+
+
+def _require_matplotlib() -> None:
+    from importlib.util import find_spec
+
+    if find_spec("matplotlib") is None:
+        raise UsageError('--plot needs matplotlib: pip install "cspdiag[plot]"')
+
+
+def _built(arguments: Namespace) -> Built:
+    from cspdiag import pipeline
+    from cspdiag.settings import split_settings
+
+    settings = split_settings(arguments.settings)
+    built = pipeline.build(
+        read_source(arguments.file), read_source, environment=arguments.environment, settings=settings, alone=True
+    )
+    show_diagnostics(built.checked.report.diagnostics, arguments.color)
+    return built
+
+
+def _tell_of_no_end(network: Network) -> None:
+    """Say that a run without a time limit goes on until somebody ends it, where that is sure."""
+    from cspdiag.network.checks.endless import never_ends
+
+    if network.environments and never_ends(network):
+        name = network.class_named(network.top).definition
+        say(f"cspdiag: {name} never ends by itself: Ctrl-C ends the run, --for 20s would end it at 20 s")
+
+
+def _simulate(arguments: Namespace, network: Network, until: int | None) -> Run:
+    from cspdiag.cli.support.progress import Progress
+    from cspdiag.cli.support.standstill import Standstill
+    from cspdiag.codegen import target_errors
+    from cspdiag.simulate.native.build import CompilerError
+    from cspdiag.simulate.record.modes import mode_groups
+    from cspdiag.simulate.record.recorder import Recorder
+    from cspdiag.simulate.run.execute import BodyError, NoEnvironmentError
+
+    simulate = _simulate_native if arguments.target == "c" else _simulate_in_python
+    outputs = (arguments.record, arguments.trace, arguments.plot)
+    recorder = Recorder(communications=any(path is not None for path in outputs))
+    progress = None
+    if not arguments.quiet:
+        progress = Progress(recorder, mode_groups(network))
+    standstill = None
+    # Against the clock it goes on.
+    if not arguments.quiet and not arguments.real_time:
+        standstill = Standstill(recorder, network.class_named(network.top).definition)
+    watchers = [watcher for watcher in (progress, standstill) if watcher is not None]
+
+    def attach(running: Visited) -> None:
+        for watcher in watchers:
+            watcher.attach(running)
+
+    try:
+        with progress or nullcontext(), standstill or nullcontext():
+            return simulate(arguments, network, until, recorder, attach)
+    except NoEnvironmentError as problem:
+        raise UsageError(str(problem)) from None
+    except (BodyError, CompilerError, target_errors()) as problem:
+        raise NoResultError(str(problem)) from None
+
+
+def _simulate_in_python(
+    arguments: Namespace, network: Network, until: int | None, recorder: Recorder, on_start: Callable[[Visited], None]
+) -> Run:
+    from cspdiag import pipeline
+    from cspdiag.cli.support.standstill import InThread
+    from cspdiag.runtime.kernel.stopping import stopping
+    from cspdiag.simulate.run.execute import simulate
+
+    with stopping.raising():
+        files = pipeline.generate(
+            network,
+            read_source,
+            level=arguments.level,
+            traced=arguments.trace is not None,
+            observed=True,
+            probed=arguments.plot is not None,
+        )
+    return simulate(
+        network,
+        files,
+        environment=arguments.environment,
+        until=until,
+        real_time=arguments.real_time,
+        recorder=recorder,
+        probe_variables=arguments.plot is not None,
+        measured=_is_measured(arguments),
+        on_start=lambda network: on_start(InThread(network)),
+    )
+
+
+def _simulate_native(
+    arguments: Namespace, network: Network, until: int | None, recorder: Recorder, on_start: Callable[[Visited], None]
+) -> Run:
+    from cspdiag.simulate.native.run import simulate
+
+    ports = arguments.record is not None or arguments.plot is not None
+    return simulate(
+        network,
+        read_source,
+        level=arguments.level,
+        environment=arguments.environment,
+        until=until,
+        real_time=arguments.real_time,
+        recorder=recorder,
+        on_start=on_start,
+        observed="all" if arguments.trace is not None else "ports" if ports else "none",
+        measured=_is_measured(arguments),
+    )
+
+
+def _is_measured(arguments: Namespace) -> bool:
+    """Whether execution times are wanted: traces of runs against the clock have them."""
+    return bool(arguments.real_time and arguments.trace is not None and arguments.trace.suffix == ".json")

@@ -1,0 +1,217 @@
+"""``cspdiag verify``: prove the assertions of a program, or show how they fail."""
+
+from __future__ import annotations
+
+import os
+from argparse import ArgumentParser, ArgumentTypeError, Namespace
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from cspdiag.base.render.snippet import on_one_line
+from cspdiag.base.standard_streams import standard_error
+from cspdiag.cli.support.diagnostic_formats import FORMATS, told_diagnostics
+from cspdiag.cli.support.failure import FINE, UNSUCCESSFUL, NoResultError, UsageError
+from cspdiag.cli.support.output import replace_text
+from cspdiag.cli.support.terminal import put, say, wants_colour, write_out
+from cspdiag.cli.support.written import require_different, require_file
+
+if TYPE_CHECKING:
+    from cspdiag.base.diagnostic import Diagnostic
+    from cspdiag.pipeline import Asked, Reader
+    from cspdiag.proofs.answers.answer import Answer
+
+EXAMPLE = (
+    "cspdiag verify models/jiwy/jiwy.csp\n"
+    "cspdiag verify models/dining/deadlock.csp --trace-out trace.json\n"
+    "cspdiag run models/dining/deadlock.csp --replay trace.json\n"
+    "cspdiag verify models/dining/deadlock.csp --draw deadlock.svg"
+)
+METHODS = ("rules", "sat", "invariants", "stubborn", "minimization", "breadth-first")
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Declare the options."""
+    parser.add_argument("file", metavar="FILE", help="a program; - reads standard input")
+    parser.add_argument("--process", metavar="NAME", help="only what is asserted of this process, or is expected of it")
+    parser.add_argument(
+        "--set", metavar="NAME=VALUE", action="append", default=[], help="set a constant or a parameter"
+    )
+    parser.add_argument(
+        "--method", choices=METHODS, help="use this proof method only (default: the first that answers)"
+    )
+    parser.add_argument(
+        "--engine", choices=("cspdiag", "spin"), default="cspdiag", help="who proves (default: cspdiag)"
+    )
+    parser.add_argument(
+        "--time-limit", metavar="S", type=_positive, default=60.0, help="seconds for each assertion (default: 60)"
+    )
+    parser.add_argument(
+        "--memory-limit", metavar="MB", type=_positive, default=2000.0, help="megabytes for states (default: 2000)"
+    )
+    parser.add_argument(
+        "--format", choices=FORMATS, default="text",
+        help="how to tell the answers: text and concise, for people, on standard error; the others, and what --timing prints, on standard output (default: text)",
+    )  # fmt: skip
+    parser.add_argument("--trace-out", type=Path, metavar="FILE", help="the first counterexample, for run --replay")
+    parser.add_argument(
+        "--draw", type=Path, metavar="FILE",
+        help="who waits for whom in the first deadlock or knot, as .svg, .png or .pdf",
+    )  # fmt: skip
+    parser.add_argument(
+        "--timing", action="store_true", help="print response times, latencies and advice instead of proving assertions"
+    )
+    parser.add_argument("--gantt", type=Path, metavar="FILE", help="with --timing: one hyperperiod as an .svg picture")
+    parser.add_argument(
+        "--wcet-from", type=Path, metavar="FILE", help="execution times measured in a run, instead of those in the text"
+    )
+    parser.add_argument("--no-cache", action="store_true", help="prove again what was proved before")
+    parser.add_argument("--quiet", action="store_true", help="show only what is not proved")
+
+
+def _positive(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = 0.0
+    if not 0 < value < float("inf"):
+        raise ArgumentTypeError(f"a positive number is wanted, not {text!r}")
+    return value
+
+
+def run(arguments: Namespace) -> int:
+    """Prove, and tell; the exit code says whether everything was proved."""
+    if arguments.timing or arguments.gantt is not None or arguments.wcet_from is not None:
+        from cspdiag.cli.verbs.verify_timing import run_timing
+
+        return run_timing(arguments)
+    from cspdiag.cli.support.verify_cache import Cache, Printed
+
+    require_file("--trace-out", arguments.trace_out)
+    require_different({"the program": arguments.file, "--trace-out": arguments.trace_out, "--draw": arguments.draw})
+    if arguments.draw is not None:
+        from cspdiag.cli.support.deadlock_picture import check_picture
+
+        check_picture("--draw", arguments.draw)
+    cache = Cache(repr(_what_matters(arguments)))
+    is_cached = not arguments.no_cache and arguments.file != "-"
+    is_cached = is_cached and arguments.trace_out is None and arguments.draw is None
+    printed = cache.look() if is_cached else None
+    if printed is None:
+        asked = _ask(arguments, cache.read)
+        found = asked.checked.report.diagnostics
+        if asked.checked.report.has_errors:
+            return refused(found, arguments)
+        answers = _answers(asked, arguments, cache.read)
+        code = FINE if all(answer.outcome == "proved" for answer in answers) else UNSUCCESSFUL
+        printed = Printed(code, *told(answers, found, arguments))
+        _write_trace(arguments, answers)
+        if arguments.draw is not None:
+            _draw(arguments, answers, asked)
+        if is_cached and all(answer.outcome != "unknown" for answer in answers):
+            cache.keep(printed)
+    write_out(printed.stdout)
+    put(printed.stderr)
+    return printed.code
+
+
+def _what_matters(arguments: Namespace) -> dict[str, object]:
+    """The options that what is printed depends on."""
+    settled = {name: value for name, value in vars(arguments).items() if name not in {"no_cache", "trace_out", "draw"}}
+    return {**settled, "color": wants_colour(arguments.color, standard_error()), "folder": os.getcwd()}
+
+
+def _ask(arguments: Namespace, read: Reader) -> Asked:
+    """What is to be proved, with the networks that it takes."""
+    from cspdiag.network.lower.program import SelectionError
+    from cspdiag.pipeline import ask
+    from cspdiag.settings import SettingError
+
+    try:
+        asked = ask(read(arguments.file), read, process=arguments.process, settings=_settings(arguments))
+        for question in asked.questions:
+            for name in question.processes:
+                asked.network(name)
+    except (SettingError, SelectionError) as problem:
+        raise UsageError(str(problem)) from None
+    return asked
+
+
+def _settings(arguments: Namespace) -> dict[str, str]:
+    from cspdiag.settings import split_settings
+
+    return split_settings(arguments.set)
+
+
+def _answers(asked: Asked, arguments: Namespace, read: Reader) -> list[Answer]:
+    from cspdiag.cli.support.alarm import ended_by_alarm
+    from cspdiag.proofs.verdict import Limits
+    from cspdiag.verify.confirm import VerificationError, Verifier
+
+    memory = int(arguments.memory_limit * 1e6)
+    spin = arguments.engine == "spin"
+    verifier = Verifier(
+        asked, read, arguments.method, spin=spin, settings=_settings(arguments), enforced=ended_by_alarm
+    )
+    try:
+        return [verifier.answer(question, Limits(arguments.time_limit, memory)) for question in asked.questions]
+    except VerificationError as problem:
+        raise NoResultError(str(problem)) from None
+
+
+def _write_trace(arguments: Namespace, answers: Sequence[Answer]) -> None:
+    from cspdiag.verify.confirm import trace_of
+
+    if arguments.trace_out is None:
+        return
+    refuted = next((answer for answer in answers if answer.counterexample is not None), None)
+    if refuted is None:
+        say(f"cspdiag: nothing was refuted, so {on_one_line(arguments.trace_out)} was not written")
+    else:
+        replace_text(str(arguments.trace_out), trace_of(refuted, _settings(arguments)))
+
+
+def _draw(arguments: Namespace, answers: Sequence[Answer], asked: Asked) -> None:
+    from cspdiag.cli.support.deadlock_picture import write_picture
+    from cspdiag.verify.deadlock_picture import deadlock_shown_by
+
+    if arguments.draw is None:
+        return
+    found = (answer.counterexample for answer in answers if answer.counterexample is not None)
+    deadlock = next(filter(None, map(deadlock_shown_by, found)), None)
+    if deadlock is None:
+        say(f"cspdiag: no processes wait for ever, so {on_one_line(arguments.draw)} was not written")
+    else:
+        write_picture(arguments.draw, deadlock, asked.checked.program)
+
+
+def refused(diagnostics: Sequence[Diagnostic], arguments: Namespace) -> int:
+    """Tell why nothing can be proved of a program, as ``check`` tells it."""
+    colour = wants_colour(arguments.color, standard_error())
+    stdout, stderr = told_diagnostics(diagnostics, arguments.format, [arguments.file], colour=colour)
+    write_out(stdout)
+    put(stderr)
+    return UNSUCCESSFUL
+
+
+def told(answers: Sequence[Answer], warnings: Sequence[Diagnostic], arguments: Namespace) -> tuple[str, str]:
+    """What goes to standard output, and what to standard error. Formats that have answers and nothing else leave warnings to standard error."""
+    from cspdiag.proofs.answers.findings import diagnostics_of
+
+    colour = wants_colour(arguments.color, standard_error())
+    if arguments.format in {"concise", "sarif", "github"}:
+        return told_diagnostics([*warnings, *diagnostics_of(answers)], arguments.format, [], colour=colour)
+    _, before = told_diagnostics(warnings, "text", [], colour=colour)
+    match arguments.format:
+        case "json":
+            from cspdiag.proofs.answers.json import render as render_json
+
+            return render_json(answers), before
+        case "junit":
+            from cspdiag.proofs.answers.junit import render as render_junit
+
+            return render_junit(answers, arguments.file), before
+        case _:
+            from cspdiag.proofs.answers.text import render as render_text
+
+            return "", before + render_text(answers, colour=colour, quiet=arguments.quiet)

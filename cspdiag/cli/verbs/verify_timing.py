@@ -1,0 +1,148 @@
+"""``cspdiag verify --timing``: response times, latencies and the schedule of the sampled loops."""
+
+from __future__ import annotations
+
+import json
+import shlex
+import time
+from argparse import Namespace
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Literal, cast
+
+from cspdiag.base.render.snippet import on_one_line, printable
+from cspdiag.base.sources import read_source, require_ordinary_file
+from cspdiag.cli.support.failure import FINE, UNSUCCESSFUL, UsageError
+from cspdiag.cli.support.output import replace_text
+from cspdiag.cli.support.terminal import put, say, show_diagnostics, write_out
+from cspdiag.cli.support.written import require_different, require_file
+from cspdiag.cli.verbs.verify import refused, told
+
+if TYPE_CHECKING:
+    from cspdiag.analyses.timing.result import TimingReport
+    from cspdiag.analyses.timing.tasks.measured import Measured
+    from cspdiag.network.ir.network import Network
+    from cspdiag.pipeline import Built
+
+
+def run_timing(arguments: Namespace) -> int:
+    """Analyse the program, tell what was found, draw the schedule; fine where every deadline is proved to be met."""
+    _check_options(arguments)
+    measured = [] if arguments.wcet_from is None else measured_times(str(arguments.wcet_from))
+    built = _built(arguments)
+    if built.network is None:
+        return refused(built.checked.report.diagnostics, arguments)
+    began = time.monotonic()
+    report = _report(arguments, built.network, measured)
+    seconds = time.monotonic() - began
+    _draw(arguments, report)
+    _tell(arguments, built, report, seconds)
+    return FINE if report.is_schedulable else UNSUCCESSFUL
+
+
+def _check_options(arguments: Namespace) -> None:
+    """Refuse before the work what could not be done after it."""
+    require_file("--gantt", arguments.gantt, (".svg",))
+    require_different({"the program": arguments.file, "--wcet-from": arguments.wcet_from, "--gantt": arguments.gantt})
+    spin = arguments.engine if arguments.engine != "cspdiag" else None
+    unused = {
+        "--method": arguments.method,
+        "--engine": spin,
+        "--trace-out": arguments.trace_out,
+        "--draw": arguments.draw,
+    }
+    for option, value in unused.items():
+        if value is not None:
+            raise UsageError(f"{option} belongs to proofs: --timing proves no assertions (leave one of them out)")
+
+
+def _draw(arguments: Namespace, report: TimingReport) -> None:
+    if arguments.gantt is None:
+        return
+    if report.missing:
+        reason = "not all execution times are known"
+        say(f"cspdiag: {reason}, so {on_one_line(arguments.gantt)} was not written")
+        return
+    from cspdiag.analyses.timing.report.gantt import gantt_svg
+
+    replace_text(str(arguments.gantt), gantt_svg(report))
+
+
+def _tell(arguments: Namespace, built: Built, report: TimingReport, seconds: float) -> None:
+    match arguments.format:
+        case "json":
+            from cspdiag.analyses.timing.report.render_json import render
+
+            show_diagnostics(built.checked.report.diagnostics, arguments.color)
+            write_out(render(report))
+        case "text":
+            from cspdiag.analyses.timing.report.render_text import table
+
+            show_diagnostics(built.checked.report.diagnostics, arguments.color)
+            write_out("" if arguments.quiet and report.is_schedulable else printable(table(report)))
+        case _:
+            from cspdiag.proofs.answers.question import schedulability_of
+            from cspdiag.proofs.answers.schedulable import answer_of
+
+            assert built.network is not None
+            assert built.checked.program is not None
+            process = built.network.class_named(built.network.top).definition
+            question = schedulability_of(built.checked.program, process)
+            stdout, stderr = told([answer_of(question, report, seconds)], built.checked.report.diagnostics, arguments)
+            write_out(stdout)
+            put(stderr)
+
+
+def _built(arguments: Namespace) -> Built:
+    from cspdiag import pipeline
+    from cspdiag.network.lower.program import SelectionError
+    from cspdiag.settings import SettingError, split_settings
+
+    try:
+        settings = split_settings(arguments.set)
+        built = pipeline.build(read_source(arguments.file), read_source, top=arguments.process, settings=settings)
+    except (SettingError, SelectionError) as problem:
+        raise UsageError(str(problem)) from None
+    return built
+
+
+def _report(arguments: Namespace, network: Network, measured: Sequence[Measured]) -> TimingReport:
+    from cspdiag.analyses.timing.report.timing import timing_report
+    from cspdiag.analyses.timing.tasks.measured import times_of_laws
+
+    report = timing_report(network, times_of_laws(network, measured))
+    if measured and not report.measured:
+        raise UsageError(f"--wcet-from {arguments.wcet_from}: none of its names is a law or process of {network.top}")
+    return report
+
+
+def measured_times(path: str) -> list[Measured]:
+    """The longest execution times in a trace.
+
+    A trace is what ``run --real-time --trace out.json`` writes, or any JSON object with ``executionTimes``: an object from paths to times in seconds,
+    or to objects with ``longest``, and ``what`` was measured. Raises UsageError where there are none, OSError where the file cannot be read.
+    """
+    from cspdiag.analyses.timing.tasks.measured import Measured
+
+    how = f"write it with cspdiag run --real-time --target c --trace {shlex.quote(path)}, or with -O0"
+    try:
+        require_ordinary_file(path)
+        with open(path, encoding="utf-8") as file:
+            content = json.load(file)
+    except UnicodeDecodeError:
+        raise UsageError(f"{path}: is no text, and so no JSON: {how}") from None
+    except ValueError as problem:
+        raise UsageError(f"{path}: is no JSON ({problem}): {how}") from None
+    times = content.get("executionTimes") if isinstance(content, dict) else None
+    if not isinstance(times, dict) or not times:
+        raise UsageError(f"{path}: has no execution times: {how}")
+    found: list[Measured] = []
+    for name, entry in times.items():
+        seconds, what = (entry.get("longest"), entry.get("what")) if isinstance(entry, dict) else (entry, "law")
+        if isinstance(seconds, bool) or not isinstance(seconds, int | float) or not 0 <= seconds < 1e9:
+            raise UsageError(f"{path}: the execution time of {name} is no number of seconds")
+        if what not in ("law", "process", "thread"):
+            raise UsageError(f"{path}: what was measured of {name} is a law, a process or a thread, not {what!r}")
+        found.append(
+            Measured(name, max(1, -(-round(seconds * 1e10) // 10)), cast("Literal['law', 'process', 'thread']", what))
+        )
+    return found

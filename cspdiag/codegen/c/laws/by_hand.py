@@ -1,0 +1,84 @@
+"""What headers of control laws that are written by hand must declare: the types of the ports, checked by the compiler.
+
+Values are copied between ports and members as they are in memory: a member of another type would hold something else, and nobody would say so.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from cspdiag.codegen.c.laws.external import source_paths
+from cspdiag.codegen.c.laws.laws import body_name, law_members
+from cspdiag.codegen.c.text.code import INDENT, broken
+from cspdiag.codegen.c.text.documents import comment
+from cspdiag.codegen.c.text.literals import quoted
+from cspdiag.codegen.c.text.names import PackageNames
+from cspdiag.codegen.c.text.types import CTypes
+from cspdiag.model.types import Type
+from cspdiag.network.ir.network import ExternalBody, ExternalCall, Network, SubmodelClass
+from cspdiag.network.ir.walk import parts
+
+FILE = "types_by_hand.c"
+
+
+@dataclass(frozen=True)
+class _Member:
+    """A member that a struct by hand has to have; ``where`` says what it is the port of."""
+
+    body: ExternalBody
+    struct: str
+    name: str
+    type: Type
+    port: str
+    where: str
+
+
+def checks_file(network: Network, names: PackageNames, types: CTypes) -> dict[str, str]:
+    """A file that does not compile if a header by hand has members of other types than the ports; nothing without such headers."""
+    found = list(dict.fromkeys(_members(network, names, types)))
+    if not found:
+        return {}
+    headers = sorted({f"{item.struct}.h" for item in found})
+    rows = comment(["Does not compile where a header that is written by hand has other types than the ports."])
+    rows += ['#include "types.h"', *(f'#include "{header}"' for header in headers), '#include "csp_by_hand.h"', ""]
+    for item in found:
+        wanted = types.type_name(item.type)
+        header = source_paths(item.body)[1].rpartition("/")[2]
+        said = f"{header}: the member `{item.name}` of `struct {item.struct}` has to be `{wanted}`, as the port is ({item.where})"
+        name = f"{item.struct}_{item.name}_must_be_as_its_port"
+        call = f"CSP_REQUIRE_MEMBER(struct {item.struct}, {item.name}, {wanted}, {name}, {quoted(said)});"
+        rows += broken(call, INDENT * 2)
+    return {FILE: "\n".join([*rows, ""])}
+
+
+def _members(network: Network, names: PackageNames, types: CTypes) -> Iterator[_Member]:
+    for class_ in network.classes:
+        if isinstance(class_, SubmodelClass):
+            if class_.external is not None and class_.external.language == "c":
+                yield from _of_class(class_, class_.external, names)
+            yield from _of_calls(class_.equations, names, types)
+    for environment in network.environments:
+        yield from _of_calls(environment, names, types)
+
+
+def _of_class(class_: SubmodelClass, body: ExternalBody, names: PackageNames) -> Iterator[_Member]:
+    members = law_members(class_, names)
+    for port in class_.ports:
+        if port.size is not None:
+            continue
+        where = names.place(port.span.file, port.span.line)
+        yield _Member(body, names.classes[class_.name], members[port.name], port.type, port.name, where)
+
+
+def _of_calls(part: object, names: PackageNames, types: CTypes) -> Iterator[_Member]:
+    for call in parts(part):
+        if not isinstance(call, ExternalCall) or call.external.language != "c":
+            continue
+        where = names.place(call.span.file, call.span.line)
+        ports = [
+            *((port, value.type) for port, value in call.inputs),
+            *((port, type_) for port, _, type_ in call.outputs),
+        ]
+        for port, type_ in ports:
+            yield _Member(call.external, body_name(call), types.field(port), type_, port, where)

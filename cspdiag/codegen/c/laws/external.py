@@ -1,0 +1,45 @@
+"""Bodies that are written in C by hand: pairs of files with the interface of generated ones, copied into the package."""
+
+from __future__ import annotations
+
+import posixpath
+from collections.abc import Iterator, Mapping
+
+from cspdiag.codegen.shared.target_error import TargetError
+from cspdiag.network.ir.network import ExternalBody, Network, SubmodelClass
+from cspdiag.network.ir.walk import parts
+
+
+def compositions_and_laws(network: Network) -> list[object]:
+    """Of each class the parts in which a body in another language can be named: large networks have far more instances."""
+    return [entry if isinstance(entry, SubmodelClass) else (entry.body, entry.external) for entry in network.classes]
+
+
+def c_bodies(network: Network) -> Iterator[ExternalBody]:
+    """The bodies in C that a network names, each once."""
+    found: dict[ExternalBody, None] = {}
+    for part in parts((compositions_and_laws(network), network.environments)):
+        if isinstance(part, ExternalBody) and part.language == "c":
+            found[part] = None
+    yield from found
+
+
+def source_paths(body: ExternalBody) -> tuple[str, str]:
+    """The paths of the source and the header, as the file that names the body is called."""
+    source = posixpath.normpath(posixpath.join(posixpath.dirname(body.span.file), body.target))
+    return source, f"{source.removesuffix('.c')}.h"
+
+
+def external_paths(network: Network) -> tuple[str, ...]:
+    """The files to read for a network."""
+    return tuple(dict.fromkeys(path for body in c_bodies(network) for path in source_paths(body)))
+
+
+def external_files(network: Network, texts: Mapping[str, str]) -> dict[str, str]:
+    """The copies in the package, by their own names. Raises TargetError for two files of one name."""
+    found: dict[str, str] = {}
+    for path in external_paths(network):
+        name = posixpath.basename(path)
+        if found.setdefault(name, path) != path:
+            raise TargetError(f"{found[name]} and {path} would both be {name} in the package: rename one of them")
+    return {name: texts[path] for name, path in found.items() if path in texts}

@@ -1,0 +1,351 @@
+"""Submodel classes as pairs of C files: a struct of ports, parameters and states, `reset`, and `calculate` for one sample."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
+
+from cspdiag.codegen.c.laws.equations import EquationWriter
+from cspdiag.codegen.c.laws.integration import LOCALS, Integration
+from cspdiag.codegen.c.text.code import INDENT, Code, broken, cast, statement
+from cspdiag.codegen.c.text.documents import comment, wrapped
+from cspdiag.codegen.c.text.expressions import Printer
+from cspdiag.codegen.c.text.literals import quoted
+from cspdiag.codegen.c.text.names import Names, PackageNames, snake_case
+from cspdiag.codegen.c.text.types import CTypes
+from cspdiag.codegen.shared.equations import (
+    constants_needed,
+    defined,
+    held,
+    inputs,
+    needed,
+    outputs,
+    parameters,
+    signal_types,
+    signals,
+    values,
+)
+from cspdiag.model.types import TimeType, Type
+from cspdiag.network.ir.faults import may_fault
+from cspdiag.network.ir.network import Declared, ExternalCall, SubmodelClass
+
+_STEPS = "integration_steps"
+_SUB_STEP = "sub_step"
+
+
+def law_may_fault(class_: SubmodelClass) -> bool:
+    """Whether one run of the law can fault, so that whoever calls it has to look."""
+    items = [part for equation in class_.equations for part in values(equation)]
+    items += [value for _, value in class_.next_values]
+    return bool(class_.derivatives) or any(map(may_fault, items))
+
+
+def law_members(class_: SubmodelClass, names: PackageNames) -> Names:
+    """The members of the struct of a law, and the local variables of its functions, by the names of the text."""
+    given = Names() if class_.external is not None else Names({*names.globals, *LOCALS, _STEPS, _SUB_STEP})
+    for item in (*class_.ports, *class_.parameters, *class_.states):
+        given[item.name]
+    return given
+
+
+def body_name(call: ExternalCall) -> str:
+    """The struct and the prefix of the functions of a nested body in C."""
+    return snake_case(call.definition)
+
+
+@dataclass(frozen=True)
+class LawFiles:
+    """Writes the files of one class."""
+
+    class_: SubmodelClass
+    names: PackageNames
+    types: CTypes
+
+    @cached_property
+    def name(self) -> str:
+        """The struct, the files and what the functions begin with."""
+        return self.names.classes[self.class_.name]
+
+    @cached_property
+    def members(self) -> Names:
+        """C names of everything in the law."""
+        return law_members(self.class_, self.names)
+
+    @cached_property
+    def kinds(self) -> dict[str, Type]:
+        """The type of every signal."""
+        return signal_types(self.class_)
+
+    @cached_property
+    def faulty(self) -> bool:
+        """Whether one run can fault."""
+        return law_may_fault(self.class_)
+
+    @cached_property
+    def _calls(self) -> list[ExternalCall]:
+        return [equation for equation in self.class_.equations if isinstance(equation, ExternalCall)]
+
+    @cached_property
+    def _late(self) -> set[str]:
+        """Parameters and constants that are wanted after `initialize`."""
+        class_ = self.class_
+        late = (
+            tuple(state.initial for state in class_.states),
+            class_.next_values,
+            class_.derivatives,
+            tuple(equation.value for equation in class_.derivative_equations),
+            tuple(part for equation in class_.equations for part in values(equation)),
+        )
+        return {*signals(late), *parameters(late)}
+
+    @cached_property
+    def _sub_steps(self) -> bool:
+        return bool(self.class_.derivatives) and self.class_.step is not None
+
+    def files(self) -> dict[str, str]:
+        """The header and the source."""
+        return {f"{self.name}.h": self._header(), f"{self.name}.c": self._source()}
+
+    def _place(self, item: Declared) -> str:
+        return self.names.place(item.span.file, item.span.line)
+
+    # ---- The header
+
+    def _header(self) -> str:
+        class_, guard = self.class_, f"{self.name.upper()}_H"
+        told = [*wrapped(class_.doc or f"The submodel {class_.definition}."), "", f"Source: {self._place(class_)}"]
+        rows = [*comment(told), f"#ifndef {guard}", f"#define {guard}", "", '#include "types.h"']
+        rows += sorted({f'#include "{body_name(item)}.h"' for item in self._calls})
+        rows += ["", f"struct {self.name} {{", *self._fields(), "};", ""]
+        rows += self._prototypes()
+        return "\n".join([*rows, "", "#endif", ""])
+
+    def _fields(self) -> Iterable[str]:
+        class_ = self.class_
+        groups: list[tuple[str, list[tuple[str, str, str | None]]]] = [
+            ("Inputs", [self._field(port) for port in class_.ports if port.direction == "in"]),
+            ("Outputs", [self._field(port) for port in class_.ports if port.direction == "out"]),
+            ("States", [self._field(state) for state in class_.states]),
+        ]
+        kept = [self._field(item) for item in class_.parameters if item.name in self._late or self._needs_sample(item)]
+        kept += [self._field(item) for item in constants_needed(class_) if item.name in self._late]
+        if self._sub_steps:
+            kept += [("int64_t", _STEPS, "of the integration in a sample"), ("double", _SUB_STEP, "in seconds")]
+        groups.append(("Parameters and what follows from them", kept))
+        groups.append(
+            ("Parts in C", [(f"struct {body_name(item)}", self.members[item.name], None) for item in self._calls])
+        )
+        filled = [(title, fields) for title, fields in groups if fields]
+        if not filled:
+            yield f"{INDENT}bool unused; /* C has no empty structs */"
+        for title, fields in filled:
+            yield f"{INDENT}/* {title}. */"
+            for kind, member, doc in fields:
+                yield from statement(f"{kind} ", member, ";", INDENT, " ".join(doc.split()) if doc else None)
+
+    def _needs_sample(self, item: Declared) -> bool:
+        return item.name == "sample" and bool(self.class_.derivatives) and self.class_.step is None
+
+    def _field(self, item: Declared) -> tuple[str, str, str | None]:
+        kind = self.kinds[item.name]
+        seconds = isinstance(kind, TimeType) and any(item.name == p.name for p in self.class_.parameters)
+        return "double" if seconds else self.types.type_name(kind), self.members[item.name], item.doc
+
+    def _signature(self) -> str:
+        given = [f"{self.types.type_name(item.type)} {self.members[item.name]}" for item in self.class_.parameters]
+        return f"void {self.name}_initialize({', '.join([f'struct {self.name} *self', *given])})"
+
+    def _prototypes(self) -> list[str]:
+        durations = any(isinstance(item.type, TimeType) for item in self.class_.parameters)
+        return [
+            f"/* Before the first run{'; durations are in nanoseconds' if durations else ''}. */",
+            *broken(f"{self._signature()};", INDENT * 2),
+            "/* Puts the states back to their initial values. */",
+            f"void {self.name}_reset(struct {self.name} *self);",
+            "/* One run, from inputs to outputs and next states"
+            + ("; false after a fault (csp_fault). */" if self.faulty else ". */"),
+            f"{'bool' if self.faulty else 'void'} {self.name}_calculate(struct {self.name} *self);",
+        ]
+
+    # ---- The source
+
+    def _printer(self, local: Iterable[str], *, initializing: bool = False) -> Printer:
+        """Names in ``local`` are local variables, the others members; parameters are arguments while the law is initialized."""
+        known = set(local)
+        given = {item.name for item in self.class_.parameters}
+
+        def lvalue(name: str) -> str:
+            member = self.members[name]
+            return member if name in known or (initializing and name in given) else f"self->{member}"
+
+        def seconds(name: str) -> str:
+            return f"csp_seconds({self.members[name]})" if initializing else f"self->{self.members[name]}"
+
+        return Printer(self.types, parameter=lvalue, signal=lvalue, seconds=seconds)
+
+    def _writer(self, printer: Printer, *, checked: bool = True) -> EquationWriter:
+        def check(place: str) -> list[str]:
+            if checked:
+                return [f"CSP_CHECK_LAW({quoted(place)});"]
+            return [f"csp_fault_in({quoted(place)});"] if place else []
+
+        return EquationWriter(printer, self._place, check, lambda name: f"self->{self.members[name]}", body_name)
+
+    def _source(self) -> str:
+        rows = [f"/* See {self.name}.h. */", f'#include "{self.name}.h"', ""]
+        rows += ['#include "constants.h"', '#include "csp_arithmetic.h"', ""]
+        rows += self._initialize()
+        rows += ["", *self._reset(), ""]
+        if self.class_.derivatives:
+            rows += self._slopes()
+            rows += [""]
+        return "\n".join([*rows, *self._calculate(), ""])
+
+    def _initialize(self) -> list[str]:
+        class_ = self.class_
+        constants = constants_needed(class_)
+        local = [item.name for item in constants if item.name not in self._late]
+        printer = self._printer(local, initializing=True)
+        writer = self._writer(printer, checked=False)
+        rows = [*broken(self._signature(), INDENT * 2), "{"]
+        used = {*parameters(tuple(item.value for item in constants)), *self._late}
+        for item in class_.parameters:
+            member = self.members[item.name]
+            if item.name in self._late or self._needs_sample(item):
+                value = f"csp_seconds({member})" if isinstance(item.type, TimeType) else member
+                rows.append(f"{INDENT}self->{member} = {value};")
+            elif (
+                item.name not in used
+                and not (self._sub_steps and item.name == "sample")
+                and not self._passed(item.name)
+            ):
+                rows.append(f"{INDENT}(void){member};")
+        for constant in constants:
+            declared = f"const {self.types.type_name(constant.type)} " if constant.name in local else "self->"
+            rows += writer.assign(f"{declared}{self.members[constant.name]}", constant.value, self._place(constant))
+        if self._sub_steps:
+            step = class_.step
+            rows += [
+                f"{INDENT}self->{_STEPS} = (int64_t)ceil(rint({self.members['sample']} * 1e9) / {float(step or 1)!r});",
+                f"{INDENT}self->{_SUB_STEP} = {self.members['sample']} / (double)self->{_STEPS};",
+            ]
+        for call in self._calls:
+            given = [printer.print(value).text for _, value in call.arguments]
+            arguments = ", ".join([f"&self->{self.members[call.name]}", *given])
+            rows += broken(f"{INDENT}{body_name(call)}_initialize({arguments});", INDENT * 2)
+        return [*rows, f"{INDENT}{self.name}_reset(self);", "}"]
+
+    def _passed(self, name: str) -> bool:
+        """Whether a parameter is handed to a nested body."""
+        return bool(parameters(tuple(call.arguments for call in self._calls))[name])
+
+    def _reset(self) -> list[str]:
+        printer = self._printer(())
+        rows = [f"void {self.name}_reset(struct {self.name} *self)", "{"]
+        for state in self.class_.states:
+            rows += [f"{INDENT}{declaration}" for declaration in printer.take_temporaries()]
+            rows += statement(f"self->{self.members[state.name]} = ", printer.print(state.initial), ";", INDENT)
+        rows += [f"{INDENT}{body_name(call)}_reset(&self->{self.members[call.name]});" for call in self._calls]
+        if len(rows) == 2:
+            rows.append(f"{INDENT}(void)self;")
+        return [*rows, "}"]
+
+    @cached_property
+    def _continuous(self) -> tuple[str, ...]:
+        return tuple(state.name for state in self.class_.states if state.continuous)
+
+    @cached_property
+    def _integration(self) -> Integration:
+        class_ = self.class_
+        return Integration(
+            name=f"{self.name}_slopes",
+            owner=self.name,
+            local=lambda name: self.members[name],
+            types=self.kinds,
+            states=self._continuous,
+            held=tuple(held(class_)),
+            equations=class_.derivative_equations,
+            derivatives=class_.derivatives,
+            method=class_.method,
+        )
+
+    def _slopes(self) -> list[str]:
+        moving = [*self._continuous, *(equation.name for equation in self.class_.derivative_equations)]
+        printer = self._printer([*moving, *self._integration.held])
+        return self._integration.function(printer, self._writer(printer, checked=False))
+
+    def _calculate(self) -> list[str]:
+        class_ = self.class_
+        results = outputs(class_)
+        roots = [*results, *signals((class_.next_values,)), *(self._integration.held if class_.derivatives else [])]
+        equations = needed(class_.equations, roots)
+        hoisted = self._hoisted()
+        ports = {*inputs(class_), *results}
+        local = [*hoisted, *(name for equation in equations for name in defined(equation) if name not in ports)]
+        printer = self._printer(local)
+        writer = self._writer(printer)
+
+        def target(name: str) -> str:
+            return printer.signal(name) if name in ports else self._declared(name)
+
+        kind = "bool" if self.faulty else "void"
+        rows = [f"{kind} {self.name}_calculate(struct {self.name} *self)", "{"]
+        rows += [
+            f"{INDENT}{self._declared(name, fixed=name not in self._continuous)} = self->{self.members[name]};"
+            for name in hoisted
+        ]
+        rows += writer.equations(equations, target)
+        places = {state.name: self._place(state) for state in class_.states}
+        if class_.derivatives:
+            rows += self._integrated(printer, self._place(equations[-1]) if equations else "")
+        for name, value in class_.next_values:
+            rows += writer.assign(f"self->{self.members[name]}", value, places[name])
+        rows += self._moved()
+        if len(rows) == 2:
+            rows.append(f"{INDENT}(void)self;")
+        return [*rows, *([f"{INDENT}return true;"] if self.faulty else []), "}"]
+
+    def _declared(self, name: str, *, fixed: bool = True) -> str:
+        return f"{'const ' if fixed else ''}{self.types.type_name(self.kinds[name])} {self.members[name]}"
+
+    def _integrated(self, printer: Printer, place: str) -> list[str]:
+        if self._sub_steps:
+            rows = [f"{INDENT}const double h = self->{_SUB_STEP};"]
+            rows += self._integration.steps(self._slopes_printer(), printer.signal, f"self->{_STEPS}", INDENT)
+        else:
+            rows = [f"{INDENT}const double h = self->{self.members['sample']};"]
+            rows += self._integration.steps(self._slopes_printer(), printer.signal, None, INDENT)
+        rows += [f"{INDENT}{self.members[name]} = csp_real({self.members[name]});" for name in self._continuous]
+        return [*rows, *(f"{INDENT}{row}" for row in self._writer(printer).check(place))]
+
+    def _moved(self) -> list[str]:
+        """Continuous states take their values with the discrete ones, when nothing can fault any more."""
+        rows = []
+        for name in self._continuous if self.class_.derivatives else ():
+            code = Code(self.members[name])
+            kind = self.types.type_name(self.kinds[name])
+            rows.append(f"{INDENT}self->{self.members[name]} = {code if kind == 'double' else cast(kind, code)};")
+        return rows
+
+    def _slopes_printer(self) -> Printer:
+        moving = [*self._continuous, *(equation.name for equation in self.class_.derivative_equations)]
+        return self._printer([*moving, *self._integration.held])
+
+    def _hoisted(self) -> list[str]:
+        """States that are read after they have changed, and so become local variables first."""
+        class_ = self.class_
+        changed: set[str] = set()
+        late: set[str] = set()
+        for name, value in class_.next_values:
+            late |= set(signals((value,))) & changed
+            changed.add(name)
+        if class_.derivatives:
+            late |= set(self._integration.held) & {state.name for state in class_.states if not state.continuous}
+            late |= set(self._continuous)
+        return [state.name for state in class_.states if state.name in late]
+
+
+def law_files(class_: SubmodelClass, names: PackageNames, types: CTypes) -> dict[str, str]:
+    """The header and the source of a submodel class; nothing for one that is written in C by hand, whose files are copied."""
+    return {} if class_.external is not None else LawFiles(class_, names, types).files()

@@ -1,0 +1,1 @@
+"""The C files that build the network and compile the environment in."""

@@ -1,0 +1,175 @@
+"""A package in C: a pair of files a class, the network, the environments, the kernel beside them, and what builds it all."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from weakref import ref
+
+from cspdiag.base.resources import template_folder
+from cspdiag.codegen.c.laws.by_hand import checks_file
+from cspdiag.codegen.c.laws.external import external_files
+from cspdiag.codegen.c.laws.laws import law_files
+from cspdiag.codegen.c.network.environments import environment_files
+from cspdiag.codegen.c.network.network import network_files
+from cspdiag.codegen.c.package.definitions import constants_header, types_header
+from cspdiag.codegen.c.package.refusals import refuse
+from cspdiag.codegen.c.process.levels import separate_depths
+from cspdiag.codegen.c.text.names import PackageNames, library_name
+from cspdiag.codegen.c.text.types import CTypes
+from cspdiag.codegen.python.plain.docs import sentence
+from cspdiag.codegen.python.project import PortRow, port_row
+from cspdiag.codegen.shared.package_text import markdown, markdown_code
+from cspdiag.codegen.shared.plain_text import one_line
+from cspdiag.codegen.shared.render import renderer
+from cspdiag.codegen.shared.target_error import TargetError
+from cspdiag.network.ir.network import Environment, Network, ProcessClass
+from cspdiag.optimize import PASSES, lower_for_targets, optimize
+
+SUPPORT = "support"
+"""The folder of the kernel in a package."""
+
+_SIMULATION = ("csp_port_$(PORT).c", "csp_signals.c", "csp_simulation.c", "csp_stream.c", "csp_watch.c")
+_CONFIGURATION = "csp_config.h"
+
+
+@dataclass(frozen=True)
+class CProject:
+    """What the templates of the frame lay out."""
+
+    package: str
+    top: str
+    source: str
+    source_code: str
+    doc: str
+    ports: list[PortRow]
+    environments: list[str]
+    files: list[str]
+    program: list[str]
+    kernel: list[str]
+    simulation: list[str]
+    simulated: bool
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """An environment as the main of the simulation knows it."""
+
+    name: str
+    text: str
+    counts: str
+
+
+def lowered_for_c(network: Network, level: int, *, observed: bool = False) -> Network:
+    """The network that is generated at a level; ``observed`` keeps processes apart that could be fused, so that each can be told of.
+
+    The last one is kept as long as its network: the package and the question what it takes of memory need the same.
+    """
+    for known, same, lowered in _last_lowered:
+        if known() is network and same == (level, observed):
+            return lowered
+    lowered = _lowered(network, level, observed)
+    _last_lowered[:] = [(ref(network, lambda _: _last_lowered.clear()), (level, observed), lowered)]
+    return lowered
+
+
+_last_lowered: list[tuple[ref[Network], tuple[int, bool], Network]] = []
+
+
+def _lowered(network: Network, level: int, observed: bool) -> Network:
+    if level == 0:
+        return lower_for_targets(network)
+    return optimize(network, [entry for entry in PASSES if entry.name != "fuse"] if observed else PASSES)
+
+
+def generate(
+    network: Network, modules: Mapping[str, str] | None = None, *, level: int = 0, observed: bool = False
+) -> dict[str, str]:
+    """The files of a package, by path from its folder, at a level of optimization.
+
+    ``observed`` programs tell when each process starts and ends, and who communicates. ``modules`` are the texts of bodies in C by the paths that ``external_modules`` names. Raises TargetError for a program that has parts
+    in another language.
+    """
+    texts = modules or {}
+    refuse(network, texts)
+    simulated = tuple(entry for entry in network.environments if not entry.drivers)
+    lowered = separate_depths(lowered_for_c(network, level, observed=observed))
+    names = PackageNames(lowered)
+    files: dict[str, str] = {}
+    types = CTypes(names)
+    rows: list[str] = []
+    for class_ in lowered.classes:
+        made = {} if isinstance(class_, ProcessClass) else law_files(class_, names, types)
+        if made or (isinstance(class_, ProcessClass) and class_.external is None):
+            kind = "process" if isinstance(class_, ProcessClass) else "control law"
+            rows.append(f"`{names.classes[class_.name]}.c` | the {kind} `{class_.definition}`")
+        files.update(made)
+    by_hand = external_files(network, texts)
+    files.update(by_hand)
+    files.update(checks_file(lowered, names, types))
+    files.update(network_files(lowered, names, types))
+    program = sorted(path for path in files if path.endswith(".c"))
+    render = renderer("c")
+    environments = [entry for entry in lowered.environments if entry.name in {item.name for item in simulated}]
+    can_simulate = bool(environments) or not network.external_ports
+    if can_simulate:
+        for environment in environments:
+            files.update(environment_files(environment, lowered, names, types))
+            rows.append(f"`{names.environments[environment.name]}.c` | the environment `{environment.name}`")
+        main = {"top": network.top, "environments": [_scenario(entry, names) for entry in environments]}
+        files["main_simulation.c"] = render("main_simulation.c.j2", main=main)
+    files["constants.h"] = constants_header(lowered, names, types)
+    files["types.h"] = types_header(lowered, names, types)
+    support = support_files()
+    kernel = sorted(
+        path for path in support if path.endswith(".c") and path not in _SIMULATION and not path.startswith("csp_port_")
+    )
+    source = network.source.rpartition("/")[2]
+    project = CProject(
+        package=library_name(names.package),
+        top=network.top,
+        source=one_line(source),
+        source_code=markdown_code(source),
+        doc=markdown(
+            sentence(
+                network.class_named(network.top).doc
+                or network.doc
+                or f"The process {network.top}, generated from its CSP diagram."
+            )
+        ),
+        ports=[port_row(port) for port in network.external_ports],
+        environments=[entry.name for entry in environments],
+        files=rows,
+        program=program,
+        kernel=[f"{SUPPORT}/{path}" for path in kernel],
+        simulation=_simulation(files, program),
+        simulated=can_simulate,
+    )
+    for path in ("Makefile", "CMakeLists.txt", "README.md"):
+        files[path] = render(f"{path}.j2", project=project)
+    for path, text in by_hand.items():
+        if files[path] is not text:
+            raise TargetError(f"{path}, written by hand, has the name of a generated file: rename it")
+    made_here = {_CONFIGURATION} & files.keys()
+    files.update({f"{SUPPORT}/{path}": text for path, text in support.items() if path not in made_here})
+    return dict(sorted(files.items()))
+
+
+def _simulation(files: Mapping[str, str], program: list[str]) -> list[str]:
+    own = [path for path in sorted(files) if path.endswith(".c") and path not in program]
+    return [*own, *(f"{SUPPORT}/{path}" for path in _SIMULATION)]
+
+
+def _scenario(environment: Environment, names: PackageNames) -> Scenario:
+    counts = "true" if environment.on_miss == "count" else "false"
+    return Scenario(names.environments[environment.name], environment.name, counts)
+
+
+def support_files() -> dict[str, str]:
+    """The files of the kernel, by path from its folder."""
+    folder = template_folder("c") / SUPPORT
+    return {
+        path.name: path.read_text(encoding="utf-8")
+        for path in sorted(folder.iterdir())
+        if path.suffix in (".c", ".h", ".ld")
+    }

@@ -1,0 +1,64 @@
+"""Programs that cannot be made into C: those with parts that are written in Python."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from cspdiag.codegen.c.laws.external import compositions_and_laws
+from cspdiag.codegen.shared.target_error import TargetError
+from cspdiag.model.types import TextType
+from cspdiag.network.ir.network import Environment, ExternalBody, ExternalCall, Network, ProcessClass
+from cspdiag.network.ir.walk import parts
+
+
+def refuse(network: Network, texts: Mapping[str, str] | None = None) -> None:
+    """Raises TargetError with every part that C cannot express, its place, and what to write instead.
+
+    Devices of an environment are no part of a package in C: there, they are functions that ``network_initialize`` is given.
+    """
+    found: dict[str, None] = {}
+    for kind, definition, body in _bodies(network):
+        if body.language != "c":
+            found[_refusal(kind, definition, body)] = None
+    for class_ in network.classes:
+        if class_.external is not None:
+            for item in class_.parameters:
+                if isinstance(item.type, TextType):
+                    found[_text_refusal(class_.definition, item.name, class_.external)] = None
+    if found:
+        raise TargetError("\n".join(found))
+
+
+def refuse_devices(environment: Environment) -> None:
+    """Raises TargetError for an environment with devices, which are classes in Python."""
+    if environment.drivers:
+        raise TargetError("\n".join(_device(driver.definition, driver.external) for driver in environment.drivers))
+
+
+def _bodies(network: Network) -> Iterator[tuple[str, str, ExternalBody]]:
+    for class_ in network.classes:
+        if class_.external is not None:
+            kind = "process" if isinstance(class_, ProcessClass) else "submodel"
+            yield kind, class_.definition, class_.external
+    systems = [environment.system for environment in network.environments if not environment.drivers]
+    for part in parts((compositions_and_laws(network), systems)):
+        if isinstance(part, ExternalCall):
+            yield "submodel", part.definition, part.external
+
+
+def _refusal(kind: str, definition: str, body: ExternalBody) -> str:
+    stem = body.target.rpartition(":")[0].rpartition("/")[2].removesuffix(".py") or definition.lower()
+    what = f"the body of the {kind} `{definition}` is a Python class ({body.target}), which C cannot call"
+    help_ = f'write it in the language, or in C: `{kind} {definition} c "{stem}.c"`'
+    return f"{body.span}: {what}\n  help: {help_}"
+
+
+def _text_refusal(definition: str, parameter: str, body: ExternalBody) -> str:
+    what = f"`{definition}` is written in C and has the text parameter `{parameter}`"
+    return f"{body.span}: {what}\n  help: give it a number or a literal of an enum"
+
+
+def _device(definition: str, body: ExternalBody) -> str:
+    what = f"the device `{definition}` is a Python class ({body.target}), which a native program cannot call"
+    help_ = "choose an environment of submodels with --environment, or leave out --target c"
+    return f"{body.span}: {what}\n  help: {help_}"

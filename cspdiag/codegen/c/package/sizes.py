@@ -1,0 +1,100 @@
+"""What a program takes of memory: which sizes to ask the compiler for, and what they mean."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from cspdiag.codegen.c.package.package import lowered_for_c
+from cspdiag.codegen.c.text.media import Access, access_of_channel
+from cspdiag.codegen.c.text.names import PackageNames
+from cspdiag.codegen.c.text.types import CTypes
+from cspdiag.network.ir.network import LocalChannel, Network, ProcessClass, SubmodelClass
+
+PREFIX = "csp_size_"
+"""What the symbols of `probe` are called after; each is an array of as many bytes as what it measures."""
+
+_CHANNELS: Mapping[Access, str] = {
+    "channel": "csp_channel",
+    "any": "csp_any_channel",
+    "broadcast": "csp_broadcast",
+    "buffer": "csp_buffer",
+}
+
+
+@dataclass(frozen=True)
+class ClassSize:
+    """Instances of a class: how many, and the bytes of one without the instances and channels inside it."""
+
+    kind: str
+    name: str
+    count: int
+    bytes: int
+
+
+@dataclass(frozen=True)
+class Sizes:
+    """Classes of processes and control laws, and the bytes and the number of channels."""
+
+    classes: tuple[ClassSize, ...]
+    channels: int
+    channel_bytes: int
+
+
+class SizeQuestions:
+    """Asks for the sizes of a program at a level of optimization."""
+
+    def __init__(self, network: Network, level: int) -> None:
+        self._network = lowered_for_c(network, level)
+        self._names = PackageNames(self._network)
+        self._types = CTypes(self._names)
+
+    def probe(self) -> str:
+        """A file in C with an array for everything that is to be measured."""
+        names = sorted({self._names.classes[entry.name] for entry in self._network.classes})
+        rows = ['#include "csp.h"', '#include "types.h"', *(f'#include "{name}.h"' for name in names), ""]
+        rows += [f"char {PREFIX}class_{name}[sizeof(struct {name})];" for name in names]
+        rows += [f"char {PREFIX}channel_{access}[sizeof({struct})];" for access, struct in _CHANNELS.items()]
+        kinds = {self._types.type_name(item.type): self._types.suffix(item.type) for item in self._buffers()}
+        rows += [f"char {PREFIX}value_{suffix}[sizeof({kind})];" for kind, suffix in sorted(kinds.items())]
+        return "\n".join([*rows, ""])
+
+    def _buffers(self) -> list[LocalChannel]:
+        classes = [entry for entry in self._network.classes if isinstance(entry, ProcessClass)]
+        return [item for entry in classes for item in entry.channels if access_of_channel(item) == "buffer"]
+
+    def answer(self, sizes: Mapping[str, int]) -> Sizes:
+        """What the sizes, by symbol without the prefix, say of the program."""
+        counts = Counter(instance.class_name for instance in self._network.instances)
+        found: list[ClassSize] = []
+        channels = channel_bytes = 0
+        for entry in self._network.classes:
+            count = counts[entry.name]
+            if not count:
+                continue
+            whole = sizes[f"class_{self._names.classes[entry.name]}"]
+            inside, own = self._inside(entry, sizes), self._channels(entry, sizes)
+            channels += count * len(own)
+            channel_bytes += count * sum(own)
+            kind = "process" if isinstance(entry, ProcessClass) else "law"
+            found.append(ClassSize(kind, entry.definition, count, max(whole - inside - sum(own), 0)))
+        return Sizes(tuple(found), channels, channel_bytes)
+
+    def _inside(self, entry: ProcessClass | SubmodelClass, sizes: Mapping[str, int]) -> int:
+        if not isinstance(entry, ProcessClass):
+            return 0
+        return sum(sizes[f"class_{self._names.classes[item.class_name]}"] for item in entry.instances)
+
+    def _channels(self, entry: ProcessClass | SubmodelClass, sizes: Mapping[str, int]) -> list[int]:
+        if not isinstance(entry, ProcessClass):
+            return []
+        found: list[int] = []
+        for item in entry.channels:
+            access = access_of_channel(item)
+            if access in _CHANNELS:
+                places = (
+                    (item.capacity or 0) * sizes[f"value_{self._types.suffix(item.type)}"] if access == "buffer" else 0
+                )
+                found.append(sizes[f"channel_{access}"] + places)
+        return found

@@ -1,0 +1,54 @@
+"""Processes that are written by hand in C: what their files are given, and how their ports are connected."""
+
+from __future__ import annotations
+
+from cspdiag.codegen.c.process.port_layout import PortLayout
+from cspdiag.codegen.c.text.code import INDENT, broken
+from cspdiag.codegen.c.text.documents import comment
+from cspdiag.codegen.c.text.media import Access
+from cspdiag.codegen.c.text.names import PackageNames
+from cspdiag.codegen.c.text.rows import Row, block, lines
+from cspdiag.codegen.c.text.types import CTypes
+from cspdiag.network.ir.network import ProcessClass
+
+KINDS: dict[Access, str] = {
+    "variable": "CSP_END_VARIABLE",
+    "constant": "CSP_END_VARIABLE",
+    "discard": "CSP_END_VARIABLE",
+    "channel": "CSP_END_CHANNEL",
+    "any": "CSP_END_ANY",
+    "broadcast": "CSP_END_BROADCAST",
+    "buffer": "CSP_END_BUFFER",
+    "sampled": "CSP_END_SAMPLED",
+    "event": "CSP_END_EVENT",
+    "latched": "CSP_END_LATCHED",
+    "direct": "CSP_END_DIRECT",
+}
+"""What the kernel calls what a port of such a process is connected to."""
+
+
+def leaf_header(class_: ProcessClass) -> str:
+    """The name of the header by hand: beside the file that the text names."""
+    assert class_.external is not None
+    return f"{class_.external.target.rpartition('/')[2].removesuffix('.c')}.h"
+
+
+def ports_header(class_: ProcessClass, names: PackageNames, types: CTypes) -> dict[str, str]:
+    """`logger_ports.h`, which the header by hand includes."""
+    assert class_.external is not None
+    struct, layout = names.classes[class_.name], PortLayout(class_)
+    guard, place = f"{struct.upper()}_PORTS_H", names.place(class_.span.file, class_.span.line)
+    told = [f"What the process {class_.definition}, written by hand in {class_.external.target}, is connected to."]
+    found = [*comment([*told, "", f"Source: {place}"]), f"#ifndef {guard}", f"#define {guard}", ""]
+    found += ['#include "csp.h"', '#include "csp_leaf.h"', '#include "types.h"', "", f"struct {struct};", ""]
+    members = [
+        Row(f"csp_connection {layout.names[port.name]}{'' if port.size is None else f'[{port.size}]'};")
+        for port in class_.ports
+    ]
+    given = [f"struct {struct} *self", "csp_numbers *numbers"]
+    if members:
+        found += [*lines(block(f"struct {struct}_ports", members, "};")), ""]
+        given.append(f"const struct {struct}_ports *ports")
+    given += [f"{types.type_name(item.type)} {layout.parameters[item.name]}" for item in class_.parameters]
+    found += ["/* To be defined by hand. */", *broken(f"void {struct}_initialize({', '.join(given)});", INDENT)]
+    return {f"{struct}_ports.h": "\n".join([*found, "", "#endif", ""])}

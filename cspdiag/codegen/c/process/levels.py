@@ -1,0 +1,126 @@
+"""Levels of priority: which queue the branches of prioritized parallels stand in.
+
+The language compares the ranks of nested ``||>`` from the outermost inwards. Counting the branches at each depth of the whole program
+gives every rank a fixed distance in levels from the parent's, in that order.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from cspdiag.base.record import field_names, is_record, replaced
+from cspdiag.network.ir.actions import Action, ParallelSteps, RunInstance
+from cspdiag.network.ir.network import Network, ProcessClass, SubmodelClass
+from cspdiag.network.ir.walk import parts
+
+
+class Levels:
+    """The levels of one program; level 0 is the highest."""
+
+    def __init__(self, network: Network) -> None:
+        self.prioritized: set[str]
+        """Classes with prioritized parallels in them or in an instance inside."""
+        self._classes = {entry.name: entry for entry in network.classes if isinstance(entry, ProcessClass)}
+        self.prioritized = self._with_priorities(network)
+        self.depths: dict[str, set[int]] = {name: set() for name in self._classes}
+        widths: dict[int, int] = {}
+        pending = [(network.top, 0)]
+        while pending:
+            name, depth = pending.pop()
+            if depth in self.depths[name]:
+                continue
+            self.depths[name].add(depth)
+            entry = self._classes[name]
+            if entry.body is None or name not in self.prioritized:
+                continue
+            inner = {instance.name: instance.class_name for instance in entry.instances}
+            for step, below in _steps(entry.body, depth):
+                if isinstance(step, ParallelSteps) and step.prioritized:
+                    widths[below] = max(widths.get(below, 1), len(step.steps))
+                elif isinstance(step, RunInstance) and inner[step.instance] in self._classes:
+                    pending.append((inner[step.instance], below))
+        self._sizes = [1]
+        for depth in sorted(widths, reverse=True):
+            self._sizes.insert(0, self._sizes[0] * widths[depth])
+
+    @property
+    def count(self) -> int:
+        """How many there are."""
+        return self._sizes[0]
+
+    def below(self, class_: str, depth: int, rank: int) -> int:
+        """By how many levels a branch is below its parent; ``depth`` counts the prioritized parallels around it in the class."""
+        if rank == 0:
+            return 0
+        outer = min(self.depths[class_], default=0)  # ``separate_depths`` has left one; none: it never runs
+        return rank * self._sizes[min(outer + depth + 1, len(self._sizes) - 1)]
+
+    def _with_priorities(self, network: Network) -> set[str]:
+        """Classes with prioritized parallels in them or in an instance inside."""
+        found: set[str] = set()
+        for entry in network.classes:
+            if isinstance(entry, ProcessClass) and entry.body is not None:
+                own = any(isinstance(part, ParallelSteps) and part.prioritized for part in parts(entry.body))
+                if own or any(instance.class_name in found for instance in entry.instances):
+                    found.add(entry.name)
+        return found
+
+
+def separate_depths(network: Network) -> Network:
+    """The network in which every class with prioritized parallels runs at one depth of them: the others are cloned, ``Cell_at_2``."""
+    levels = Levels(network)
+    if all(len(depths) <= 1 for name, depths in levels.depths.items() if name in levels.prioritized):
+        return network
+    taken = {entry.name for entry in network.classes}
+    names = {(name, min(depths)): name for name, depths in levels.depths.items() if depths}
+    clones: dict[str, list[ProcessClass | SubmodelClass]] = {}
+    for entry in network.classes:
+        if not isinstance(entry, ProcessClass) or entry.name not in levels.prioritized:
+            clones[entry.name] = [entry]
+            continue
+        clones[entry.name] = []
+        for depth in sorted(levels.depths[entry.name]) or [0]:
+            name = names.setdefault((entry.name, depth), _fresh(f"{entry.name}_at_{depth + 1}", taken))
+            clones[entry.name].append(_at_depth(entry, name, depth, names, levels.prioritized))
+    return replaced(network, classes=tuple(clone for entry in network.classes for clone in clones[entry.name]))
+
+
+def _fresh(name: str, taken: set[str]) -> str:
+    while name in taken:
+        name += "_"
+    taken.add(name)
+    return name
+
+
+def _at_depth(
+    entry: ProcessClass, name: str, depth: int, names: dict[tuple[str, int], str], prioritized: set[str]
+) -> ProcessClass:
+    """The class at a depth, with its instances at theirs."""
+    around = {step.instance: below for step, below in _steps(entry.body, depth) if isinstance(step, RunInstance)}
+    instances = tuple(
+        replaced(instance, class_name=names[instance.class_name, around[instance.name]])
+        if instance.class_name in prioritized and instance.name in around
+        else instance
+        for instance in entry.instances
+    )
+    return replaced(entry, name=name, instances=instances)
+
+
+def _steps(action: Action | None, depth: int) -> Iterator[tuple[Action, int]]:
+    """The parallels and runs of instances in an action, with the number of prioritized parallels around each."""
+    pending: list[tuple[object, int]] = [(action, depth)]
+    while pending:
+        part, around = pending.pop()
+        if isinstance(part, ParallelSteps | RunInstance):
+            yield part, around
+        if isinstance(part, ParallelSteps) and part.prioritized:
+            pending += [(step, around + 1) for step in part.steps]
+        else:
+            pending += [(inner, around) for inner in _inner(part)]
+
+
+def _inner(part: object) -> Iterator[object]:
+    if isinstance(part, tuple):
+        yield from part
+    elif is_record(part):
+        yield from (getattr(part, name) for name in field_names(part) if name not in ("span", "type"))

@@ -1,0 +1,391 @@
+"""The struct of a process class: its members, and how step functions write what the class refers to."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import TypeVar
+
+from cspdiag.codegen.c.process.port_layout import TAKEN, PortLayout, elements
+from cspdiag.codegen.c.process.signals import kept_signals, signals_of
+from cspdiag.codegen.c.process.unwritten import Unwritten
+from cspdiag.codegen.c.text.expressions import Printer
+from cspdiag.codegen.c.text.media import (
+    READING_ENDS,
+    Access,
+    Spelling,
+    access_of_channel,
+    access_of_medium,
+    channel_type,
+    port_type,
+)
+from cspdiag.codegen.c.text.names import Names
+from cspdiag.codegen.c.text.rows import Row
+from cspdiag.codegen.c.text.types import CTypes
+from cspdiag.codegen.shared.places_in_arrays import Arrays
+from cspdiag.model.types import Type
+from cspdiag.network.ir.actions import ChannelEnd, End, PortEnd, ProcessScope
+from cspdiag.network.ir.expressions import ParameterValue, VariableValue
+from cspdiag.network.ir.network import (
+    CreatedChoice,
+    CreatedInstance,
+    InstanceOf,
+    LocalChannel,
+    Network,
+    Port,
+    ProcessClass,
+    SubmodelClass,
+)
+from cspdiag.network.ir.walk import parts
+
+T = TypeVar("T", LocalChannel, InstanceOf)
+
+SELF = "self->"
+
+
+@dataclass(frozen=True)
+class Member:
+    """A member of the struct: its declaration without the semicolon, and what is said of it."""
+
+    declaration: str
+    comment: str | None = None
+
+
+@dataclass
+class Members:
+    """What the struct of one process class has; ``work`` is what the generation of its composition adds."""
+
+    process: ProcessClass
+    network: Network
+    types: CTypes
+    unwritten: Unwritten
+    work: list[Member] = field(default_factory=list)
+    structs: dict[str, list[Member]] = field(default_factory=dict)
+    """Members that are structs: what an alternative consists of."""
+    made_choices: dict[str, list[Row]] = field(default_factory=dict)
+    """How the alternatives are made, by name."""
+    reports: dict[str, tuple[int, Type]] = field(default_factory=dict)
+    """Channels that are no more, by path, with their number and type."""
+
+    def __post_init__(self) -> None:
+        process = self.process
+        self.layout = PortLayout(process)
+        self.names = self.layout.names
+        self.parameters = self.layout.parameters
+        self.ports = self.layout.ports
+        self.channels = {channel.name: channel for channel in process.channels}
+        self.arrays = Arrays(
+            {item.name: (access_of_channel(item), item.type, item.capacity) for item in process.channels},
+            {item.name: item.class_name for item in process.instances},
+        )
+        self._plain = {
+            item.name: self.names[self.arrays.base(item.name)] for item in (*process.channels, *process.instances)
+        }
+        self.classes = {entry.name: entry for entry in self.network.classes}
+        self.instances = {instance.name: instance for instance in process.instances}
+        self.created = [item for item in process.creation if not isinstance(item, CreatedInstance | CreatedChoice)]
+        self._end_names: dict[End, str] = {}
+        self._name_ends()
+        self._uniform = self.layout.uniform
+        self._scopes = {
+            end: part.instance for part in parts(process.body) if isinstance(part, ProcessScope) for end in part.ends
+        }
+        sampled = [end for end in self.created if self.access(end) == "sampled"]
+        self.has_samples = any(end not in self._scopes for end in sampled)
+        self._samples = {
+            scope: self.names.fresh(f"{scope} samples")
+            for scope in dict.fromkeys(self._scopes[end] for end in sampled if end in self._scopes)
+        }
+        self._own = self._own_variables()
+        self._prepare_signals()
+
+    def _prepare_signals(self) -> None:
+        process = self.process
+        self.signal_types = signals_of(process)
+        kept = [item.name for item in (*process.constants, *process.states)] + kept_signals(process.body)
+        self.signal_members = {name: self.names.fresh(name) for name in kept}
+        local = Names({*self.types.names.globals, *TAKEN, "self", "h"})
+        self.local_signals = {name: local.fresh(name) for name in self.signal_types if name not in self.signal_members}
+
+    def _own_variables(self) -> set[str]:
+        """Variables that no process inside has at a port."""
+        shared = {
+            connection.attachment.channel
+            for instance in self.process.instances
+            if isinstance(self.classes[instance.class_name], ProcessClass)
+            for connection in instance.connections
+            if isinstance(connection.attachment, ChannelEnd)
+        }
+        return {name for name in self.channels if name not in shared}
+
+    # What is needed at run time
+
+    def stored_parameters(self) -> list[str]:
+        """Parameters that step functions use."""
+        used = {part.name for part in parts(self.process.body) if isinstance(part, ParameterValue)}
+        return [name for name in self.parameters if name in used]
+
+    def used_ports(self) -> list[tuple[Port, int | None]]:
+        """Ports, or elements of arrays of ports, that step functions use themselves."""
+        used: set[tuple[str, int | None]] = set()
+        for part in (*parts(self.process.body), *self.ends_of_laws()):
+            if isinstance(part, PortEnd):
+                used.add((part.port, part.index))
+        places = ((port, index) for port in self.process.ports for index in elements(port))
+        return [(port, index) for port, index in places if (port.name, index) in used]
+
+    def ends_of_laws(self) -> Iterator[object]:
+        """What the submodels of the class are attached to."""
+        for instance in self.process.instances:
+            if isinstance(self.classes[instance.class_name], SubmodelClass):
+                yield from (connection.attachment for connection in instance.connections)
+
+    # How things are written
+
+    def member(self, name: str) -> str:
+        """The member of a channel or instance: ``cell[3]``."""
+        return self._plain[name] + self.arrays.subscript(name)
+
+    def variable(self, name: str) -> str:
+        """The lvalue of a variable."""
+        return SELF + self.member(name)
+
+    def written(self, name: str) -> str | None:
+        """The member that tells whether a variable was written; None where that is sure."""
+        if name not in self.unwritten.variables[self.process.name]:
+            return None
+        return f"{self.names[f'{self._plain[name]} written']}{self.arrays.subscript(name)}"
+
+    def value(self, name: str) -> str:
+        """A variable in an expression; a fault is noted if it was not written."""
+        written = self.written(name)
+        return required(f"&{SELF}{written}", self.variable(name)) if written is not None else self.variable(name)
+
+    def is_sure(self, value: object) -> bool:
+        """Whether all variables in an expression were written when it is evaluated."""
+        flagged = self.unwritten.variables[self.process.name]
+        return not any(isinstance(part, VariableValue) and part.channel in flagged for part in parts(value))
+
+    def running_parameter(self, name: str) -> str:
+        """A parameter in a step function."""
+        return SELF + self.parameters[name]
+
+    def initial_parameter(self, name: str) -> str:
+        """A parameter in the function that initializes the process."""
+        return self.parameters[name]
+
+    def signal(self, name: str) -> str:
+        """The lvalue of a signal of an inlined law, a state or a constant."""
+        local = self.local_signals.get(name)
+        return SELF + self.signal_members[name] if local is None else local
+
+    @property
+    def initial_printer(self) -> Printer:
+        """For expressions in the function that initializes the process."""
+        return Printer(self.types, parameter=self.initial_parameter, signal=self.signal, variable=self.variable)
+
+    @property
+    def running_printer(self) -> Printer:
+        """For expressions in step functions."""
+        return Printer(self.types, parameter=self.running_parameter, signal=self.signal, variable=self.value)
+
+    def is_own(self, variable: str) -> bool:
+        """Whether only this process has the variable."""
+        return variable in self._own
+
+    def samples(self, end: End) -> str:
+        """The member that closes a reading end: that of the process or of the scope that owns it."""
+        scope = self._scopes.get(end)
+        return "samples" if scope is None else self._samples[scope]
+
+    def samples_of_scope(self, scope: str) -> str | None:
+        """The member that closes the ends of a scope; None if it has none."""
+        return self._samples.get(scope)
+
+    def report(self, channel: str, type_: Type) -> int:
+        """The number, among those of the class, of a channel that is no more."""
+        return self.reports.setdefault(channel, (len(self.reports), type_))[0]
+
+    def access(self, end: End) -> Access:
+        """What an end belongs to."""
+        if isinstance(end, ChannelEnd):
+            return access_of_channel(self.channels[end.channel])
+        return access_of_medium(self.ports[end.port].media[end.index or 0])
+
+    def type(self, end: End) -> Type:
+        """The type of the values."""
+        return self.channels[end.channel].type if isinstance(end, ChannelEnd) else self.ports[end.port].type
+
+    def source(self, end: End) -> Spelling:
+        """An end that is read."""
+        return self._spelled(end, reads=True)
+
+    def sink(self, end: End) -> Spelling:
+        """An end that is written."""
+        return self._spelled(end, reads=False)
+
+    def _spelled(self, end: End, *, reads: bool) -> Spelling:
+        access, type_, name = self.access(end), self.type(end), name_of(end)
+        if reads and access in READING_ENDS:
+            member = self.end_member(end)
+            indirect = access == "event"
+            return Spelling(access, f"{'' if indirect else '&'}{SELF}{member}", member, indirect, type_, name)
+        if isinstance(end, ChannelEnd):
+            member = self.member(end.channel)
+            pointer = SELF + member if access == "variable" else f"&{SELF}{member}"
+            flag = self.written(end.channel)
+            written = f"&{SELF}{flag}" if flag is not None else None
+        else:
+            member = self.layout.member(self.ports[end.port], end.index)
+            pointer = f"*{SELF}{member}" if access == "variable" else SELF + member
+            flagged = self.unwritten.has_port(self.process.name, end.port, end.index)
+            written = SELF + self.layout.written(self.ports[end.port], end.index) if flagged else None
+        if reads and written is not None:
+            pointer = required(written, pointer)
+        return Spelling(access, pointer, member, isinstance(end, PortEnd), type_, name, written)
+
+    def end_member(self, end: End) -> str:
+        """The member of a reading end that is an object of its own, or of the pointer to a latch of an event input."""
+        base = self._end_names[_whole(end)]
+        return self.layout.element(base, self.ports[end.port], end.index) if isinstance(end, PortEnd) else base
+
+    def _name_ends(self) -> None:
+        for end in self.created:
+            whole = _whole(end)
+            if whole in self._end_names or self.access(end) not in READING_ENDS:
+                continue
+            if isinstance(end, PortEnd):
+                base = self.names[end.port]
+                self._end_names[whole] = base if end.end == 0 else self.names.fresh(f"{base}_{end.end + 1}")
+            else:
+                self._end_names[whole] = self.names.fresh(
+                    f"{end.channel}_end{'' if end.end == 0 else f'_{end.end + 1}'}"
+                )
+
+    # Declarations
+
+    def port_members(self) -> list[Member]:
+        """The members of the struct in which a process is given its ports."""
+        found: list[Member] = []
+        for port in self.process.ports:
+            whole = port.size is not None and self._uniform[port.name]
+            for index in elements(port)[:1] if whole else elements(port):
+                access = access_of_medium(port.media[index or 0])
+                type_ = port_type(access, self.types.type_name(port.type), writes=port.direction == "out")
+                if type_ is not None:
+                    name = f"{self.names[port.name]}[{port.size}]" if whole else self.layout.member(port, index)
+                    found.append(Member(f"{type_}{name}"))
+            found += self._flag_pointers(port, elements(port))
+        return found
+
+    def declared(self) -> list[Member]:
+        """The members for parameters, ports, channels and instances, in this order."""
+        process, found = self.process, [Member("csp_process process")]
+        types = {item.name: item.type for item in process.parameters}
+        if self.has_samples:
+            found.append(Member("csp_ends samples"))
+        found += [Member(f"csp_ends {name}") for name in self._samples.values()]
+        docs = {item.name: item.doc for item in (*process.parameters, *process.ports)}
+        for name in self.stored_parameters():
+            found.append(Member(f"{self.types.type_name(types[name])} {self.parameters[name]}", docs[name]))
+        found += self._port_declarations()
+        found += self._channel_declarations()
+        found += self._signal_declarations()
+        found += self._instance_declarations()
+        return found
+
+    def _signal_declarations(self) -> Iterator[Member]:
+        docs = {item.name: item.doc for item in (*self.process.constants, *self.process.states)}
+        for name, member in self.signal_members.items():
+            yield Member(f"{self.types.type_name(self.signal_types[name])} {member}", docs.get(name))
+
+    def _port_declarations(self) -> Iterator[Member]:
+        done: set[str] = set()
+        for port, index in self.used_ports():
+            access = access_of_medium(port.media[index or 0])
+            if port.direction == "in" and access in READING_ENDS:
+                continue
+            type_ = port_type(access, self.types.type_name(port.type), writes=port.direction == "out")
+            name = self.layout.member(port, index)
+            if index is not None and self._uniform[port.name]:
+                name = f"{self.names[port.name]}[{port.size}]"
+            if type_ is not None and name not in done:
+                done.add(name)
+                yield Member(f"{type_}{name}", port.doc)
+            yield from self._flag_pointers(port, [index])
+        yield from self._end_declarations()
+
+    def _flag_pointers(self, port: Port, indexes: Sequence[int | None]) -> list[Member]:
+        """Pointers to what tells whether the variables behind a port were written."""
+        constant = "const " if port.direction == "in" else ""
+        flagged = [i for i in indexes if self.unwritten.has_port(self.process.name, port.name, i)]
+        names = (self.layout.written(port, index) for index in flagged)
+        return [Member(f"{constant}csp_written *{name}") for name in names]
+
+    def _end_declarations(self) -> Iterator[Member]:
+        done: set[str] = set()
+        for end in self.created:
+            access = self.access(end)
+            if access not in READING_ENDS:
+                continue
+            name, size, doc = self.end_member(end), "", None
+            if isinstance(end, PortEnd):
+                port = self.ports[end.port]
+                doc = port.doc
+                if end.index is not None and self._uniform[end.port]:
+                    name, size = self._end_names[_whole(end)], f"[{port.size}]"
+            if name in done:
+                continue
+            done.add(name)
+            if access == "event":
+                yield Member(f"csp_event_end *{name}{size}", doc)
+                yield Member(f"csp_event_end {self.latch(name)}{size}", "if it has one of its own")
+            else:
+                yield Member(f"{READING_ENDS[access]} {name}{size}", doc)
+
+    def latch(self, name: str) -> str:
+        """The member for the latch that a reader of an event input may have for itself."""
+        base, bracket, rest = name.partition("[")
+        return f"{self.names[f'{base} latch']}{bracket}{rest}"
+
+    def _channel_declarations(self) -> Iterator[Member]:
+        for channel, count in self._grouped(self.process.channels):
+            name, access = self._plain[channel.name], access_of_channel(channel)
+            type_name = self.types.type_name(channel.type)
+            yield Member(f"{channel_type(access, type_name)} {name}{count}", channel.doc)
+            if channel.name in self.unwritten.variables[self.process.name]:
+                yield Member(f"csp_written {self.names[f'{name} written']}{count}")
+            if access == "buffer":
+                yield Member(f"{type_name} {self.storage(channel.name, '')}{count}[{channel.capacity}]")
+
+    def storage(self, channel: str, subscript: str) -> str:
+        """The member for the values in a buffer."""
+        return self.names[f"{self._plain[channel]} values"] + subscript
+
+    def _instance_declarations(self) -> Iterator[Member]:
+        for instance, count in self._grouped(self.process.instances):
+            struct = self.types.names.classes[instance.class_name]
+            yield Member(f"struct {struct} {self._plain[instance.name]}{count}", instance.doc)
+
+    def _grouped(self, items: Sequence[T]) -> Iterator[tuple[T, str]]:
+        done: set[str] = set()
+        for item in items:
+            base = self._plain[item.name]
+            if base not in done:
+                done.add(base)
+                size = self.arrays.size(item.name)
+                yield item, "" if size is None else f"[{size}]"
+
+
+def required(written: str, lvalue: str) -> str:
+    """An lvalue that is looked at only if it was written."""
+    return f"(*(csp_require_written({written}), &{lvalue}))"
+
+
+def name_of(end: End) -> str:
+    """What an end is called in names of states."""
+    return end.port if isinstance(end, PortEnd) else end.channel
+
+
+def _whole(end: End) -> End:
+    return PortEnd(end.port, None, end.end) if isinstance(end, PortEnd) else end

@@ -1,0 +1,54 @@
+"""How the struct is laid out in which a process is given its ports."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from cspdiag.codegen.c.text.media import access_of_medium, port_type
+from cspdiag.codegen.c.text.names import Names
+from cspdiag.network.ir.network import Port, ProcessClass
+
+TAKEN = frozenset(
+    {"process", "party", "progress", "condition", "numbers", "ports", "samples", "first_report", "index", "i"}
+)
+"""Names that generated functions use themselves."""
+
+
+class PortLayout:
+    """The members for the ports of one class; an array of ports is an array where all elements are connected in one way."""
+
+    def __init__(self, process: ProcessClass) -> None:
+        self.names = Names(TAKEN)
+        self.parameters = {item.name: self.names[item.name] for item in process.parameters}
+        self.ports = {port.name: port for port in process.ports}
+        for port in process.ports:
+            self.names[port.name]
+        self.uniform = {
+            port.name: len({access_of_medium(medium) for medium in port.media}) <= 1 for port in process.ports
+        }
+
+    def member(self, port: Port, index: int | None) -> str:
+        """The member of a port, or of an element of an array of ports."""
+        return self.element(self.names[port.name], port, index)
+
+    def written(self, port: Port, index: int | None) -> str:
+        """The member for the pointer to what tells whether the variable behind a port was written."""
+        suffix = "" if index is None else f"_{index}"
+        return self.names[f"{self.names[port.name]}{suffix} written"]
+
+    def element(self, base: str, port: Port, index: int | None) -> str:
+        """The member with a name of its own for each port, or for each element."""
+        if index is None:
+            return base
+        return f"{base}[{index}]" if self.uniform[port.name] else f"{base}_{index}"
+
+    def designator(self, port: str, index: int | None) -> str | None:
+        """What an initializer names; None for a port that needs nothing."""
+        found = self.ports[port]
+        type_ = port_type(access_of_medium(found.media[index or 0]), "", writes=found.direction == "out")
+        return None if type_ is None else self.member(found, index)
+
+
+def elements(port: Port) -> Sequence[int | None]:
+    """The indexes of an array of ports; None for a port alone."""
+    return [None] if port.size is None else range(port.size)

@@ -1,0 +1,138 @@
+"""Process classes as pairs of C files: a struct with all that the process owns, and its step functions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from cspdiag.codegen.c.process.composition import Composition
+from cspdiag.codegen.c.process.initialization import initialize_rows
+from cspdiag.codegen.c.process.leaves import leaf_header
+from cspdiag.codegen.c.process.levels import Levels
+from cspdiag.codegen.c.process.members import Member, Members
+from cspdiag.codegen.c.process.unwritten import Unwritten
+from cspdiag.codegen.c.text.code import INDENT, broken
+from cspdiag.codegen.c.text.documents import comment, wrapped
+from cspdiag.codegen.c.text.names import PackageNames
+from cspdiag.codegen.c.text.rows import Row, block, lines
+from cspdiag.codegen.c.text.types import CTypes
+from cspdiag.model.types import Type
+from cspdiag.network.ir.network import Network, ProcessClass, SubmodelClass
+
+
+@dataclass(frozen=True)
+class Facts:
+    """What is known of the whole network."""
+
+    levels: Levels
+    unwritten: Unwritten
+
+
+@dataclass(frozen=True)
+class ProcessFiles:
+    """The header and the source of one process class by name, and what has a number in it.
+
+    ``observed`` are the names and definitions of its groups (without a definition) and flattened processes in the order of their numbers behind
+    that of the process, ``reports`` the channels that were optimized away, with their types; all by path below the process.
+    """
+
+    files: dict[str, str]
+    observed: Sequence[tuple[str, str]]
+    reports: Sequence[tuple[str, Type]]
+    variables: Sequence[str]
+    """Those that may be read before they were written."""
+
+
+def process_files(
+    process: ProcessClass, network: Network, names: PackageNames, types: CTypes, facts: Facts
+) -> ProcessFiles:
+    """The files of a process class that is not written by hand."""
+    writer = _Writer(process, network, names, types, facts)
+    files = {f"{writer.struct}.h": writer.header(), f"{writer.struct}.c": writer.source()}
+    reports = [(path, type_) for path, (_, type_) in writer.members.reports.items()]
+    variables = [c.name for c in process.channels if c.name in facts.unwritten.variables[process.name]]
+    return ProcessFiles(files, writer.composition.observed, reports, variables)
+
+
+class _Writer:
+    def __init__(
+        self, process: ProcessClass, network: Network, names: PackageNames, types: CTypes, facts: Facts
+    ) -> None:
+        self.process = process
+        self.names = names
+        self.struct = names.classes[process.name]
+        self.members = Members(process, network, types, facts.unwritten)
+        self.types = types
+        self.composition = Composition(self.members, self.members.running_printer, names, facts.levels, self.struct)
+        self.initial = initialize_rows(self.composition)
+        self.place = names.place(process.span.file, process.span.line)
+
+    # The header
+
+    def header(self) -> str:
+        guard, struct = f"{self.struct.upper()}_H", self.struct
+        told = [*wrapped(self.process.doc or f"The process {self.process.definition}."), "", f"Source: {self.place}"]
+        rows = [*comment(told), f"#ifndef {guard}", f"#define {guard}", ""]
+        rows += [f'#include "{name}"' for name in ("csp.h", "types.h", *self._included())]
+        ports = self.members.port_members()
+        if ports:
+            rows += ["", "/* What the ports are connected to. */"]
+            rows += lines(block(f"struct {struct}_ports", _fields(ports), "};"))
+        rows += ["", *lines(block(f"struct {struct}", self._struct(), "};"))]
+        rows += ["", "/* Before the program starts. */", *broken(f"{signature(self.members, struct)};", INDENT)]
+        return "\n".join([*rows, "", "#endif", ""])
+
+    def _included(self) -> Iterable[str]:
+        classes = dict.fromkeys(item.class_name for item in self.process.instances)
+        return dict.fromkeys(self._header_of(self.members.classes[name]) for name in classes)
+
+    def _header_of(self, class_: ProcessClass | SubmodelClass) -> str:
+        if isinstance(class_, ProcessClass) and class_.external is not None:
+            return leaf_header(class_)
+        return f"{self.names.classes[class_.name]}.h"
+
+    def _struct(self) -> list[Row]:
+        members = self.members
+        rows = _fields(members.declared())
+        for name, fields in members.structs.items():
+            rows += block("struct", _fields(fields), f"}} {name};")
+        for name, kept in self.composition.unions():
+            rows += block("union", _fields(kept), f"}} {name};")
+        rows += _fields(members.work)
+        rows += [Row(f"csp_offer {name}_made[{count}];") for name, count in self.composition.offer_arrays().items()]
+        if members.reports:
+            rows.append(Row("uint32_t first_report;", comment="number of the first channel that was optimized away"))
+        return rows
+
+    # The source
+
+    def source(self) -> str:
+        composition = self.composition
+        rows = [f'#include "{self.struct}.h"', "", '#include "constants.h"', '#include "csp_arithmetic.h"', ""]
+        states = [place.state for routine in composition.routines for place in routine.places]
+        if states:
+            entries = [Row(f"{states[0]} = 1,"), *(Row(f"{state},") for state in states[1:])]
+            entries[-1] = Row(entries[-1].text[:-1])
+            rows += ["/* Where the process waits, and where it goes on after a failure. */"]
+            rows += [*lines(block("enum", entries, "};")), ""]
+        rows += lines(composition.tables)
+        rows += [line for function in composition.functions for line in function]
+        for routine in reversed(composition.routines):
+            rows += [*routine.text(), "", *routine.table(), ""]
+        rows += [*broken(signature(self.members, self.struct), INDENT), *lines(block("", self.initial))]
+        return "\n".join([*rows, ""])
+
+
+def _fields(members: Sequence[Member]) -> list[Row]:
+    """Members with their remarks above them."""
+    return [Row(f"{member.declaration};", comment=member.comment) for member in members]
+
+
+def signature(members: Members, struct: str) -> str:
+    """The function that initializes a process."""
+    given = [f"struct {struct} *self", "csp_numbers *numbers"]
+    if members.port_members():
+        given.append(f"const struct {struct}_ports *ports")
+    for item in members.process.parameters:
+        given.append(f"{members.types.type_name(item.type)} {members.parameters[item.name]}")
+    return f"void {struct}_initialize({', '.join(given)})"

@@ -1,0 +1,53 @@
+"""Variables that may be read before they were written: which need a flag, and which ports a pointer to one."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+from cspdiag.network.checks.unwritten import may_be_unwritten, ports_of_unwritten
+from cspdiag.network.ir.actions import ChannelEnd, PortEnd
+from cspdiag.network.ir.network import Network, ProcessClass
+
+Place = tuple[str, int | None]
+
+
+class Unwritten:
+    """What is known of a network."""
+
+    def __init__(self, network: Network) -> None:
+        self._network = network
+
+    @cached_property
+    def variables(self) -> dict[str, frozenset[str]]:
+        """By class, the variables with a flag."""
+        return may_be_unwritten(self._network)
+
+    @cached_property
+    def _inputs(self) -> dict[str, frozenset[Place]]:
+        return ports_of_unwritten(self._network)
+
+    @cached_property
+    def _outputs(self) -> dict[str, set[Place]]:
+        """By class, the outputs that write a variable with a flag in some instance."""
+        found: dict[str, set[Place]] = {entry.name: set() for entry in self._network.classes}
+        if not any(self.variables.values()):
+            return found
+        outputs = {(c.name, port.name) for c in self._network.classes for port in c.ports if port.direction == "out"}
+        for entry in reversed(self._network.classes):
+            if isinstance(entry, ProcessClass):
+                for instance in entry.instances:
+                    for connection in instance.connections:
+                        match connection.attachment:
+                            case ChannelEnd(channel=channel):
+                                flagged = channel in self.variables[entry.name]
+                            case PortEnd(port=port, index=index):
+                                flagged = (port, index) in found[entry.name]
+                            case _:
+                                flagged = False
+                        if flagged and (instance.class_name, connection.port) in outputs:
+                            found[instance.class_name].add((connection.port, connection.index))
+        return found
+
+    def has_port(self, class_: str, port: str, index: int | None) -> bool:
+        """Whether a port of a class is given a pointer to a flag; it is NULL where the variable surely was written."""
+        return (port, index) in self._inputs[class_] or (port, index) in self._outputs[class_]

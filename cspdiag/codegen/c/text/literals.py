@@ -1,0 +1,28 @@
+"""Text from outside in generated C: in string literals, and in comments."""
+
+from __future__ import annotations
+
+import re
+
+from cspdiag.codegen.shared.plain_text import one_line
+
+
+def quoted(text: str) -> str:
+    """A string literal; it holds the text in UTF-8, and no trigraph. Of the name of a file, bytes that are no UTF-8 stay what they are."""
+    written = re.sub(r"(?<=\?)\?", r"\?", "".join(map(_character, text)))
+    return f'"{written}"'
+
+
+def _character(character: str) -> str:
+    if character in '"\\':
+        return f"\\{character}"
+    if character.isprintable():
+        return character
+    is_byte = 0xDC80 <= ord(character) <= 0xDCFF
+    encoded = character.encode("utf-8", "surrogateescape" if is_byte else "replace")
+    return "".join(f"\\{byte:03o}" for byte in encoded)
+
+
+def in_comment(text: str) -> str:
+    """What stands in a comment, on one line: it neither ends the comment nor seems to begin another."""
+    return one_line(text).replace("*/", "* /").replace("/*", "/ *").replace("??", "? ?")

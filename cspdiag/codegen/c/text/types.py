@@ -1,0 +1,204 @@
+"""C types, zeros and literals for the types and values of the network representation."""
+
+from __future__ import annotations
+
+import math
+import re
+import struct
+from collections.abc import Iterator
+from typing import assert_never
+
+from cspdiag.base import Span
+from cspdiag.codegen.c.text.code import POSTFIX, PRODUCT, UNARY, Code
+from cspdiag.codegen.c.text.names import Names, PackageNames, identifier
+from cspdiag.model.types import (
+    ArrayType,
+    BoolType,
+    EnumType,
+    IntType,
+    RealType,
+    StructType,
+    TextType,
+    TimeType,
+    Type,
+    UnknownType,
+)
+from cspdiag.network.ir.expressions import Value
+
+_UNITS = (("CSP_S", 1_000_000_000), ("CSP_MS", 1_000_000), ("CSP_US", 1_000))
+_INT_MAXIMUM = 2**31 - 1
+
+
+class CTypes:
+    """The C types of a package. Every value can be assigned, passed and returned: an array is a struct with one member ``at``."""
+
+    def __init__(self, names: PackageNames) -> None:
+        self.names = names
+        self._arrays: dict[tuple[str, int], tuple[str, ArrayType]] = {}
+        self._array_names = Names(names.types.values())
+
+    def type_name(self, type_: Type) -> str:
+        """The C type: ``double``, ``struct pose``, ``enum mode``, ``struct double_4``."""
+        match type_:
+            case BoolType():
+                return "bool"
+            case IntType():
+                return f"{'' if type_.signed else 'u'}int{type_.bits}_t"
+            case TimeType():
+                return "int64_t"
+            case RealType(bits=32):
+                return "float"
+            case RealType():
+                return "double"
+            case EnumType():
+                return f"enum {self.names.types[type_.name]}"
+            case StructType():
+                return f"struct {self.names.types[type_.name]}"
+            case ArrayType():
+                return f"struct {self._array(type_)}"
+            case TextType() | UnknownType():
+                raise ValueError(f"{type_} is no type of C")
+        assert_never(type_)
+
+    def suffix(self, type_: Type) -> str:
+        """What functions on values of a type are called after: ``pose``, ``double_4``."""
+        return re.sub(r"_t$", "", self.type_name(type_).rpartition(" ")[2])
+
+    def _array(self, type_: ArrayType) -> str:
+        size = type_.size or 0
+        key = (self.type_name(type_.element), size)
+        if key not in self._arrays:
+            self._arrays[key] = (self._array_names[f"{self.suffix(type_.element)}_{size}"], type_)
+        return self._arrays[key][0]
+
+    @property
+    def arrays(self) -> list[ArrayType]:
+        """The array types that were named so far, inner ones first."""
+        return [type_ for _, type_ in self._arrays.values()]
+
+    def field(self, name: str) -> str:
+        """The member for a field of a struct."""
+        return identifier(name)
+
+    def zero(self, type_: Type) -> Value:
+        """The zero of a type."""
+        match type_:
+            case BoolType():
+                return False
+            case IntType() | TimeType() | EnumType():
+                return 0
+            case RealType():
+                return 0.0
+            case StructType():
+                return tuple(self.zero(field) for _, field in type_.fields)
+            case ArrayType():
+                return tuple(self.zero(type_.element) for _ in range(type_.size or 0))
+            case TextType() | UnknownType():
+                raise ValueError(f"{type_} has no zero in C")
+        assert_never(type_)
+
+    def literal(self, value: Value, type_: Type, span: Span | None = None) -> Code:
+        """A value as an expression; numbers keep the spelling that they have at ``span``."""
+        match type_:
+            case BoolType():
+                return Code("true" if value else "false")
+            case IntType():
+                assert isinstance(value, int)
+                return integer(value)
+            case TimeType():
+                assert isinstance(value, int)
+                return duration(value)
+            case RealType():
+                assert isinstance(value, int | float)
+                return real(float(value), type_.bits, span)
+            case EnumType():
+                assert isinstance(value, int)
+                return Code(self.names.literals[type_.name][value])
+            case StructType() | ArrayType():
+                return Code(f"({self.type_name(type_)}){self.initializer(value, type_)}")
+            case TextType() | UnknownType():
+                raise ValueError(f"{type_} has no literals in C")
+        assert_never(type_)
+
+    def initializer(self, value: Value, type_: Type) -> str:
+        """A value as it stands behind ``=`` in a definition, also of something static."""
+        match type_:
+            case StructType():
+                assert isinstance(value, tuple)
+                fields = zip(type_.fields, value, strict=True)
+                inner = [f".{self.field(name)} = {self.initializer(part, kind)}" for (name, kind), part in fields]
+                return f"{{{', '.join(inner)}}}"
+            case ArrayType():
+                assert isinstance(value, tuple)
+                return f"{{{{{', '.join(self.initializer(part, type_.element) for part in value)}}}}}"
+        return self.literal(value, type_).text
+
+    def has_reals(self, type_: Type) -> bool:
+        """Whether a value may hold a NaN."""
+        return any(isinstance(part, RealType) for part in scalars(type_))
+
+
+def scalars(type_: Type) -> Iterator[Type]:
+    """The types of the numbers that a value consists of."""
+    match type_:
+        case StructType(fields=fields):
+            for _, field in fields:
+                yield from scalars(field)
+        case ArrayType(element=element):
+            yield from scalars(element)
+        case _:
+            yield type_
+
+
+def integer(value: int) -> Code:
+    """A whole number; larger ones than ``int`` is sure to hold say their type."""
+    if value == -(2**63):
+        return Code("INT64_MIN")
+    text = str(value) if abs(value) <= _INT_MAXIMUM else f"{'-' if value < 0 else ''}INT64_C({abs(value)})"
+    return Code(text, UNARY if value < 0 else POSTFIX)
+
+
+def duration(nanoseconds: int) -> Code:
+    """A duration in its greatest unit: ``2 * CSP_MS``."""
+    for unit, size in _UNITS:
+        if nanoseconds != 0 and nanoseconds % size == 0:
+            return Code(f"{integer(nanoseconds // size).text} * {unit}", PRODUCT)
+    return integer(nanoseconds)
+
+
+def real(value: float, bits: int = 64, span: Span | None = None) -> Code:
+    """A real number that C reads as exactly this value, in the spelling of the text if that says the same."""
+    if math.isnan(value):
+        return Code("(float)NAN" if bits == 32 else "(double)NAN", UNARY)
+    if math.isinf(value):
+        text = "INFINITY" if value > 0 else "-INFINITY"
+        return Code(text if bits == 32 else f"(double){text}", UNARY)
+    if bits == 32:
+        return _single(value)
+    if span is not None:
+        written = re.match(r"-?\d+\.\d*(e[+-]?\d+)?|-?\d+e[+-]?\d+", span.text)
+        if written and float(written[0]) == value and not written[0].endswith("."):
+            return Code(written[0], UNARY if written[0].startswith("-") else POSTFIX)
+    return Code(repr(value), UNARY if math.copysign(1.0, value) < 0 else POSTFIX)
+
+
+def _single(value: float) -> Code:
+    """A binary32, in the fewest digits that say it."""
+    try:
+        rounded = struct.unpack("<f", struct.pack("<f", value))[0]
+    except OverflowError:
+        return real(math.copysign(math.inf, value), 32)
+    text = next(
+        (text for text in (f"{rounded:.{digits}g}" for digits in range(1, 10)) if _as_single(text) == rounded),
+        repr(rounded),
+    )
+    if "." not in text and "e" not in text:
+        text += ".0"
+    return Code(f"{text}f", UNARY if text.startswith("-") else POSTFIX)
+
+
+def _as_single(text: str) -> float | None:
+    try:
+        return float(struct.unpack("<f", struct.pack("<f", float(text)))[0])
+    except OverflowError:
+        return None

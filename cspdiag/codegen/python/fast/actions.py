@@ -1,0 +1,330 @@
+"""Compositions as the code of a generator function."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from itertools import groupby
+from typing import assert_never
+
+from cspdiag.codegen.python.fast.alternatives import Alternatives
+from cspdiag.codegen.python.fast.communications import Statements, text
+from cspdiag.codegen.python.fast.law_steps import LawSteps, law_of
+from cspdiag.codegen.python.fast.storage import never_ends
+from cspdiag.codegen.python.text.code import Argument, Atom, Call, Code, Comprehension, Starred, tuple_of
+from cspdiag.codegen.python.text.literals import quoted
+from cspdiag.codegen.python.text.rolling import LEAST, statements_template
+from cspdiag.codegen.python.text.statements import Block, Line, Statement, lines
+from cspdiag.codegen.shared.branch_names import branch_name
+from cspdiag.network.ir.actions import (
+    Action,
+    AssignValue,
+    CatchException,
+    Choice,
+    CountedLoop,
+    Group,
+    IfElse,
+    InterruptOn,
+    ParallelSteps,
+    ProcessScope,
+    RaiseException,
+    ReadInputs,
+    ReadValue,
+    Repeat,
+    ReportCommunication,
+    ResetInstance,
+    ResetStates,
+    RunInstance,
+    RunLaw,
+    SequentialSteps,
+    SkipStep,
+    Step,
+    StopStep,
+    WaitStep,
+    WhileLoop,
+    WriteOutputs,
+    WriteValue,
+)
+from cspdiag.network.ir.expressions import Expression
+from cspdiag.network.ir.faults import may_fault
+from cspdiag.network.ir.network import InstanceOf, ProcessClass
+from cspdiag.network.ir.walk import parts
+
+_LONGEST_COMMENT = 70
+
+
+@dataclass
+class Composition(Alternatives, LawSteps):
+    """Writes the code of one process class.
+
+    ``functions`` collects the generator functions of parallel branches and interrupted bodies.
+    """
+
+    functions: list[tuple[str, str, Statements]] = field(default_factory=list)
+    """Name, further parameters, and body."""
+    prepared: list[Statement] = field(default_factory=list)
+    """What the code makes once of its functions."""
+    _loops: int = 0
+    _nested: int = 0
+    """In how many loops, and in how many functions within the code, this place is."""
+
+    def statements(self, action: Action) -> Statements:
+        """An action as statements."""
+        match action:
+            case SkipStep():
+                return ()
+            case SequentialSteps(steps=steps):
+                return tuple(self._sequence(steps))
+            case AssignValue(target=target, value=value):
+                return tuple(self.set(target, value, self.place(action)))
+            case ReadValue(source=source, target=target):
+                return (
+                    self.comment(action),
+                    *self.read_into(target, lambda into: self.communications.read(source, into)),
+                )
+            case WriteValue(sink=sink, value=value):
+                before, simple = self.simple(value)
+                return (self.comment(action), *before, *self.communications.write(sink, simple))
+            case RaiseException(exception=exception):
+                return (Line("raise ", Atom(self.imports.exception(exception)), comment=self.place(action)),)
+            case RunInstance(instance=instance):
+                return (self.comment(action), *self.run_here(instance))
+            case ResetInstance(instance=instance):
+                return (text(f"{self._instance(instance)}.reset()"),)
+            case Repeat(until=until):
+                with self._loop():
+                    return (self._repeat(action, until),)
+            case WhileLoop(condition=condition, body=body):
+                with self._loop():
+                    return (Block(self._head("while ", condition, action), self.statements(body)),)
+            case CountedLoop(turns=turns, body=body):
+                with self._loop():
+                    inside = self.statements(body)
+                return (Block(text(f"for _ in range({turns}):"), inside),) if inside else ()
+            case IfElse():
+                return self._if(action)
+            case CatchException():
+                return self._catch(action)
+            case WaitStep(duration=duration):
+                return (self.comment(action), *self._delay(duration))
+            case StopStep():
+                return (self.comment(action), *self.known(), text(f"yield from {self.imports.runtime('stop')}()"))
+            case ParallelSteps(steps=steps, prioritized=False) if self._are_functions(steps):
+                return (self.comment(action), *self._rounds(steps))
+            case ParallelSteps(steps=steps, prioritized=prioritized):
+                name = self.imports.runtime("prioritized_parallel" if prioritized else "parallel")
+                branches = Call(name, tuple(Argument(branch) for branch in self._branches(steps)))
+                return (self.comment(action), *self.known(), Line("yield from ", branches))
+            case Choice():
+                return self._choice(action)
+            case InterruptOn(body=body, branch=branch):
+                return (self.comment(action), *self._interrupt(body, branch))
+            case Group(label=label, body=body):
+                return tuple(self._group(label, body))
+            case ReadInputs() | WriteOutputs() | RunLaw():
+                return tuple(self._law([action]))
+            case ResetStates(states=states):
+                return tuple(self._reset(states))
+            case ProcessScope():
+                return tuple(self._scope(action))
+            case ReportCommunication(channel=channel, value=value):
+                return tuple(self._reported(action, channel, value))
+        assert_never(action)
+
+    def _sequence(self, steps: Sequence[Action]) -> Iterator[Statement]:
+        for law, group in groupby(steps, key=law_of):
+            if law:
+                yield from self._law(list(group))
+            else:
+                for step in group:
+                    yield from self.statements(step)
+
+    # Control flow
+
+    def _repeat(self, action: Repeat, until: Expression | None) -> Block:
+        statements = self.statements(action.body)
+        if until is not None:
+            statements += (Block(self._head("if ", until, action), (text("break"),)),)
+        return Block(text("while True:"), statements)
+
+    def _if(self, action: IfElse) -> Statements:
+        keyword = "if "
+        blocks: list[Statement] = []
+        rest: Action = action
+        while isinstance(rest, IfElse):
+            blocks.append(Block(self._head(keyword, rest.condition, rest), self.statements(rest.then)))
+            keyword, rest = "elif ", rest.otherwise
+        otherwise = self.statements(rest)
+        if otherwise:
+            blocks.append(Block(text("else:"), otherwise))
+        return tuple(blocks)
+
+    def _head(self, keyword: str, condition: Expression, action: Step) -> Line:
+        """A statement with a condition, with its place if that can fault."""
+        span = condition.span or action.span
+        place = self.imports.names.place(span.file, span.line) if may_fault(condition) else None
+        return Line(keyword, self.printer.print(condition), ":", place)
+
+    def _catch(self, action: CatchException) -> Statements:
+        caught = [Atom(name) for name in self.imports.caught(action.exception)]
+        exception = caught[0] if len(caught) == 1 else tuple_of(caught)
+        body, handler = self.statements(action.body), self.statements(action.handler)
+        return (
+            Block(text("try:"), body),
+            Block(Line("except ", exception, ":"), handler or (text("pass"),)),
+        )
+
+    @contextmanager
+    def _loop(self) -> Iterator[None]:
+        self._loops += 1
+        try:
+            yield
+        finally:
+            self._loops -= 1
+
+    def _delay(self, duration: Expression) -> Statements:
+        before, simple = self.simple(duration)
+        begin = text(f"{self.imports.runtime('begin_delay')}({self.spelling['me']}, {simple})")
+        waits: Statements = (begin, text("yield"))
+        known = self.printer.value(duration)
+        if known is None:
+            waits = (Block(text(f"if {simple} > 0:"), waits),)
+        elif not isinstance(known, int) or known <= 0:
+            waits = ()
+        return (*before, *self.communications.check(), *waits)
+
+    # Processes
+
+    def _are_functions(self, steps: Sequence[Action]) -> bool:
+        """Whether a parallel in a loop consists of code of this process only, so that its tasks can be kept."""
+        plain = self._loops > 0 and self._nested == 0
+        return plain and len(steps) < LEAST and not any(isinstance(step, RunInstance) for step in steps)
+
+    def _rounds(self, steps: Sequence[Action]) -> Iterator[Statement]:
+        me = self.spelling["me"]
+        rounds = self.spelling.names.fresh("rounds")
+        functions = ", ".join(self._function(step, rounds) for step in steps)
+        self.prepared.append(text(f"{rounds} = {self.imports.runtime('Rounds')}({me}, {functions})"))
+        yield from self.communications.check()
+        yield text(f"{rounds}.begin()")
+        yield text("yield")
+        yield Block(text(f"if {rounds}.failed:"), (text(f"{rounds}.conclude()"),))
+
+    def _instance(self, name: str) -> str:
+        return self.spelling.local(self.spelling.members.instance(name))
+
+    def _class_of(self, name: str) -> object:
+        instance = next(item for item in self.spelling.process.instances if item.name == name)
+        assert isinstance(instance, InstanceOf)
+        return self.spelling.network.class_named(instance.class_name)
+
+    def run_here(self, name: str) -> Statements:
+        """Runs an instance in sequence."""
+        class_, instance = self._class_of(name), self._instance(name)
+        if isinstance(class_, ProcessClass) and class_.external is None:
+            return (*self.communications.check_early(0), text(f"yield from {instance}.steps({self.spelling['me']})"))
+        return (text(f"yield from {instance}.execute().__await__()"),)
+
+    def _scope(self, scope: ProcessScope) -> Iterator[Statement]:
+        part, me, error = self.spelling.part(scope.instance), self.spelling["me"], self.spelling["error"]
+        yield text(f"# {self.place(scope)}  {scope.instance}")
+        yield text(f"{part}.start({me})")
+        outer, self.process = self.process, part
+        body = self.statements(scope.body)
+        self.process = outer
+        yield Block(text("try:"), body)
+        failed = (text(f"{part}.fail({me}, {error})"), text("raise"))
+        yield Block(text(f"except BaseException as {error}:"), failed)
+        if not never_ends(scope.body):
+            yield text(f"{part}.end({me})")
+
+    def _branches(self, steps: Sequence[Action]) -> Iterator[Code]:
+        alike = self._alike(steps)
+        if alike is not None:
+            yield Starred(alike)
+            return
+        position = 0
+        while position < len(steps):
+            step = steps[position]
+            array = self._whole_array(steps, position)
+            if array is not None:
+                yield Atom(f"*{array[0]}")
+                position += array[1]
+                continue
+            yield self.branch(step)
+            position += 1
+
+    def branch(self, step: Action) -> Code:
+        """A process to run beside others."""
+        if isinstance(step, RunInstance):
+            return Atom(self._instance(step.instance))
+        return Atom(self._function(step))
+
+    def _whole_array(self, steps: Sequence[Action], start: int) -> tuple[str, int] | None:
+        first = steps[start]
+        array = self.spelling.members.array_of(first.instance) if isinstance(first, RunInstance) else None
+        if array is None:
+            return None
+        given = [s.instance for s in steps[start : start + len(array.elements)] if isinstance(s, RunInstance)]
+        if given != list(array.elements):
+            return None
+        return self.spelling.local(f"self.{array.name}"), len(array.elements)
+
+    def _function(self, action: Action, rounds: str | None = None) -> str:
+        """A generator function for what runs beside others, again and again if it belongs to ``rounds``."""
+        name = self.spelling.names.fresh(f"_{branch_name(action)}")
+        position = len(self.functions)
+        self.functions.append((name, "", ()))
+        outer, loops, self._loops = self.process, self._loops, 0
+        self._nested += 1
+        body = self.statements(action)
+        self._nested -= 1
+        self.process, self._loops = outer, loops
+        if rounds is not None:
+            body = (*body, text(f"{rounds}.done({self.spelling['me']})"), text("yield"))
+            body = (Block(text("while True:"), body),)
+        self.functions[position] = (name, "", body)
+        return name
+
+    def _alike(self, steps: Sequence[Action]) -> Code | None:
+        """Branches that differ only in an index, as one function with that index as its last parameter."""
+        if len(steps) < LEAST or not all(map(_is_plain, steps)):
+            return None
+        k = self.spelling["k"]
+        body = statements_template([self.statements(step) for step in steps], k, 0)
+        if body is None:
+            return None
+        name = self.spelling.names.fresh(f"_{branch_name(steps[0])}")
+        self.functions.append((name, f", {k}: int", body))
+        made = f"{self.imports.standard('functools', 'partial')}({name}, {k}={k})"
+        return Comprehension(Atom(made), f"for {k} in range({len(steps)})", "()")
+
+    def _group(self, label: str, body: Action) -> Iterator[Statement]:
+        group = self.spelling.names.fresh(self.spelling["group"])
+        start, end = self.imports.runtime("start_group"), self.imports.runtime("end_group")
+        yield text(f"{group} = {start}({self.spelling['me']}, {quoted(label)})")
+        yield Block(text("try:"), self.statements(body))
+        yield Block(text("finally:"), (text(f"{end}({group})"),))
+
+    def _reported(self, action: Step, channel: str, value: Expression) -> Iterator[Statement]:
+        if not self.communications.traced:
+            return
+        scheduler, me = self.imports.runtime("scheduler"), self.spelling["me"]
+        before, simple = self.simple(value)
+        yield self.comment(action)
+        yield from before
+        tell = text(f'{scheduler}.observe(f"{{self.name}}.{channel}", {simple}, {me}, {me})')
+        yield Block(text(f"if {scheduler}.observe is not None:"), (tell,))
+
+
+def _is_plain(action: Action) -> bool:
+    """Whether an action needs no alternative and no function of its own."""
+    return not any(
+        isinstance(p, Choice | ParallelSteps | InterruptOn | Group | RunInstance | RunLaw) for p in parts(action)
+    )
+
+
+def code_lines(statements: Statements, indent: str) -> list[str]:
+    """The lines of a body, which is never empty."""
+    return lines(statements or (text("pass"),), indent)

@@ -1,0 +1,63 @@
+"""Which processes have to notice themselves that they were cancelled.
+
+A process that is cancelled while it is ready goes on to its next communication. In most programs nothing of that can be seen, and it is abandoned
+where it stands; its code then has no test before each communication.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from functools import lru_cache
+
+from cspdiag.codegen.python.fast.storage import run_again
+from cspdiag.network.ir.actions import CatchException, InterruptOn, ParallelSteps, RunInstance
+from cspdiag.network.ir.network import Network, ProcessClass
+from cspdiag.network.ir.walk import instances_run, parts
+
+
+@lru_cache(maxsize=1)
+def checked_classes(network: Network) -> frozenset[str]:
+    """The process classes whose code asks before each communication if it was cancelled.
+
+    Those that may be interrupted, because how the body ends decides what comes then. Those with branches below a handler, where what they did to
+    variables that live on is seen after it. And all that these run.
+    """
+    classes = {entry.name: entry for entry in network.classes if isinstance(entry, ProcessClass)}
+    again = run_again(network)
+    found: set[str] = set()
+    for process in classes.values():
+        for part in parts(process.body):
+            if isinstance(part, InterruptOn):
+                found.add(process.name)
+                found |= _below(process, instances_run(part.body), classes)
+            elif isinstance(part, CatchException):
+                branches = [item for item in parts(part.body) if isinstance(item, ParallelSteps)]
+                if any(not isinstance(s, RunInstance | ParallelSteps) for item in branches for s in item.steps):
+                    found.add(process.name)
+                run = _below(process, instances_run(part.body), classes)
+                found |= {name for name in run if name in again or _has_shared_variables(classes[name])}
+    for name in list(found):
+        process = classes[name]
+        found |= _below(process, [instance.name for instance in process.instances], classes)
+    return frozenset(found)
+
+
+def _below(process: ProcessClass, instances: Iterable[str], classes: dict[str, ProcessClass]) -> set[str]:
+    """The process classes of instances of a process, and of theirs."""
+    found: set[str] = set()
+    pending = list(_classes_of(process, instances))
+    while pending:
+        name = pending.pop()
+        if name in classes and name not in found:
+            found.add(name)
+            pending += [instance.class_name for instance in classes[name].instances]
+    return found
+
+
+def _classes_of(process: ProcessClass, instances: Iterable[str]) -> Iterator[str]:
+    wanted = set(instances)
+    return (instance.class_name for instance in process.instances if instance.name in wanted)
+
+
+def _has_shared_variables(process: ProcessClass) -> bool:
+    return any(medium.kind == "var" for port in process.ports if port.direction == "out" for medium in port.media)

@@ -1,0 +1,111 @@
+"""The integration of continuous states with the derivatives in place: one sub-step as plain assignments.
+
+The operations and their order are those of ``-O0``. A factor of two is a float here, which says the same and is multiplied faster.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Literal
+
+from cspdiag.codegen.python.fast.expressions import FastPrinter
+from cspdiag.codegen.python.fast.statements import assigned
+from cspdiag.codegen.python.text.code import PRODUCT, SUM, Atom, Code, infix
+from cspdiag.codegen.python.text.names import Names
+from cspdiag.codegen.python.text.statements import Line, Statement, assign
+from cspdiag.codegen.shared.equations import needed, signals, uses_time
+from cspdiag.network.ir.expressions import Expression
+from cspdiag.network.ir.network import SubmodelEquation
+
+
+@dataclass(frozen=True)
+class SubStep:
+    """A sub-step in seconds, and for Runge-Kutta the parts of it that are wanted: names of local variables or values."""
+
+    whole: Code
+    half: Code
+    sixth: Code
+
+
+@dataclass(frozen=True)
+class InlineIntegration:
+    """Writes the sub-step of states that are local variables.
+
+    ``states`` are their names in the text, in order. ``step`` is how the sub-step in seconds is spelled; ``t``, the instant in seconds at which it begins,
+    is a local variable of that name if the derivatives depend on time. ``local`` gives the local variable of a state, ``names`` makes
+    the further ones that are needed.
+    """
+
+    states: Sequence[str]
+    equations: Sequence[SubmodelEquation]
+    derivatives: Mapping[str, Expression]
+    method: Literal["rk4", "euler"]
+    printer: FastPrinter
+    local: Callable[[str], str]
+    names: Names
+    place: Callable[[SubmodelEquation], str]
+    step: SubStep
+
+    @property
+    def timed(self) -> bool:
+        """Whether the derivatives depend on the present instant."""
+        return uses_time((tuple(self.derivatives.values()), tuple(self.equations)))
+
+    def statements(self) -> Iterable[Statement]:
+        """One sub-step."""
+        stages = 1 if self.method == "euler" else 4
+        slopes = [
+            [self.names.fresh(f"k{stage}_{self.local(name)}") for name in self.states] for stage in range(1, stages + 1)
+        ]
+        for stage in range(stages):
+            yield from self._stage(stage, slopes)
+        for state, *k in zip(self.states, *slopes, strict=True):
+            yield Line(f"{self.local(state)} += ", self._advance(k))
+
+    def _stage(self, stage: int, slopes: Sequence[Sequence[str]]) -> Iterable[Statement]:
+        fraction = (None, self.step.half, self.step.half, self.step.whole)[stage]
+        at = {name: self.local(name) for name in self.states}
+        if fraction is not None:
+            at.update(self._between)
+            for name, slope in zip(self.states, slopes[stage - 1], strict=True):
+                if name in self._between:
+                    moved = infix("*", PRODUCT, fraction, Atom(slope))
+                    yield assign(at[name], infix("+", SUM, Atom(self.local(name)), moved))
+        outer = self.printer.signal
+
+        def signal(name: str) -> Code:
+            local = at.get(name) or self._locals.get(name)
+            return outer(name) if local is None else Atom(local)
+
+        time = Atom("t") if fraction is None else infix("+", SUM, Atom("t"), fraction)
+        printer = replace(self.printer, signal=signal, time=time)
+        for equation in self._needed:
+            yield from assigned(self._locals[equation.name], printer, equation.value, self.place(equation))
+        for name, slope in zip(self.states, slopes[stage], strict=True):
+            yield assign(slope, printer.print(self.derivatives[name]))
+
+    @cached_property
+    def _needed(self) -> list[SubmodelEquation]:
+        wanted = signals((tuple(self.derivatives.values()),))
+        return [item for item in needed(self.equations, wanted) if isinstance(item, SubmodelEquation)]
+
+    @cached_property
+    def _locals(self) -> dict[str, str]:
+        """Of the equations: names of their own, because those of the sample are still wanted."""
+        return {item.name: self.names.fresh(f"{item.name}_within") for item in self._needed}
+
+    @cached_property
+    def _between(self) -> dict[str, str]:
+        """States within the sub-step, those that the derivatives read."""
+        read = signals((tuple(self.derivatives.values()), tuple(item.value for item in self._needed)))
+        return {name: self.names.fresh(f"{name}_at") for name in self.states if name in read}
+
+    def _advance(self, k: Sequence[str]) -> Code:
+        if len(k) == 1:
+            return infix("*", PRODUCT, self.step.whole, Atom(k[0]))
+        k1, k2, k3, k4 = k
+        total = infix("+", SUM, Atom(k1), infix("*", PRODUCT, Atom("2.0"), Atom(k2)))
+        total = infix("+", SUM, total, infix("*", PRODUCT, Atom("2.0"), Atom(k3)))
+        return infix("*", PRODUCT, self.step.sixth, infix("+", SUM, total, Atom(k4)))

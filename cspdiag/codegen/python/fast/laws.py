@@ -1,0 +1,184 @@
+"""Control laws in place: one run as assignments in the function of the process that runs it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+from functools import cached_property
+from math import ceil
+
+from cspdiag.codegen.python.fast.expressions import FastPrinter
+from cspdiag.codegen.python.fast.integration import InlineIntegration, SubStep
+from cspdiag.codegen.python.fast.statements import assigned, refused_unless_finite
+from cspdiag.codegen.python.plain.external import ExternalModules
+from cspdiag.codegen.python.text.code import PRODUCT, Argument, Atom, Call, Code, call, infix
+from cspdiag.codegen.python.text.names import Names, identifier
+from cspdiag.codegen.python.text.statements import Block, Line, Statement, Unpack, assign, run
+from cspdiag.codegen.python.text.types import real
+from cspdiag.codegen.shared.equations import defined, signals
+from cspdiag.network.ir.actions import RunLaw
+from cspdiag.network.ir.expressions import FunctionCall
+from cspdiag.network.ir.network import Declared, ExternalCall, ProcessClass, SubmodelEquation
+from cspdiag.network.ir.walk import parts
+
+_SECOND = 1_000_000_000
+
+
+@dataclass(frozen=True)
+class InlineLaw:
+    """Writes one inlined control law.
+
+    ``printer.signal`` spells the signals, constants and states of the class, and the objects of external bodies: what is assigned to is spelled the same.
+    ``names`` makes the further local variables that are needed; ``place`` says where something stands in the text.
+    """
+
+    law: RunLaw
+    class_: ProcessClass
+    printer: FastPrinter
+    names: Names
+    place: Callable[[Declared], str]
+    modules: ExternalModules
+
+    def prologue(self) -> Iterable[Statement]:
+        """What is computed once, before the first run and after the constants of the class: the sub-step, where it is not known."""
+        if not self._continuous or isinstance(self._sample, float):
+            return
+        step = self._sub_step
+        assert self.law.sample is not None
+        sample = self.printer.print(self.law.sample)
+        if self.law.step is not None:
+            duration = call("round", infix("*", PRODUCT, sample, Atom(f"{_SECOND:_}")))
+            count = infix("/", PRODUCT, duration, Atom(f"{self.law.step:_}"))
+            yield assign(self._steps.flat, call(self.printer.imports.standard("math", "ceil"), count))
+            sample = infix("/", PRODUCT, sample, self._steps)
+        yield assign(step.whole.flat, sample)
+        if self.law.method == "rk4":
+            yield assign(step.half.flat, infix("/", PRODUCT, step.whole, Atom("2")))
+            yield assign(step.sixth.flat, infix("/", PRODUCT, step.whole, Atom("6")))
+
+    def statements(self) -> Iterable[Statement]:
+        """One run: the equations, then the next values, then the integration with everything else as it was before."""
+        for equation in self.law.equations:
+            yield from self._equation(equation)
+        moved: list[Statement] = []
+        if self._continuous:
+            yield from self._integrated(moved)
+        before = {name: self.names.fresh(f"{name}_before") for name in self._wanted_late()}
+        for name, local in before.items():
+            yield assign(local, self.printer.signal(name))
+        changed: set[str] = set()
+
+        def late(name: str) -> Code:
+            return Atom(before[name]) if name in before and name in changed else self.printer.signal(name)
+
+        printer = replace(self.printer, signal=late)
+        for name, value in self.law.next_values:
+            yield from assigned(self._spelled(name), printer, value, self._place_of_state(name))
+            changed.add(name)
+        yield from moved
+
+    def _equation(self, equation: SubmodelEquation | ExternalCall) -> Iterable[Statement]:
+        if isinstance(equation, ExternalCall):
+            return (self._called(equation),)
+        target, value = self._spelled(equation.name), equation.value
+        if isinstance(value, FunctionCall) and value.function == "finite":
+            computed = assigned(target, self.printer, value.arguments[0], self.place(equation))
+            return (*computed, refused_unless_finite(target, self.printer.imports))
+        return assigned(target, self.printer, value, self.place(equation))
+
+    def _called(self, item: ExternalCall) -> Statement:
+        given = tuple(Argument(self.printer.print(value), identifier(port)) for port, value in item.inputs)
+        calculated = Call(f"{self._spelled(item.name)}.calculate", given)
+        targets = [self._spelled(local) for _, local, _ in item.outputs]
+        if len(targets) == 1:
+            return assign(targets[0], calculated, self.place(item))
+        return Unpack(tuple(targets), calculated, self.place(item)) if targets else run(calculated, self.place(item))
+
+    def _spelled(self, name: str) -> str:
+        return self.printer.signal(name).flat
+
+    def _place_of_state(self, name: str) -> str | None:
+        return next((self.place(state) for state in self.class_.states if state.name == name), None)
+
+    def _wanted_late(self) -> list[str]:
+        """States that are read after they have got their next values."""
+        late: dict[str, None] = {}
+        changed: set[str] = set()
+        for name, value in self.law.next_values:
+            late.update((signal, None) for signal in signals((value,)) if signal in changed)
+            changed.add(name)
+        return list(late)
+
+    # Integration
+
+    @property
+    def _continuous(self) -> list[str]:
+        return [name for name, _ in self.law.derivatives]
+
+    @cached_property
+    def _sample(self) -> float | None:
+        """The sample period in seconds where it is known."""
+        value = None if self.law.sample is None else self.printer.value(self.law.sample)
+        return value if isinstance(value, float) else None
+
+    @cached_property
+    def _steps(self) -> Code:
+        """How many sub-steps a sample takes."""
+        if self._sample is None:
+            return Atom(self.names.fresh(f"{self.law.law}_steps"))
+        assert self.law.step is not None
+        return Atom(str(ceil(round(self._sample * _SECOND) / self.law.step)))
+
+    @cached_property
+    def _sub_step(self) -> SubStep:
+        if self._sample is None:
+            made = (self.names.fresh(f"{self.law.law}_{part}") for part in ("h", "half", "sixth"))
+            return SubStep(*map(Atom, made))
+        h = self._sample if self.law.step is None else self._sample / int(self._steps.flat)
+        return SubStep(real(h), real(h / 2), real(h / 6))
+
+    def _integrated(self, moved: list[Statement]) -> Iterable[Statement]:
+        """States are moved beside what they are; ``moved`` is given what lets them take their values, once nothing can fault any more."""
+        local = {name: self.names.fresh(f"{name}_moved") for name in self._continuous}
+        for name, beside in local.items():
+            yield assign(beside, self.printer.signal(name))
+        inline = InlineIntegration(
+            states=self._continuous,
+            equations=self.law.derivative_equations,
+            derivatives=dict(self.law.derivatives),
+            method=self.law.method,
+            printer=self.printer,
+            local=local.__getitem__,
+            names=self.names,
+            place=self.place,
+            step=self._sub_step,
+        )
+        if self.law.step is None or self._steps.flat == "1":
+            yield from inline.statements()
+        else:
+            yield Block(Line("for _ in ", call("range", self._steps), ":"), tuple(inline.statements()))
+        for name, beside in local.items():
+            yield refused_unless_finite(beside, self.printer.imports)
+            moved.append(assign(self._spelled(name), Atom(beside)))
+
+
+def reset_statements(
+    names: Iterable[str], class_: ProcessClass, printer: FastPrinter, place: Callable[[Declared], str]
+) -> Iterable[Statement]:
+    """Puts states of a class back to their initial values."""
+    states = {state.name: state for state in class_.states}
+    for name in names:
+        state = states.get(name)
+        if state is not None:
+            yield from assigned(printer.signal(name).flat, printer, state.initial, place(state))
+
+
+def external_calls(action: object) -> list[ExternalCall]:
+    """The external bodies that laws in an action call, each once by name, in order."""
+    found = {part.name: part for part in parts(action) if isinstance(part, ExternalCall)}
+    return list(found.values())
+
+
+def signals_of(law: RunLaw) -> set[str]:
+    """What the equations of a law give values to."""
+    return {name for equation in law.equations for name in defined(equation)}

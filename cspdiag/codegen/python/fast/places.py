@@ -1,0 +1,193 @@
+"""What the code of one optimized process calls its parts: attributes of ``self``, and the local variables that they are bound to."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+from cspdiag.codegen.python.fast.storage import local_variables
+from cspdiag.codegen.python.plain.members import Members
+from cspdiag.codegen.python.text.code import Atom, Code
+from cspdiag.model.types import Type
+from cspdiag.network.ir.actions import ChannelEnd, End, PortEnd, ProcessScope, ReadInputs, RunLaw, WriteOutputs
+from cspdiag.network.ir.network import Medium, Network, ProcessClass
+from cspdiag.network.ir.walk import parts
+
+_ATTRIBUTE = re.compile(r"self\.(\w+)(.*)", re.DOTALL)
+_HELPERS = (
+    "me",
+    "writer",
+    "reader",
+    "value",
+    "channel",
+    "ready",
+    "mask",
+    "first",
+    "waiting",
+    "error",
+    "group",
+    "guard",
+    "k",
+)
+
+AT_ONCE = frozenset({"var", "constant", "discard"})
+"""Media whose accesses are no communications."""
+
+
+@dataclass
+class Spelling:
+    """Names of one process class. ``bound`` collects the attributes that its code uses, each bound to a local variable of the same name."""
+
+    process: ProcessClass
+    network: Network
+    again: bool
+    """Whether the process may be run more than once."""
+    probed: bool = False
+    """Whether variables that have a unit are watched from outside."""
+    bound: dict[str, None] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self.members = Members(self.process, self.network)
+        names = self.names = self.members.names
+        self._locals = local_variables(self.process, self.again, self.probed)
+        self._media = {port.name: port.media for port in self.process.ports}
+        self._channels = {channel.name: channel for channel in self.process.channels}
+        self.helpers = {name: names.fresh(name) for name in _HELPERS}
+        self.parts: dict[str, str] = {}
+        """Attributes of flattened processes and of laws by instance."""
+        self.scopes: list[ProcessScope] = []
+        self.laws: dict[str, ReadInputs | RunLaw | WriteOutputs] = {}
+        for part in parts(self.process.body):
+            if isinstance(part, ProcessScope) and part.instance not in self.parts:
+                self.scopes.append(part)
+                self.parts[part.instance] = names.fresh(f"{part.instance}_process")
+            elif isinstance(part, ReadInputs | RunLaw | WriteOutputs) and part.law:
+                if part.law not in self.laws or isinstance(self.laws[part.law], RunLaw):
+                    self.laws[part.law] = part
+                if part.law not in self.parts:
+                    self.parts[part.law] = names.fresh(f"{part.law}_law")
+        self.signals: dict[str, str] = {}
+        self.constants = {item.name for item in self.process.constants}
+        self.states = {item.name for item in self.process.states}
+        self._variables = {name: self._local_name(name) for name in sorted(self._locals)}
+
+    def _local_name(self, variable: str) -> str:
+        attribute = self.members.channel(variable).removeprefix("self.")
+        return attribute if attribute.isidentifier() else self.names.fresh(variable)
+
+    def taken(self) -> list[str]:
+        """The names that mean something of the process."""
+        return [
+            *self.members.arguments.values(),
+            *self._variables.values(),
+            *self.signals.values(),
+            *self.helpers.values(),
+        ]
+
+    def __getitem__(self, helper: str) -> str:
+        """A local variable of the code itself."""
+        return self.helpers[helper]
+
+    # Variables, signals, parameters: as expressions name them
+
+    def is_local(self, variable: str) -> bool:
+        """Whether a variable is a local variable of the code."""
+        return variable in self._locals
+
+    def variable(self, name: str) -> Code:
+        """The value of a variable."""
+        if name in self._locals:
+            return Atom(self._variables[name])
+        return Atom(f"{self.local(self.members.channel(name))}.value")
+
+    def signal(self, name: str) -> Code:
+        """A signal, a state or a constant of a law, or an object written by hand."""
+        if name not in self.signals:
+            self.signals[name] = self.names.fresh(name)
+        spelled = self.signals[name]
+        if name in self.constants:
+            return Atom(self.local(f"self.{spelled}"))
+        if name in self.states:
+            return Atom(f"self.{spelled}" if self.again else spelled)
+        return Atom(spelled)
+
+    def constant_made(self, name: str) -> Code:
+        """A constant as the constructor sees it."""
+        if name not in self.signals:
+            self.signals[name] = self.names.fresh(name)
+        return Atom(f"self.{self.signals[name]}")
+
+    def parameter(self, name: str) -> Code:
+        """A parameter."""
+        return Atom(self.local(f"self.{self.members.arguments[name]}"))
+
+    def local(self, attribute: str) -> str:
+        """The local variable for an attribute of ``self`` (or an element of it)."""
+        found = _ATTRIBUTE.fullmatch(attribute)
+        assert found is not None, attribute
+        self.bound[found[1]] = None
+        return f"{found[1]}{found[2]}"
+
+    def shared(self) -> frozenset[str]:
+        """Local variables that a nested function has to declare if it sets them."""
+        return frozenset(self._variables.values()) | frozenset(
+            spelled for name, spelled in self.signals.items() if name in self.states and not self.again
+        )
+
+    def local_declarations(self) -> Iterable[tuple[str, str]]:
+        """Channel and local variable of the variables that are local."""
+        return self._variables.items()
+
+    # Ends
+
+    def medium(self, end: End) -> Medium:
+        """What stands behind an end."""
+        if isinstance(end, PortEnd):
+            return self._media[end.port][end.index or 0]
+        channel = self._channels[end.channel]
+        return Medium(channel.kind, channel.guarded_reads, channel.guarded_writes)
+
+    def type_of(self, end: End) -> Type:
+        """The type of the values that pass an end."""
+        if isinstance(end, PortEnd):
+            return next(port.type for port in self.process.ports if port.name == end.port)
+        return self._channels[end.channel].type
+
+    def source(self, end: End) -> str:
+        """The local name of an end that is read."""
+        return self.local(self.members.source(end))
+
+    def sink(self, end: End) -> str:
+        """The local name of an end that is written."""
+        return self.local(self.members.sink(end))
+
+    def value_at(self, end: End) -> str:
+        """The value of a variable or a constant behind an end."""
+        if isinstance(end, ChannelEnd):
+            return self.variable(end.channel).flat
+        return f"{self.local(self.members.sink(end) if self.medium(end).kind == 'var' else self.members.source(end))}.value"
+
+    def part(self, instance: str) -> str:
+        """The local name of a flattened process or a law."""
+        return self.local(f"self.{self.parts[instance]}")
+
+
+def is_inline(medium: Medium) -> bool:
+    """Whether the code itself communicates over it, in the slots of a ``Rendezvous``."""
+    return medium.kind == "sync" and not medium.guarded_writes
+
+
+def is_alternated(medium: Medium) -> bool:
+    """Whether it is a ``Rendezvous`` that alternatives watch."""
+    return is_inline(medium) and medium.guarded_reads
+
+
+def never_waits(medium: Medium) -> bool:
+    """Whether a write ends at once."""
+    return medium.kind in AT_ONCE or medium.kind in ("latched", "direct", "overwrite")
+
+
+def at_once(end: End, medium: Medium) -> bool:
+    """Whether an access is no communication."""
+    return medium.kind in AT_ONCE or (isinstance(end, ChannelEnd) and medium.kind == "var")

@@ -1,0 +1,396 @@
+"""Process classes as Python modules: the constructor makes what the process owns, ``steps`` is its code."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from functools import lru_cache
+
+from cspdiag.codegen import Options
+from cspdiag.codegen.python.fast.actions import Composition, code_lines
+from cspdiag.codegen.python.fast.cancellation import checked_classes
+from cspdiag.codegen.python.fast.communications import Communications, Statements, text
+from cspdiag.codegen.python.fast.expressions import FastPrinter
+from cspdiag.codegen.python.fast.laws import external_calls
+from cspdiag.codegen.python.fast.places import Spelling, is_alternated, is_inline
+from cspdiag.codegen.python.fast.statements import assigned
+from cspdiag.codegen.python.fast.storage import never_ends, run_again
+from cspdiag.codegen.python.fast.temporaries import Temporaries
+from cspdiag.codegen.python.plain.docs import class_doc
+from cspdiag.codegen.python.plain.external import ExternalModules
+from cspdiag.codegen.python.plain.instances import Instances, path
+from cspdiag.codegen.python.text.code import Argument, Atom, Call, Code, Comprehension, tuple_of
+from cspdiag.codegen.python.text.imports import Imports, member_order
+from cspdiag.codegen.python.text.layout import LINE_LENGTH
+from cspdiag.codegen.python.text.literals import docstring, quoted
+from cspdiag.codegen.python.text.modules import ClassModule
+from cspdiag.codegen.python.text.names import PackageNames
+from cspdiag.codegen.python.text.rolling import rolled_list
+from cspdiag.codegen.python.text.statements import Block, Line, Statement, assign, lines, signature
+from cspdiag.codegen.python.text.types import annotation
+from cspdiag.network.ir.actions import ChannelEnd, End, ParallelSteps, PortEnd
+from cspdiag.network.ir.network import (
+    CreatedChoice,
+    CreatedInstance,
+    InstanceOf,
+    LocalChannel,
+    Medium,
+    Network,
+    Port,
+    ProcessClass,
+    SubmodelClass,
+)
+from cspdiag.network.ir.walk import parts
+
+_EXTERNAL_CLASSES = {"constant": "Constant", "sampled": "SampledInput", "latched": "SampledOutput"}
+_DECLARED = LINE_LENGTH - 12
+"""Room for a declaration in a function inside a method."""
+_CHANNEL_CLASSES = {
+    "var": "Variable",
+    "sync": "Channel",
+    "broadcast": "Broadcast",
+    "any": "AnyChannel",
+    "buffer": "Buffer",
+    "overwrite": "Overwriting",
+}
+
+
+def process_module(
+    process: ProcessClass, network: Network, names: PackageNames, modules: ExternalModules, options: Options
+) -> ClassModule:
+    """The module of a process class of an optimized network."""
+    return _ProcessWriter(process, network, names, modules, options).module()
+
+
+@lru_cache(maxsize=1)
+def has_parts_by_hand(network: Network) -> bool:
+    """Whether the program has processes or laws in Python that communicate by themselves."""
+    return any(isinstance(entry, SubmodelClass) or entry.external is not None for entry in network.classes)
+
+
+@lru_cache(maxsize=1)
+def has_levels(network: Network) -> bool:
+    """Whether the program has prioritized parallels."""
+    bodies = [entry.body for entry in network.classes if isinstance(entry, ProcessClass)]
+    return any(isinstance(part, ParallelSteps) and part.prioritized for body in bodies for part in parts(body))
+
+
+def _nonlocal(names: Sequence[str]) -> Statements:
+    """Declares variables of the function around, as many as there is room for in a line."""
+    rows: list[str] = []
+    for name in names:
+        if rows and len(rows[-1]) + len(name) + 2 <= _DECLARED:
+            rows[-1] += f", {name}"
+        else:
+            rows.append(f"nonlocal {name}")
+    return tuple(map(text, rows))
+
+
+class _ProcessWriter:
+    def __init__(
+        self, process: ProcessClass, network: Network, names: PackageNames, modules: ExternalModules, options: Options
+    ) -> None:
+        self.process = process
+        self.network = network
+        self.names = names
+        self.modules = modules
+        self.spelling = Spelling(process, network, process.name in run_again(network), options.probed)
+        self.members = self.spelling.members
+        self._name_everything()
+        self.imports = Imports(names, taken=self.spelling.taken())
+        self.place = names.place(process.span.file, process.span.line)
+        temporaries = Temporaries(self.spelling.names)
+        spelling = self.spelling
+        self.initial = FastPrinter(
+            self.imports, parameter=self._argument, signal=spelling.constant_made, temporaries=temporaries
+        )
+        running = FastPrinter(
+            self.imports,
+            parameter=spelling.parameter,
+            variable=spelling.variable,
+            signal=spelling.signal,
+            temporaries=temporaries,
+        )
+        self.checked = process.name in checked_classes(network)
+        self.tracked = has_parts_by_hand(network)
+        communications = Communications(
+            spelling, self.imports, self.checked, options.traced, self.tracked, has_levels(network)
+        )
+        self.composition = Composition(spelling, communications, running, self.initial, self.imports, modules)
+        self.instances = Instances(network, self.members, self.initial, self.imports, modules)
+
+    def _name_everything(self) -> None:
+        """Gives every signal its name before imports are named."""
+        for item in (*self.process.constants, *self.process.states):
+            self.spelling.signal(item.name)
+        self.spelling.bound.clear()
+
+    def _argument(self, name: str) -> Code:
+        return Atom(self.members.arguments[name])
+
+    def module(self) -> ClassModule:
+        process = self.process
+        body = self.composition.statements(process.body) if process.body is not None else ()
+        steps = self._steps(body)
+        constructor = self._constructor()
+        slots = tuple_of(Atom(quoted(attribute)) for attribute in sorted(_assigned(constructor), key=member_order))
+        attributes = lines((assign("__slots__", slots),), "    ") if slots.flat != "()" else ["    __slots__ = ()"]
+        functions = [constructor, steps]
+        name, base = self.names.classes[process.name], self.imports.runtime("Routine")
+        attributes += ["", f"    kind = {quoted(process.definition)}", f"    source = {quoted(self.place)}"]
+        attributes += ["    checked = True"] * self.checked + ["    tracked = True"] * self.tracked
+        return ClassModule(
+            f"The process {process.definition}.",
+            self.imports.lines(),
+            f"class {name}({base}):",
+            docstring(class_doc(process, self.place, "process"), "    "),
+            [attributes, *functions],
+        )
+
+    # The code
+
+    def _steps(self, body: Statements) -> list[str]:
+        spelling, process = self.spelling, self.process
+        me, error = spelling["me"], spelling["error"]
+        states = tuple(self._initial_states()) if not spelling.again else ()
+        declared = tuple(self._declared_variables())
+        memories = tuple(text(f"{name} = 0") for name in self.composition.memories.values())
+        for item in external_calls(process.body):
+            spelling.local(f"self.{spelling.signal(item.name).flat}")
+        bound = tuple(text(f"{name} = self.{name}") for name in spelling.bound)
+        task, steps = self.imports.runtime("Task"), self.imports.runtime("Steps")
+        code: Statements = (*bound, *self.composition.prologue, *states, *declared, *memories)
+        for name, parameters, function in self.composition.functions:
+            rows = lines(function or (text("pass"),), "    ")
+            shared = self._set_in(rows)
+            inner: Statements = (*_nonlocal(shared), *function)
+            code += (Block(text(f"def {name}({me}: {task}{parameters}) -> {steps}:"), self._generator(inner)),)
+        code += (*self.composition.prepared, text(f"self.start({me})"))
+        failed = (text(f"self.fail({me}, {error})"), text("raise"))
+        code += (
+            Block(text("try:"), self._generator(body)),
+            Block(text(f"except BaseException as {error}:"), failed),
+        )
+        if process.body is None or not never_ends(process.body):
+            code += (text(f"self.end({me})"),)
+        return [f"    def steps(self, {me}: {task}) -> {steps}:", *lines(code, "        ")]
+
+    @staticmethod
+    def _generator(body: Statements) -> Statements:
+        """A body that waits nowhere is made a generator all the same."""
+        if any("yield" in row for row in lines(body, "")):
+            return body
+        return (*body, Block(text("if False:"), (text("yield"),)))
+
+    def _set_in(self, rows: Sequence[str]) -> list[str]:
+        """Local variables of ``steps`` that the rows of a nested function set."""
+        candidates = self.spelling.shared() | set(self.composition.memories.values())
+        found = set()
+        for row in rows:
+            match = re.match(r"\s*\(?(\w+(?:, \w+)*),? (?:[-+*&|]|<<)?= ", row) or re.match(
+                r"\s*(\w+(?:, \w+)*) = ", row
+            )
+            if match is not None:
+                found |= {name for name in match[1].split(", ") if name in candidates}
+        return sorted(found)
+
+    def _initial_states(self) -> Iterator[Statement]:
+        printer = self.composition.printer
+        for state in self.process.states:
+            target = self.spelling.signal(state.name).flat
+            typed = f"{target}: {annotation(state.type, self.imports)}"
+            yield from assigned(typed, printer, state.initial, self.composition.place_of(state))
+
+    def _declared_variables(self) -> Iterator[Statement]:
+        channels = {channel.name: channel for channel in self.process.channels}
+        for name, local in self.spelling.local_declarations():
+            channel = channels[name]
+            typed = f"{local}: {annotation(channel.type, self.imports)}"
+            if channel.initial is None or self.spelling.again:
+                yield text(typed)
+            else:
+                yield assign(typed, self.composition.printer.print(channel.initial))
+
+    # The constructor
+
+    def _constructor(self) -> list[str]:
+        statements: list[Statement] = [
+            Line("", Call("super().__init__", (Argument(Atom("name")),))),
+            *self._stored_arguments(),
+            *self._constants(),
+            *self._parts(),
+            *self._external_calls(),
+            *self._channels(),
+            *self._created(),
+        ]
+        head = signature("def __init__", self._parameters(), " -> None:", "    ")
+        return [*head, *code_lines(tuple(statements), "        ")]
+
+    def _parameters(self) -> list[str]:
+        arguments = self.members.arguments
+        typed = [f"{arguments[p.name]}: {annotation(p.type, self.imports)}" for p in self.process.parameters]
+        typed += [f"{arguments[p.name]}: {self._port_annotation(p)}" for p in self.process.ports]
+        return ["self", "name: str", *(["*", *typed] if typed else [])]
+
+    def _port_annotation(self, port: Port) -> str:
+        kinds = {self._end_class(medium, port.direction) for medium in port.media}
+        value = annotation(port.type, self.imports)
+        if len(kinds) == 1:
+            one = f"{self.imports.runtime(kinds.pop())}[{value}]"
+        else:
+            one = self.imports.standard("typing", "Any")
+        return one if port.size is None else f"{self.imports.standard('collections.abc', 'Sequence')}[{one}]"
+
+    def _end_class(self, medium: Medium, direction: str) -> str:
+        if is_inline(medium):
+            return "Alternated" if is_alternated(medium) else "Rendezvous"
+        if medium.kind == "var":
+            return "Variable"
+        if medium.kind in _EXTERNAL_CLASSES:
+            return _EXTERNAL_CLASSES[medium.kind]
+        return "In" if direction == "in" else "Out"
+
+    def _stored_arguments(self) -> Iterator[Statement]:
+        """Parameters and ports that the code uses, or that guards are made of."""
+        guards = " ".join(code.flat for code in self.composition.choices.values())
+        read = {end.port for end in self.members.reading_ends if isinstance(end, PortEnd)}
+        for name in (item.name for item in (*self.process.parameters, *self.process.ports)):
+            python = self.members.arguments[name]
+            used = python in self.spelling.bound or re.search(rf"\bself\.{python}\b", guards)
+            if used and name not in read:
+                yield assign(f"self.{python}", Atom(python))
+        instances = " ".join(self.instances.made(instance).flat for instance in self.process.instances)
+        done: set[str] = set()
+        for end in self.members.reading_ends:
+            name = self.members.end_name(end)
+            used = name in self.spelling.bound or re.search(rf"\bself\.{name}\b", f"{guards} {instances}")
+            if isinstance(end, PortEnd) and used and not self._has_end(end) and name not in done:
+                done.add(name)
+                yield assign(f"self.{name}", Atom(self.members.arguments[end.port]))
+
+    def _has_end(self, end: End) -> bool:
+        """Whether a reading end is an object of its own."""
+        kind = self.spelling.medium(end).kind
+        return kind in ("sampled", "event", "broadcast")
+
+    def _constants(self) -> Iterator[Statement]:
+        for item in self.process.constants:
+            target = self.spelling.constant_made(item.name).flat
+            yield from assigned(target, self.initial, item.value, self.composition.place_of(item))
+        if self.spelling.again:
+            for state in self.process.states:
+                typed = f"{self.spelling.signal(state.name).flat}: {annotation(state.type, self.imports)}"
+                yield from assigned(typed, self.initial, state.initial, self.composition.place_of(state))
+
+    def _parts(self) -> Iterator[Statement]:
+        if not self.spelling.parts:
+            return
+        class_ = self.imports.runtime("Inlined")
+        for scope in self.spelling.scopes:
+            source = Argument(Atom(quoted(self.names.place(scope.span.file, scope.span.line))), "source")
+            arguments = (Argument(path(scope.instance)), Argument(Atom(quoted(scope.class_name))), source)
+            yield assign(f"self.{self.spelling.parts[scope.instance]}", Call(class_, arguments))
+        for law, action in self.spelling.laws.items():
+            source = Argument(Atom(quoted(self.names.place(action.span.file, action.span.line))), "source")
+            yield assign(f"self.{self.spelling.parts[law]}", Call(class_, (Argument(path(law)), source)))
+
+    def _external_calls(self) -> Iterator[Statement]:
+        for item in external_calls(self.process.body):
+            given = {name: self.initial.print(value) for name, value in item.arguments}
+            made = self.modules.construct(item.external, given, self.imports)
+            yield assign(f"self.{self.spelling.signal(item.name).flat}", made)
+
+    def _channels(self) -> Iterator[Statement]:
+        kept = [channel for channel in self.process.channels if not self.spelling.is_local(channel.name)]
+        made = {channel.name: self._channel(channel) for channel in kept}
+        yield from self._attributes(kept, made)
+
+    def _channel(self, channel: LocalChannel) -> Code:
+        medium = Medium(channel.kind, channel.guarded_reads, channel.guarded_writes)
+        name = self._end_class(medium, "in") if is_inline(medium) else _CHANNEL_CLASSES[channel.kind]
+        arguments = [Argument(path(channel.name))]
+        if channel.initial is not None:
+            arguments.append(Argument(self.initial.print(channel.initial)))
+        if channel.capacity is not None:
+            arguments.append(Argument(Atom(str(channel.capacity)), "capacity"))
+        return Call(f"{self.imports.runtime(name)}[{annotation(channel.type, self.imports)}]", tuple(arguments))
+
+    def _attributes(
+        self, items: Sequence[LocalChannel] | Sequence[InstanceOf], made: dict[str, Code]
+    ) -> Iterator[Statement]:
+        done: set[str] = set()
+        for item in items:
+            array = self.members.array_of(item.name)
+            if array is None:
+                yield assign(self.members.attribute(item.name), made[item.name])
+            elif array.name not in done:
+                done.add(array.name)
+                elements = [made.get(element, Atom("None")) for element in array.elements]
+                yield assign(f"self.{array.name}", rolled_list(elements, self.members.index))
+
+    def _created(self) -> Iterator[Statement]:
+        """Reading ends, instances and alternatives in the order in which they have to come to be."""
+        instances = {item.name: item for item in self.process.instances}
+        made_ends: set[str] = set()
+        made_arrays: set[str] = set()
+        done: set[str] = set()
+        choices = dict(self.composition.choices)
+        for item in self.process.creation:
+            match item:
+                case CreatedInstance(instance=name):
+                    if name in instances:
+                        yield from self._made_instance(instances[name], made_arrays)
+                        done.add(name)
+                case CreatedChoice(choice=name):
+                    if name in choices:
+                        yield assign(f"self.{self.composition.choice_names[name]}", choices.pop(name))
+                case PortEnd() | ChannelEnd():
+                    yield from self._made_end(item, made_ends)
+        for end in self.members.reading_ends:
+            yield from self._made_end(end, made_ends)
+        for instance in self.process.instances:
+            if instance.name not in done:
+                yield from self._made_instance(instance, made_arrays)
+        for name, choice in choices.items():
+            yield assign(f"self.{self.composition.choice_names[name]}", choice)
+
+    def _made_instance(self, instance: InstanceOf, arrays: set[str]) -> Iterator[Statement]:
+        array = self.members.array_of(instance.name)
+        if array is None:
+            yield assign(self.members.attribute(instance.name), self.instances.made(instance))
+        elif array.name not in arrays:
+            arrays.add(array.name)
+            by_name = {item.name: item for item in self.process.instances}
+            elements = [self.instances.made(by_name[element]) for element in array.elements]
+            yield assign(f"self.{array.name}", rolled_list(elements, self.members.index))
+
+    def _made_end(self, end: End, made: set[str]) -> Iterator[Statement]:
+        if end not in self.members.reading_ends or not self._has_end(end):
+            return
+        name = self.members.end_name(end)
+        if name in made:
+            return
+        made.add(name)
+        owner = self._owner(end)
+        if isinstance(end, ChannelEnd):
+            yield assign(f"self.{name}", Atom(f"{self.members.channel(end.channel)}.reader({owner})"))
+            return
+        port = self.members.arguments[end.port]
+        size = next(item.size for item in self.process.ports if item.name == end.port)
+        if size is None:
+            yield assign(f"self.{name}", Atom(f"{port}.reader({owner})"))
+        else:
+            yield assign(f"self.{name}", Comprehension(Atom(f"end.reader({owner})"), f"for end in {port}"))
+
+    def _owner(self, end: End) -> str:
+        """The process that an end belongs to: one that was flattened, or this one."""
+        for scope in self.spelling.scopes:
+            if end in scope.ends:
+                return f"self.{self.spelling.parts[scope.instance]}"
+        return "self"
+
+
+def _assigned(constructor: Sequence[str]) -> list[str]:
+    """The attributes that a constructor sets."""
+    found = (re.match(r"\s*self\.(\w+)(?:: .*)? = ", row) for row in constructor)
+    return sorted({match[1] for match in found if match is not None})

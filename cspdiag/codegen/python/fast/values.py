@@ -1,0 +1,99 @@
+"""What all statements of one optimized process are written with: places, values, variables."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+
+from cspdiag.base import Span
+from cspdiag.codegen.python.fast.communications import Communications, Statements, text
+from cspdiag.codegen.python.fast.expressions import FastPrinter
+from cspdiag.codegen.python.fast.places import Spelling
+from cspdiag.codegen.python.fast.statements import assigned
+from cspdiag.codegen.python.plain.external import ExternalModules
+from cspdiag.codegen.python.text.code import Atom, Code, call
+from cspdiag.codegen.python.text.imports import Imports
+from cspdiag.codegen.python.text.statements import Statement, assign
+from cspdiag.network.ir.actions import Action, Step, Target
+from cspdiag.network.ir.expressions import Expression, LiteralValue, ParameterValue, SignalValue, VariableValue
+from cspdiag.network.ir.network import Declared
+
+_LONGEST_COMMENT = 70
+
+
+_LONGEST_COMMENT = 70
+
+
+@dataclass
+class Values:
+    """The names, printers and communications of one process class."""
+
+    spelling: Spelling
+    communications: Communications
+    printer: FastPrinter
+    initial: FastPrinter
+    """For expressions in the constructor."""
+    imports: Imports
+    modules: ExternalModules
+    prologue: list[Statement] = field(default_factory=list)
+    """What is computed once, before the process begins."""
+    process: str = "self"
+    """The process or law that is executed at this place."""
+
+    def statements(self, action: Action) -> Statements:
+        """An action as statements."""
+        raise NotImplementedError
+
+    def known(self) -> Statements:
+        """Says who runs, before something of the runtime is called that may ask."""
+        return self.communications.known()
+
+    def place(self, action: Step) -> str:
+        """Where an action stands in the text."""
+        return self.imports.names.place(action.span.file, action.span.line)
+
+    def place_of(self, item: Declared) -> str:
+        """Where something stands in the text."""
+        return self.imports.names.place(item.span.file, item.span.line)
+
+    def comment(self, action: Step, what: str | None = None) -> Statement:
+        """The place and the text of an action as a comment."""
+        return text(f"# {self.place(action)}  {one_line(action.span) if what is None else what}".rstrip())
+
+    def set(self, target: Target, value: Expression, place: str) -> Iterable[Statement]:
+        """Sets a variable, or an element of it."""
+        name = self.spelling.variable(target.channel).flat
+        if not target.indexes:
+            yield from assigned(name, self.printer, value, place)
+        else:
+            yield self.replaced(target, self.printer.print(value), place)
+
+    def replaced(self, target: Target, value: Code, place: str | None = None) -> Statement:
+        """Sets an element of a variable."""
+        variable = self.spelling.variable(target.channel)
+        indexes = [self.printer.print(index) for index in target.indexes]
+        return assign(variable.flat, call(self.imports.runtime("replaced"), variable, value, *indexes), place)
+
+    def read_into(self, target: Target, read: Callable[[str], Statements]) -> Statements:
+        """What ``read`` reads, into a variable or an element of it."""
+        if not target.indexes:
+            return read(self.spelling.variable(target.channel).flat)
+        value = self.spelling["value"]
+        return (*read(value), self.replaced(target, Atom(value)))
+
+    def simple(self, value: Expression) -> tuple[Statements, str]:
+        """A value as a name or a literal, and what has to be computed before."""
+        if isinstance(value, LiteralValue | ParameterValue | SignalValue) or (
+            isinstance(value, VariableValue) and self.spelling.is_local(value.channel)
+        ):
+            code = self.printer.print(value)
+            if len(code.flat) < 40:
+                return (), code.flat
+        name = self.spelling["value"]
+        return tuple(assigned(name, self.printer, value, None)), name
+
+
+def one_line(span: Span) -> str:
+    """The text at a place on one line, cut where it is long."""
+    joined = " ".join(span.text.split())
+    return joined if len(joined) <= _LONGEST_COMMENT else f"{joined[:_LONGEST_COMMENT]}..."

@@ -1,0 +1,1 @@
+"""Python that reads as if written by hand from the diagram."""

@@ -1,0 +1,332 @@
+"""Environments as Python modules: the plant and the operator as one system, and the devices."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+from cspdiag.codegen.python.plain.docs import sentence
+from cspdiag.codegen.python.plain.expressions import Printer
+from cspdiag.codegen.python.plain.external import ExternalModules, external_call
+from cspdiag.codegen.python.plain.integration import Integration
+from cspdiag.codegen.python.plain.submodels import INTEGRATION
+from cspdiag.codegen.python.text.code import PRODUCT, Argument, Atom, Call, Code, Entry, Items, call, infix
+from cspdiag.codegen.python.text.imports import Imports
+from cspdiag.codegen.python.text.literals import docstring, quoted
+from cspdiag.codegen.python.text.names import Names, PackageNames
+from cspdiag.codegen.python.text.statements import Block, Line, Statement, assign, lines, run
+from cspdiag.codegen.python.text.types import annotation, duration, literal, zero
+from cspdiag.codegen.shared.equations import (
+    Equation,
+    constants_needed,
+    defined,
+    inputs,
+    needed,
+    outputs,
+    signal_types,
+    signals,
+    uses_time,
+    values,
+)
+from cspdiag.model.types import BOOL, DOUBLE, INT, TEXT, Type
+from cspdiag.network.ir.network import (
+    Declared,
+    Environment,
+    ExternalCall,
+    ExternalPort,
+    Network,
+    SubmodelClass,
+    SubmodelEquation,
+)
+
+MEMBERS = INTEGRATION | {"self", "now", "steps", "start", "advance", "drivers", "on_miss", "_evaluate"}
+
+
+@dataclass(frozen=True)
+class EnvironmentModule:
+    """What the template lays out."""
+
+    summary: str
+    imports: list[str]
+    constants: list[str]
+    name: str
+    docstring: list[str]
+    attributes: list[str]
+    functions: list[list[str]]
+
+
+def environment_module(
+    environment: Environment, network: Network, names: PackageNames, modules: ExternalModules
+) -> EnvironmentModule:
+    """The module of an environment."""
+    return EnvironmentWriter(environment, network, names, modules).module()
+
+
+def port_key(port: ExternalPort) -> str:
+    """The name under which the drivers know a port of the outermost process."""
+    if port.index is None or port.name.endswith("]"):
+        return port.name
+    return f"{port.name}[{port.index}]"
+
+
+class EnvironmentWriter:
+    """Writes the module of one environment; the optimized target overrides how it computes."""
+
+    members: ClassVar[frozenset[str]] = MEMBERS
+    """Names that the class and its methods use themselves."""
+
+    def __init__(
+        self, environment: Environment, network: Network, names: PackageNames, modules: ExternalModules
+    ) -> None:
+        self.environment = environment
+        self.network = network
+        self.package = names
+        self.modules = modules
+        self.system = environment.system
+        self.names = Names(self.members)
+        self.types = signal_types(self.system) if self.system is not None else {}
+        for name in self.types:
+            self.names[name]
+        for device in environment.drivers:
+            self.names[device.name]
+        taken = {*(self.names[name] for name in self.types), *self.members}
+        self.imports = Imports(names, taken=taken, dots="..")
+        self.constants = constants_needed(self.system) if self.system is not None else []
+
+    def module(self) -> EnvironmentModule:
+        """The module as the template lays it out."""
+        environment = self.environment
+        name = self.package.environments[environment.name]
+        place = self.package.place(environment.span.file, environment.span.line)
+        doc = sentence(environment.doc) if environment.doc else f"The environment {environment.name}."
+        functions = [self._constructor(), self._start(), self._advance()]
+        if self.system is not None and self._result_equations():
+            functions.append(self._evaluate(self.system))
+        if self.system is not None and self.system.derivatives:
+            functions += self._derivatives(self.system)
+        attributes = [
+            assign("step", duration(environment.step, self.imports)),
+            assign("on_miss", Atom(quoted(environment.on_miss))),
+        ]
+        constants = lines(self._constants(), "")
+        return EnvironmentModule(
+            f"The environment {environment.name}.",
+            self.imports.lines(),
+            constants,
+            name,
+            docstring(f"{doc}\n\nSource: {place}", "    "),
+            lines(attributes, "    "),
+            functions,
+        )
+
+    def _assigned(self, target: str, printer: Printer, equation: SubmodelEquation) -> Iterable[Statement]:
+        yield assign(target, printer.print(equation.value), self._place(equation))
+
+    def _place(self, item: Declared) -> str:
+        return self.package.place(item.span.file, item.span.line)
+
+    def _printer(self, local: Iterable[str], time: Code | None = None) -> Printer:
+        known = {*local, *(constant.name for constant in self.constants)}
+
+        def signal(name: str) -> Code:
+            return Atom(self.names[name] if name in known else f"self.{self.names[name]}")
+
+        return Printer(self.imports, signal=signal, time=time or Atom("time"))
+
+    def _constants(self) -> Iterable[Statement]:
+        printer = self._printer(())
+        for item in self.constants:
+            yield assign(self.names[item.name], printer.print(item.value), self._place(item))
+
+    def _calls(self) -> list[ExternalCall]:
+        equations = self.system.equations if self.system is not None else ()
+        return [equation for equation in equations if isinstance(equation, ExternalCall)]
+
+    def _constructor(self) -> list[str]:
+        statements: list[Statement] = [Line("self.now = ", Atom("0"))]
+        entries: list[Code] = []
+        devices = {
+            external: (device, port) for device in self.environment.drivers for port, external in device.connections
+        }
+        for device in self.environment.drivers:
+            given = {name: literal(value, _type_of(value), self.imports) for name, value in device.arguments}
+            made = self.modules.construct(device.external, given, self.imports)
+            statements.append(assign(f"self.{self.names[device.name]}", made))
+        for port in self.network.external_ports:
+            key = port_key(port)
+            if key in devices:
+                device, device_port = devices[key]
+                driver: Code = call(
+                    self.imports.runtime("DevicePort"),
+                    Atom(f"self.{self.names[device.name]}"),
+                    Atom(quoted(device_port)),
+                )
+            else:
+                type_ = annotation(port.type, self.imports)
+                initial = literal(zero(port.type), port.type, self.imports)
+                signal = Call(f"{self.imports.runtime('Signal')}[{type_}]", (Argument(initial),))
+                statements.append(assign(f"self.{self.names[key]}", signal))
+                driver = Atom(f"self.{self.names[key]}")
+            entries.append(Entry(quoted(key), driver))
+        for item in self._calls():
+            printer = self._printer(())
+            given = {name: printer.print(value) for name, value in item.arguments}
+            made = self.modules.construct(item.external, given, self.imports)
+            statements.append(assign(f"self.{self.names[item.name]}", made))
+        mapping, driver_type = self.imports.standard("collections.abc", "Mapping"), self.imports.runtime("Driver")
+        type_ = f"{mapping}[str, {driver_type}]"
+        statements.append(assign(f"self.drivers: {type_}", Items("{}", tuple(entries))))
+        return ["    def __init__(self) -> None:", *lines(statements, "        ")]
+
+    def _start(self) -> list[str]:
+        statements: list[Statement] = [Line("self.now = ", Atom("0")), *self._start_statements()]
+        if self.system is not None:
+            printer = self._printer((), Atom("0.0"))
+            statements += [
+                assign(f"self.{self.names[state.name]}", printer.print(state.initial)) for state in self.system.states
+            ]
+        statements += [
+            run(call(f"self.{self.names[item.name]}.reset"))
+            for item in self._calls()
+            if self.modules.describe(item.external).has_reset
+        ]
+        if self._result_equations():
+            statements.append(Line("self._evaluate()"))
+        return _method("start", "self", "Go to time 0 and evaluate the outputs.", statements)
+
+    def _start_statements(self) -> Iterable[Statement]:
+        """What else there is to do at time 0."""
+        return ()
+
+    def _result_equations(self) -> list[Equation]:
+        return needed(self.system.equations, outputs(self.system)) if self.system is not None else []
+
+    def _advance(self) -> list[str]:
+        statements: list[Statement] = []
+        system = self.system
+        if system is not None and system.states:
+            statements += self._moved(system)
+        statements.append(Line("self.now = ", Atom("now")))
+        if system is not None and self._result_equations():
+            statements += self._evaluated(system)
+        doc = "Integrate to `now` (in nanoseconds) with the inputs held, and evaluate the outputs."
+        return _method("advance", "self, now: int", doc, statements)
+
+    def _moved(self, system: SubmodelClass) -> Iterable[Statement]:
+        """From the last instant to ``now``: next values and slopes come from the inputs as they are."""
+        integration = Integration(system, self.names, self._place)
+        roots = {*signals((system.next_values,)), *(integration.held if system.derivatives else ())}
+        had = {local for item in self._calls() for _, local, _ in item.outputs}
+        equations = needed(system.equations, roots, calls=False)
+        read = signals((tuple(part for e in equations for part in values(e)), system.next_values)) + signals(())
+        wanted = {*read, *roots}
+        given = [name for name in inputs(system) if name in wanted]
+        continuous = [state.name for state in system.states if state.continuous]
+        discrete = [state.name for state in system.states if not state.continuous and state.name in wanted]
+        local = [*given, *continuous, *discrete, *(name for e in equations for name in defined(e))]
+        kept = [name for name in had if name in wanted]
+        local += kept
+        printer = self._printer(local)
+        timed = uses_time((equations, system.next_values)) or (system.derivatives and integration.timed)
+        if timed:
+            yield assign("time", self._seconds("self.now"))
+        for name in given:
+            yield assign(self.names[name], Atom(f"self.{self.names[name]}.value"))
+        for name in (*discrete, *continuous, *kept):
+            yield assign(self.names[name], Atom(f"self.{self.names[name]}"))
+        for equation in equations:
+            if isinstance(equation, SubmodelEquation):
+                yield from self._assigned(self.names[equation.name], printer, equation)
+        if system.next_values:
+            places = {state.name: self._place(state) for state in system.states}
+            updates = tuple(
+                assign(f"self.{self.names[name]}", printer.print(value), places[name])
+                for name, value in system.next_values
+            )
+            yield Block(Line("if now % self.step == 0:"), updates)
+        if system.derivatives:
+            yield from self._integrated(system, integration)
+
+    def _integrated(self, system: SubmodelClass, integration: Integration) -> Iterable[Statement]:
+        interval = self._seconds("(now - self.now)")
+        if system.step is None:
+            yield assign("h", interval)
+            yield from integration.loop(None)
+        else:
+            step = duration(system.step, self.imports)
+            ceil = self.imports.standard("math", "ceil")
+            ratio = infix("/", PRODUCT, Atom("(now - self.now)"), step)
+            yield assign("steps", call(ceil, ratio))
+            yield assign("h", infix("/", PRODUCT, interval, Atom("steps")))
+            yield from integration.loop(Atom("steps"))
+        for state in integration.states:
+            yield assign(f"self.{state}", call(self.imports.runtime("finite"), Atom(state)))
+
+    def _seconds(self, nanoseconds: str) -> Code:
+        return infix("/", PRODUCT, Atom(nanoseconds), Atom(self.imports.runtime("s")))
+
+    def _evaluated(self, system: SubmodelClass) -> Iterable[Statement]:
+        """At the end of ``advance``: gives the outputs their values."""
+        return [Line("self._evaluate()")]
+
+    def _evaluate(self, system: SubmodelClass) -> list[str]:
+        statements = self._evaluation(system, "self.now", ())
+        return ["    def _evaluate(self) -> None:", *lines(statements, "        ")]
+
+    def _evaluation(self, system: SubmodelClass, now: str, present: Iterable[str]) -> list[Statement]:
+        """Gives the outputs their values at the instant ``now``; local variables have those of the states ``present``."""
+        equations = self._result_equations()
+        results = outputs(system)
+        read = signals(tuple(part for equation in equations for part in values(equation)))
+        given = [name for name in inputs(system) if read[name]]
+        states = [state.name for state in system.states if read[state.name] > 1 and state.name not in present]
+        local = [*given, *states, *present, *(name for equation in equations for name in defined(equation))]
+        printer = self._printer(local)
+        statements: list[Statement] = []
+        takes_time = any(self.modules.describe(item.external).takes_time for item in self._calls())
+        if uses_time((tuple(part for equation in equations for part in values(equation)),)) or takes_time:
+            statements.append(assign("time", self._seconds(now)))
+        statements += [assign(self.names[name], Atom(f"self.{self.names[name]}.value")) for name in given]
+        statements += [assign(self.names[name], Atom(f"self.{self.names[name]}")) for name in states]
+        for equation in equations:
+            if isinstance(equation, ExternalCall):
+                statements.append(external_call(equation, self.names, printer, self.modules, time=Atom("time")))
+            else:
+                name = self.names[equation.name]
+                handed_over = equation.name in results and not read[equation.name]
+                target = f"self.{name}.value" if handed_over else name
+                statements += self._assigned(target, printer, equation)
+        done = {
+            equation.name
+            for equation in equations
+            if isinstance(equation, SubmodelEquation) and not read[equation.name]
+        }
+        statements += [
+            assign(f"self.{self.names[name]}.value", printer.signal(name)) for name in results if name not in done
+        ]
+        return statements
+
+    def _derivatives(self, system: SubmodelClass) -> list[list[str]]:
+        """Further methods that the integration calls."""
+        integration = Integration(system, self.names, self._place)
+        moving = [state.name for state in system.states if state.continuous]
+        moving += [equation.name for equation in system.derivative_equations]
+        printer = self._printer([*integration.held, *moving])
+        annotations = {name: annotation(type_, self.imports) for name, type_ in self.types.items()}
+        return [integration.derivatives(printer, annotations)]
+
+
+def _method(name: str, parameters: str, doc: str, statements: Sequence[Statement]) -> list[str]:
+    return [f"    def {name}({parameters}) -> None:", f'        """{doc}"""', *lines(statements, "        ")]
+
+
+def _type_of(value: object) -> Type:
+    match value:
+        case bool():
+            return BOOL
+        case int():
+            return INT
+        case float():
+            return DOUBLE
+    return TEXT

@@ -1,0 +1,221 @@
+"""Expressions of the network as Python expressions: least parentheses, checked integers, IEEE reals."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import pi
+from operator import eq, ge, gt, le, lt, ne
+from typing import assert_never
+
+from cspdiag.base.record import replaced
+from cspdiag.codegen.python.text.code import (
+    AND,
+    COMPARISON,
+    NOT,
+    OR,
+    PRIMARY,
+    PRODUCT,
+    SIGN,
+    SUM,
+    Atom,
+    Code,
+    Conditional,
+    Parenthesized,
+    Postfix,
+    Prefix,
+    at_least,
+    call,
+    infix,
+    tuple_of,
+)
+from cspdiag.codegen.python.text.imports import Imports
+from cspdiag.codegen.python.text.types import field_names, literal
+from cspdiag.model.types import BoolType, IntType, RealType, StructType, TimeType, Type
+from cspdiag.network.ir.expressions import (
+    ArrayElements,
+    BinaryOperation,
+    ConditionalValue,
+    Conversion,
+    ElementValue,
+    Expression,
+    FieldValue,
+    FunctionCall,
+    LiteralValue,
+    ParameterValue,
+    PresentTime,
+    SignalValue,
+    StructValue,
+    UnaryOperation,
+    Value,
+    VariableValue,
+)
+from cspdiag.network.ir.faults import index_fits, may_fault
+from cspdiag.network.ir.ranges import needs_check
+
+_PRECEDENCE = {
+    "+": SUM, "-": SUM, "*": PRODUCT, "/": PRODUCT, "and": AND, "or": OR,
+    "==": COMPARISON, "!=": COMPARISON, "<": COMPARISON, "<=": COMPARISON, ">": COMPARISON, ">=": COMPARISON,
+}  # fmt: skip
+
+_BUILTIN_FUNCTIONS = frozenset({"abs", "min", "max"})
+ROUNDED_FUNCTIONS = frozenset(
+    {"sqrt", "exp", "log", "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "quantize", "deadzone"}
+)
+"""Those whose result may need more digits than a binary32 argument has."""
+
+
+def _unexpected(name: str) -> Code:
+    raise LookupError(f"{name} cannot be used here")
+
+
+@dataclass(frozen=True)
+class Printer:
+    """Prints the expressions of one class; the functions say how its names are spelled where the expression stands."""
+
+    imports: Imports
+    parameter: Callable[[str], Code] = _unexpected
+    signal: Callable[[str], Code] = _unexpected
+    variable: Callable[[str], Code] = _unexpected
+    seconds: Callable[[str], Code] | None = None
+    """A parameter of type ``time`` in seconds."""
+    time: Code | None = None
+
+    def print(self, expression: Expression) -> Code:
+        """The Python expression."""
+        match expression:
+            case LiteralValue(value=value, name=name):
+                constant = self.imports.constant(name) if name is not None else None
+                if constant is not None:
+                    return Atom(constant)
+                if value == pi and isinstance(expression.type, RealType):
+                    return Atom(self.imports.standard("math", "pi"))
+                return literal(value, expression.type, self.imports, expression.span)
+            case ParameterValue(name=name):
+                return self.parameter(name)
+            case VariableValue(channel=channel):
+                return self.variable(channel)
+            case SignalValue(name=name):
+                return self.signal(name)
+            case PresentTime():
+                assert self.time is not None, "time is known in environments only"
+                return self.time
+            case UnaryOperation(operator="not", operand=BinaryOperation(operator="==") as equal):
+                return self.print(replaced(equal, operator="!="))
+            case UnaryOperation(operator="not", operand=operand):
+                return Prefix("not ", at_least(self.print(operand), NOT))
+            case UnaryOperation(operand=operand):
+                return self._checked(expression, Prefix("-", at_least(self.print(operand), SIGN)))
+            case BinaryOperation():
+                return self._operation(expression)
+            case ConditionalValue(condition=condition, then=then, otherwise=otherwise):
+                chosen = at_least(self.print(then), OR)
+                return Conditional(chosen, at_least(self.print(condition), OR), self.print(otherwise))
+            case FunctionCall():
+                return self._function(expression)
+            case Conversion(operand=operand):
+                return self._conversion(expression.type, operand)
+            case FieldValue(operand=operand, field=field):
+                assert isinstance(operand.type, StructType)
+                return Postfix(at_least(self.print(operand), PRIMARY), f".{field_names(operand.type)[field]}")
+            case ElementValue(operand=operand, index=index):
+                if index_fits(expression):
+                    return Postfix(at_least(self.print(operand), PRIMARY), f"[{self.print(index).flat}]")
+                return call(self.imports.runtime("element"), self.print(operand), self.print(index))
+            case StructValue(values=values):
+                assert isinstance(expression.type, StructType)
+                fields = zip(expression.type.fields, values, strict=True)
+                names = field_names(expression.type)
+                named = {names[name]: self.print(value) for (name, _), value in fields}
+                return call(self.imports.type_(expression.type.name), **named)
+            case ArrayElements(values=values):
+                return tuple_of(self.print(value) for value in values)
+        assert_never(expression)
+
+    def _operation(self, expression: BinaryOperation) -> Code:
+        operator = expression.operator
+        known = _known_comparison(expression)
+        if known is not None:
+            return Atom(repr(known))
+        left, right = self.print(expression.left), self.print(expression.right)
+        whole = isinstance(expression.left.type, IntType | TimeType)
+        match operator:
+            case "^":
+                return self._checked(expression, call(self.imports.runtime("power"), left, right))
+            case "%":
+                return call(self.imports.runtime("remainder"), left, right)
+            case "/" if whole:
+                return self._checked(expression, call(self.imports.runtime("quotient"), left, right))
+            case "==" | "!=" if isinstance(expression.right, LiteralValue) and isinstance(
+                expression.right.type, BoolType
+            ):
+                holds = bool(expression.right.value) == (operator == "==")
+                return left if holds else Prefix("not ", at_least(left, NOT))
+        if operator == "or":  # `and` binds tighter, but readers should not need to know
+            left, right = (Parenthesized(code) if code.precedence == AND else code for code in (left, right))
+        return self._checked(expression, infix(operator, _PRECEDENCE[operator], left, right))
+
+    def _checked(self, expression: Expression, code: Code) -> Code:
+        """``code``, with a check that the result is in the range of its type where it may not be."""
+        match expression.type:
+            case RealType(bits=32):
+                return call(self.imports.runtime("float32"), code)
+            case IntType() if needs_check(expression):
+                return call(self.imports.runtime(integer_function(expression.type)), code)
+            case TimeType() if needs_check(expression):
+                return call(self.imports.runtime("int64"), code)
+        return code
+
+    def _function(self, expression: FunctionCall) -> Code:
+        function = expression.function
+        if function == "seconds" and self.seconds is not None and isinstance(expression.arguments[0], ParameterValue):
+            return self.seconds(expression.arguments[0].name)
+        arguments = [self.print(argument) for argument in expression.arguments]
+        if function == "seconds":
+            return infix("/", PRODUCT, arguments[0], Atom(self.imports.runtime("s")))
+        if function in _BUILTIN_FUNCTIONS:
+            return self._checked(expression, call(function, *arguments))
+        code = call(self.imports.runtime("nearest" if function == "round" else function), *arguments)
+        return self._checked(expression, code) if function in ROUNDED_FUNCTIONS else code
+
+    def _conversion(self, type_: Type, operand: Expression) -> Code:
+        code = self.print(operand)
+        match type_:
+            case IntType():
+                return call(self.imports.runtime(integer_function(type_)), code)
+            case TimeType():
+                return call(self.imports.runtime("int64"), code)
+            case RealType(bits=32):
+                return call(self.imports.runtime("float32"), code)
+            case RealType():
+                widened = isinstance(operand.type, RealType)
+                return code if widened else call("float", code)
+        return code
+
+
+_COMPARISONS = {"==": eq, "!=": ne, "<": lt, "<=": le, ">": gt, ">=": ge}
+
+
+def _known_comparison(expression: BinaryOperation) -> bool | None:
+    """What a comparison of two literals says; type checkers rightly complain about code that asks."""
+    left, right = _literal_value(expression.left), _literal_value(expression.right)
+    compare = _COMPARISONS.get(expression.operator)
+    if compare is None or left is None or right is None:
+        return None
+    return bool(compare(left, right))
+
+
+def _literal_value(expression: Expression) -> Value | None:
+    match expression:
+        case LiteralValue(value=value, name=None):
+            return value
+        case UnaryOperation(operator="-", operand=LiteralValue(value=int(value) | float(value), name=None)) if (
+            not may_fault(expression)
+        ):
+            return -value
+    return None
+
+
+def integer_function(type_: IntType) -> str:
+    """The function of the runtime that converts to an integer type: ``int64``, ``uint8``."""
+    return f"{'' if type_.signed else 'u'}int{type_.bits}"

@@ -1,0 +1,152 @@
+"""Bodies written in Python: the modules that are copied into the package, and the calls of their classes."""
+
+from __future__ import annotations
+
+import ast
+import posixpath
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from cspdiag.codegen.python.plain.expressions import Printer
+from cspdiag.codegen.python.text.code import Argument, Call, Code
+from cspdiag.codegen.python.text.imports import Imports
+from cspdiag.codegen.python.text.names import Names, identifier
+from cspdiag.codegen.python.text.statements import Statement, Unpack, assign
+from cspdiag.codegen.shared.target_error import TargetError
+from cspdiag.network.ir.network import ExternalBody, ExternalCall, Network
+from cspdiag.network.ir.walk import parts
+
+
+@dataclass(frozen=True)
+class Body:
+    """What is known of an external class: where it is imported from, and which optional parts it has."""
+
+    module: str
+    name: str
+    copied: bool
+    has_reset: bool
+    takes_time: bool
+
+
+class ExternalModules:
+    """The texts of the modules that a program names, by the path they were read from."""
+
+    def __init__(self, texts: Mapping[str, str]) -> None:
+        self._texts = texts
+        names = Names({"__init__"})
+        self._modules = {path: names.fresh(posixpath.basename(path).removesuffix(".py")) for path in texts}
+        """What each file is called in the folder ``external``: two of one name in different folders stay apart."""
+
+    def describe(self, body: ExternalBody) -> Body:
+        """What the text of its module says about a class; an installed module is taken to have the required parts only.
+
+        Raises TargetError for a body in another language, or a class that its module does not have.
+        """
+        if body.language != "python":
+            raise TargetError(f"{body.span}: the Python target cannot run a body in {body.language}")
+        file, _, name = body.target.rpartition(":")
+        path = source_path(body)
+        text = None if path is None else self._texts.get(path)
+        if path is None or text is None:
+            module = file.removesuffix(".py").replace("/", ".")
+            return Body(module, name, copied=False, has_reset=False, takes_time=False)
+        methods = _methods(text, name)
+        if methods is None:
+            raise TargetError(f"{body.span}: {file} has no class `{name}`")
+        return Body(
+            self._modules[path],
+            name,
+            copied=True,
+            has_reset="reset" in methods,
+            takes_time="time" in methods.get("calculate", ()),
+        )
+
+    def construct(self, body: ExternalBody, given: Mapping[str, Code], imports: Imports) -> Code:
+        """An object of the class, with its parameters by keyword."""
+        arguments = tuple(Argument(value, identifier(name)) for name, value in given.items())
+        return Call(self.imported(body, imports), arguments)
+
+    def imported(self, body: ExternalBody, imports: Imports) -> str:
+        """The name of the class in a module that imports it."""
+        facts = self.describe(body)
+        return imports.body(facts.module, facts.name, copied=facts.copied)
+
+    def copies(self, network: Network) -> dict[str, str]:
+        """Files of the folder ``external``, adapted to import the runtime of the package."""
+        files: dict[str, str] = {}
+        for body in bodies(network):
+            path = source_path(body)
+            if path is not None and path in self._texts:
+                files[f"{self._modules[path]}.py"] = _relative_imports(self._texts[path])
+        return files
+
+
+def external_call(
+    call: ExternalCall, names: Names, printer: Printer, modules: ExternalModules, *, time: Code | None
+) -> Statement:
+    """``encoder = self.pan.calculate(voltage=...)``."""
+    arguments = [Argument(printer.print(value), identifier(port)) for port, value in call.inputs]
+    if time is not None and modules.describe(call.external).takes_time:
+        arguments.append(Argument(time, "time"))
+    evaluated = Call(f"self.{names[call.name]}.calculate", tuple(arguments))
+    targets = [names[local] for _, local, _ in call.outputs]
+    return assign(targets[0], evaluated) if len(targets) == 1 else Unpack(tuple(targets), evaluated)
+
+
+def bodies(network: Network) -> list[ExternalBody]:
+    """Every body in Python that a network names, each once."""
+    found: dict[ExternalBody, None] = {}
+    for part in parts((network.classes, network.environments)):
+        if isinstance(part, ExternalBody):
+            found[part] = None
+    return list(found)
+
+
+def source_path(body: ExternalBody) -> str | None:
+    """The path of the module's file, as the file that names it is called; None for an installed module."""
+    file = body.target.rpartition(":")[0]
+    if body.language != "python" or not file.endswith(".py"):
+        return None
+    return posixpath.normpath(posixpath.join(posixpath.dirname(body.span.file), file))
+
+
+def installed_modules(network: Network, modules: ExternalModules) -> list[str]:
+    """Modules of bodies that are not part of the package."""
+    described = (modules.describe(body) for body in bodies(network))
+    return list(dict.fromkeys(body.module for body in described if not body.copied))
+
+
+def external_paths(network: Network) -> tuple[str, ...]:
+    """The files to read for a network."""
+    paths = (source_path(body) for body in bodies(network))
+    return tuple(dict.fromkeys(path for path in paths if path is not None))
+
+
+def _methods(text: str, name: str) -> dict[str, list[str]] | None:
+    """The methods of a class with the names of their parameters; None if there is no such class."""
+    try:
+        tree = ast.parse(text)
+    except (SyntaxError, ValueError):
+        return {}  # Python will say what is wrong with it, and where.
+    for node in tree.body:
+        if isinstance(node, ast.ClassDef) and node.name == name:
+            functions = [item for item in node.body if isinstance(item, ast.FunctionDef)]
+            return {item.name: _keywords(item.args) for item in functions}
+    imported = any(
+        isinstance(node, ast.Import | ast.ImportFrom | ast.Assign) and name in ast.unparse(node) for node in tree.body
+    )
+    return {} if imported else None
+
+
+def _keywords(arguments: ast.arguments) -> list[str]:
+    named: Iterable[ast.arg] = (*arguments.args, *arguments.kwonlyargs)
+    return [argument.arg for argument in named]
+
+
+def _relative_imports(text: str) -> str:
+    text = re.sub(r"^(\s*from )cspdiag(\.runtime[\w.]* import )", r"\1.\2", text, flags=re.MULTILINE)
+    text = re.sub(
+        r"^(\s*)import cspdiag\.runtime as (\w+)", r"\1from .. import runtime as \2", text, flags=re.MULTILINE
+    )
+    return re.sub(r"^(\s*)from cspdiag import runtime", r"\1from .. import runtime", text, flags=re.MULTILINE)

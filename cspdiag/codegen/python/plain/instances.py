@@ -1,0 +1,92 @@
+"""How an instance inside a process is made: the call of its constructor, with arguments and what its ports are attached to."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from cspdiag.codegen.python.plain.expressions import Printer
+from cspdiag.codegen.python.plain.external import ExternalModules
+from cspdiag.codegen.python.plain.members import Members
+from cspdiag.codegen.python.plain.submodels import signal_names
+from cspdiag.codegen.python.text.code import Argument, Atom, Call, Code, call
+from cspdiag.codegen.python.text.imports import Imports
+from cspdiag.codegen.python.text.names import MEMBERS, PROCESS_MEMBERS, Names
+from cspdiag.codegen.python.text.rolling import rolled_list
+from cspdiag.network.ir.network import (
+    Connection,
+    ConstantEnd,
+    DiscardEnd,
+    InstanceOf,
+    Network,
+    Port,
+    ProcessClass,
+    SubmodelClass,
+)
+
+
+class Instances:
+    """Makes the instances of one process class; ``initial`` prints expressions over its parameters in the constructor."""
+
+    def __init__(
+        self, network: Network, members: Members, initial: Printer, imports: Imports, modules: ExternalModules
+    ) -> None:
+        self.network = network
+        self.members = members
+        self.initial = initial
+        self.imports = imports
+        self.modules = modules
+
+    def made(self, instance: InstanceOf) -> Code:
+        """The call that makes it."""
+        class_ = self.network.class_named(instance.class_name)
+        keywords = keywords_of(class_)
+        arguments = [Argument(path(instance.name))]
+        arguments += [Argument(self.initial.print(value), keywords[name]) for name, value in instance.arguments]
+        for port in class_.ports:
+            attached = [c for c in instance.connections if c.port == port.name]
+            value = self._attached(port, attached, isinstance(class_, SubmodelClass))
+            arguments.append(Argument(value, keywords[port.name]))
+        if isinstance(class_, ProcessClass) and class_.external is not None:
+            return Call(self.modules.imported(class_.external, self.imports), tuple(arguments))
+        return Call(self.imports.class_(class_.name), tuple(arguments))
+
+    def _attached(self, port: Port, connections: Sequence[Connection], by_submodel: bool) -> Code:
+        ordered = sorted(connections, key=lambda connection: connection.index or 0)
+        values = [self._attachment(port, connection, by_submodel) for connection in ordered]
+        if port.size is None:
+            return values[0]
+        whole = self._whole(values)
+        return Atom(whole) if whole is not None else rolled_list(values, self.members.index)
+
+    def _whole(self, values: Sequence[Code]) -> str | None:
+        """The list of which these are all elements in order."""
+        base = values[0].flat.removesuffix("[0]")
+        if [value.flat for value in values] != [f"{base}[{index}]" for index in range(len(values))]:
+            return None
+        return base if self.members.list_sizes.get(base) == len(values) else None
+
+    def _attachment(self, port: Port, connection: Connection, by_submodel: bool) -> Code:
+        attachment = connection.attachment
+        match attachment:
+            case ConstantEnd(value=value):
+                return call(self.imports.runtime("Constant"), self.initial.print(value))
+            case DiscardEnd():
+                return call(self.imports.runtime("Discard"))
+            case _:
+                if by_submodel and port.direction == "in":
+                    return Atom(self.members.source(attachment))
+                return Atom(self.members.handed_on(attachment))
+
+
+def keywords_of(class_: ProcessClass | SubmodelClass) -> Mapping[str, str]:
+    """The keywords of a class's constructor by parameter and port."""
+    if isinstance(class_, ProcessClass):
+        names = Names(MEMBERS if class_.external is not None else PROCESS_MEMBERS)
+    else:
+        names = signal_names(class_)
+    return {item.name: names[item.name] for item in (*class_.parameters, *class_.ports)}
+
+
+def path(name: str) -> Code:
+    """The hierarchical name of something inside, from the ``name`` of the process."""
+    return Atom(f'f"{{name}}.{name}"')

@@ -1,0 +1,150 @@
+"""The attributes of a process class: its reading ends, ports, channels, instances."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from cspdiag.codegen.python.text.names import PROCESS_MEMBERS, Names, indexed
+from cspdiag.network.ir.actions import ChannelEnd, End, InputEvent, InputRead, PortEnd, ReadValue, ReadyEvent
+from cspdiag.network.ir.network import InstanceOf, LocalChannel, Network, ProcessClass, SubmodelClass
+from cspdiag.network.ir.walk import parts
+
+
+@dataclass(frozen=True)
+class Array:
+    """Instances or channels that stand in one list: the attribute, and their names in order."""
+
+    name: str
+    elements: tuple[str, ...]
+    positions: Mapping[str, int]
+
+
+class Members:
+    """Says under which attribute of ``self`` everything in a process class is found."""
+
+    def __init__(self, process: ProcessClass, network: Network) -> None:
+        self.process = process
+        self.names = Names(PROCESS_MEMBERS)
+        self.arguments = {item.name: self.names[item.name] for item in (*process.parameters, *process.ports)}
+        self._ports = {port.name: port for port in process.ports}
+        self._channels = {channel.name: channel for channel in process.channels}
+        self._arrays: dict[str, Array] = {}
+        self._group(process.channels)
+        self._group(process.instances)
+        self._plain = {
+            item.name: self.names[item.name]
+            for item in (*process.channels, *process.instances)
+            if item.name not in self._arrays
+        }
+        self.reading_ends = _reading_ends(process, network)
+        self._ends = self._name_ends()
+        self.index = self.names.fresh("i")
+        """The variable of loops over elements."""
+
+    @property
+    def list_sizes(self) -> dict[str, int]:
+        """The lists by the expression that they are reached by, with their lengths."""
+        sizes = {f"self.{array.name}": len(array.elements) for array in self._arrays.values()}
+        for port in self.process.ports:
+            if port.size is not None:
+                sizes[self.arguments[port.name]] = port.size
+        return sizes
+
+    def _group(self, items: Sequence[LocalChannel] | Sequence[InstanceOf]) -> None:
+        grouped: dict[str, dict[int, str]] = {}
+        for item in items:
+            place = indexed(item.name)
+            if place is not None:
+                grouped.setdefault(place[0], {})[place[1]] = item.name
+        for base, elements in grouped.items():
+            if sorted(elements) == list(range(len(elements))):
+                ordered = tuple(elements[index] for index in sorted(elements))
+                array = Array(self.names[base], ordered, {name: index for index, name in enumerate(ordered)})
+                self._arrays.update(dict.fromkeys(array.elements, array))
+
+    def _name_ends(self) -> dict[End, str]:
+        names: dict[End, str] = {}
+        for end in self.reading_ends:
+            whole = _whole(end)
+            if whole in names:
+                continue
+            if isinstance(end, PortEnd):
+                base = self.arguments[end.port]
+                names[whole] = base if end.end == 0 else self.names.fresh(f"{base}_{end.end + 1}")
+            else:
+                names[whole] = self.names.fresh(f"{end.channel}_end_{end.end + 1}")
+        return names
+
+    def array_of(self, name: str) -> Array | None:
+        """The list that an instance or channel stands in."""
+        return self._arrays.get(name)
+
+    def attribute(self, name: str) -> str:
+        """``self.cell[3]`` for the channel or instance ``cell[3]``."""
+        array = self._arrays.get(name)
+        if array is None:
+            return f"self.{self._plain[name]}"
+        return f"self.{array.name}[{array.positions[name]}]"
+
+    channel = attribute
+    instance = attribute
+
+    def end_name(self, end: End) -> str:
+        """The attribute of a reading end, without its index."""
+        return self._ends[_whole(end)]
+
+    def source(self, end: End) -> str:
+        """What a reading end of this process is called."""
+        if end not in self.reading_ends:
+            return self.sink(end)
+        return f"self.{self.end_name(end)}{_index(end)}"
+
+    def sink(self, end: End) -> str:
+        """What is written to at an end."""
+        if isinstance(end, ChannelEnd):
+            return self.attribute(end.channel)
+        return f"self.{self.arguments[end.port]}{_index(end)}"
+
+    def handed_on(self, end: End) -> str:
+        """What an instance of a process gets: the port or channel itself, of which it makes ends of its own."""
+        if isinstance(end, ChannelEnd):
+            return self.attribute(end.channel)
+        return f"{self.arguments[end.port]}{_index(end)}"
+
+    def is_input(self, end: End) -> bool:
+        """Whether an end is an input port of the class."""
+        return isinstance(end, PortEnd) and self._ports[end.port].direction == "in"
+
+
+def _index(end: End) -> str:
+    return f"[{end.index}]" if isinstance(end, PortEnd) and end.index is not None else ""
+
+
+def _whole(end: End) -> End:
+    return PortEnd(end.port, None, end.end) if isinstance(end, PortEnd) else end
+
+
+def _reading_ends(process: ProcessClass, network: Network) -> tuple[End, ...]:
+    """The ends through which this process or its submodels read: of input ports, and of broadcast channels."""
+    broadcast = {channel.name for channel in process.channels if channel.kind == "broadcast"}
+    inputs = {port.name for port in process.ports if port.direction == "in"}
+    found: dict[End, None] = {}
+
+    def add(end: object) -> None:
+        if (isinstance(end, PortEnd) and end.port in inputs) or (
+            isinstance(end, ChannelEnd) and end.channel in broadcast
+        ):
+            found[end] = None
+
+    for part in parts(process.body) if process.body is not None else ():
+        if isinstance(part, ReadValue | ReadyEvent | InputEvent | InputRead):
+            add(part.source)
+    for instance in process.instances:
+        class_ = network.class_named(instance.class_name)
+        if isinstance(class_, SubmodelClass):
+            read = {port.name for port in class_.ports if port.direction == "in"}
+            for connection in instance.connections:
+                if connection.port in read:
+                    add(connection.attachment)
+    return tuple(found)

@@ -1,0 +1,174 @@
+"""Process classes as Python modules."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from functools import lru_cache
+
+from cspdiag.codegen.python.plain.actions import Composition
+from cspdiag.codegen.python.plain.docs import class_doc
+from cspdiag.codegen.python.plain.expressions import Printer
+from cspdiag.codegen.python.plain.external import ExternalModules
+from cspdiag.codegen.python.plain.instances import Instances, path
+from cspdiag.codegen.python.plain.members import Members
+from cspdiag.codegen.python.text.code import Argument, Atom, Call, Code, Comprehension
+from cspdiag.codegen.python.text.imports import Imports
+from cspdiag.codegen.python.text.literals import docstring, quoted
+from cspdiag.codegen.python.text.modules import ClassModule, port_annotation
+from cspdiag.codegen.python.text.names import PackageNames
+from cspdiag.codegen.python.text.rolling import rolled_list
+from cspdiag.codegen.python.text.statements import Line, Statement, assign, lines, signature
+from cspdiag.codegen.python.text.types import annotation
+from cspdiag.network.checks.unwritten import may_be_unwritten
+from cspdiag.network.ir.actions import ChannelEnd, PortEnd
+from cspdiag.network.ir.expressions import ParameterValue
+from cspdiag.network.ir.network import InstanceOf, LocalChannel, Network, ProcessClass
+from cspdiag.network.ir.walk import parts
+
+_CHANNEL_CLASSES = {
+    "var": "Variable",
+    "sync": "Channel",
+    "broadcast": "Broadcast",
+    "any": "AnyChannel",
+    "buffer": "Buffer",
+    "overwrite": "Overwriting",
+}
+
+
+@lru_cache(maxsize=1)
+def _unwritten(network: Network) -> dict[str, frozenset[str]]:
+    return may_be_unwritten(network)
+
+
+def process_module(
+    process: ProcessClass, network: Network, names: PackageNames, modules: ExternalModules
+) -> ClassModule:
+    """The module of a process class."""
+    return _ProcessWriter(process, network, names, modules).module()
+
+
+class _ProcessWriter:
+    def __init__(self, process: ProcessClass, network: Network, names: PackageNames, modules: ExternalModules) -> None:
+        self.process = process
+        self.network = network
+        self.names = names
+        self.members = Members(process, network)
+        local = set(self.members.arguments.values())
+        self.imports = Imports(names, taken=local)
+        self.place = names.place(process.span.file, process.span.line)
+        initial = Printer(self.imports, parameter=self._argument)
+        running = Printer(self.imports, parameter=self._parameter, variable=self._variable)
+        self.initial = initial
+        self.instances = Instances(network, self.members, initial, self.imports, modules)
+        unwritten = _unwritten(network)[process.name]
+        self.composition = Composition(self.members, running, initial, self.imports, unwritten)
+
+    def module(self) -> ClassModule:
+        process = self.process
+        body = self.composition.statements(process.body) if process.body is not None else ()
+        functions = [self._constructor(), _function("run", body)]
+        functions += [_function(method.name, method.body, method.parameter) for method in self.composition.methods]
+        name, base = self.names.classes[process.name], self.imports.runtime("Process")
+        return ClassModule(
+            f"The process {process.definition}.",
+            self.imports.lines(),
+            f"class {name}({base}):",
+            docstring(class_doc(process, self.place, "process"), "    "),
+            functions,
+        )
+
+    def _argument(self, name: str) -> Code:
+        return Atom(self.members.arguments[name])
+
+    def _parameter(self, name: str) -> Code:
+        return Atom(f"self.{self.members.arguments[name]}")
+
+    def _variable(self, name: str) -> Code:
+        return Atom(f"{self.members.channel(name)}.value")
+
+    def _constructor(self) -> list[str]:
+        source = Argument(Atom(quoted(self.place)), "source")
+        statements: list[Statement] = [
+            Line("", Call("super().__init__", (Argument(Atom("name")), source))),
+            *self._stored_arguments(),
+            *self._reading_ends(),
+            *self._channels(),
+            *self._instances(),
+            *self.composition.alternatives,
+        ]
+        head = signature("def __init__", self._parameters(), " -> None:", "    ")
+        return [*head, *lines(statements, "        ")]
+
+    def _parameters(self) -> list[str]:
+        arguments = self.members.arguments
+        typed = [f"{arguments[p.name]}: {annotation(p.type, self.imports)}" for p in self.process.parameters]
+        typed += [f"{arguments[p.name]}: {port_annotation(p, self.imports)}" for p in self.process.ports]
+        return ["self", "name: str", *(["*", *typed] if typed else [])]
+
+    def _stored_arguments(self) -> Iterable[Statement]:
+        """Parameters and output ports that ``run`` uses."""
+        used: dict[str, None] = {}
+        for part in parts(self.process.body) if self.process.body is not None else ():
+            if isinstance(part, ParameterValue):
+                used[part.name] = None
+            elif isinstance(part, PortEnd) and not self.members.is_input(part):
+                used[part.port] = None
+        for name in (item.name for item in (*self.process.parameters, *self.process.ports)):
+            if name in used:
+                python = self.members.arguments[name]
+                yield assign(f"self.{python}", Atom(python))
+
+    def _reading_ends(self) -> Iterable[Statement]:
+        sizes = {port.name: port.size for port in self.process.ports}
+        done: set[str] = set()
+        for end in self.members.reading_ends:
+            name = self.members.end_name(end)
+            if name in done:
+                continue
+            done.add(name)
+            if isinstance(end, PortEnd) and sizes[end.port] is not None:
+                port = self.members.arguments[end.port]
+                every = Comprehension(Atom("end.reader(self)"), f"for end in {port}")
+                yield assign(f"self.{name}", every)
+            elif isinstance(end, PortEnd):
+                yield assign(f"self.{name}", Atom(f"{self.members.arguments[end.port]}.reader(self)"))
+
+    def _channels(self) -> Iterable[Statement]:
+        yield from self._attributes(self.process.channels, {c.name: self._channel(c) for c in self.process.channels})
+        for end in self.members.reading_ends:
+            if isinstance(end, ChannelEnd):
+                reader = Atom(f"{self.members.channel(end.channel)}.reader(self)")
+                yield assign(f"self.{self.members.end_name(end)}", reader)
+
+    def _instances(self) -> Iterable[Statement]:
+        yield from self._attributes(
+            self.process.instances, {item.name: self.instances.made(item) for item in self.process.instances}
+        )
+
+    def _attributes(
+        self, items: Sequence[LocalChannel] | Sequence[InstanceOf], made: dict[str, Code]
+    ) -> Iterable[Statement]:
+        done: set[str] = set()
+        for item in items:
+            array = self.members.array_of(item.name)
+            if array is None:
+                yield assign(self.members.attribute(item.name), made[item.name])
+            elif array.name not in done:
+                done.add(array.name)
+                elements = [made[element] for element in array.elements]
+                yield assign(f"self.{array.name}", rolled_list(elements, self.members.index))
+
+    def _channel(self, channel: LocalChannel) -> Code:
+        class_ = self.imports.runtime(_CHANNEL_CLASSES[channel.kind])
+        arguments = [Argument(path(channel.name))]
+        if channel.initial is not None:
+            arguments.append(Argument(self.initial.print(channel.initial)))
+        if channel.capacity is not None:
+            arguments.append(Argument(Atom(str(channel.capacity)), "capacity"))
+        return Call(f"{class_}[{annotation(channel.type, self.imports)}]", tuple(arguments))
+
+
+def _function(name: str, body: Sequence[Statement], parameter: str | None = None) -> list[str]:
+    statements = tuple(body) or (Line("pass"),)
+    parameters = "self" if parameter is None else f"self, {parameter}"
+    return [f"    async def {name}({parameters}) -> None:", *lines(statements, "        ")]

@@ -1,0 +1,339 @@
+"""Submodel classes as Python modules."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Sequence
+
+from cspdiag.codegen.python.plain.docs import class_doc
+from cspdiag.codegen.python.plain.expressions import Printer
+from cspdiag.codegen.python.plain.external import ExternalModules, external_call
+from cspdiag.codegen.python.plain.integration import Integration
+from cspdiag.codegen.python.text.code import PRODUCT, Argument, Atom, Call, Code, Prefix, call, infix, tuple_of
+from cspdiag.codegen.python.text.imports import Imports
+from cspdiag.codegen.python.text.literals import docstring, quoted
+from cspdiag.codegen.python.text.modules import ClassModule, port_annotation
+from cspdiag.codegen.python.text.names import MEMBERS, Names, PackageNames, identifier
+from cspdiag.codegen.python.text.statements import Line, Statement, Unpack, assign, lines, run, signature
+from cspdiag.codegen.python.text.types import annotation, duration
+from cspdiag.codegen.shared.equations import (
+    Equation,
+    constants_needed,
+    defined,
+    inputs,
+    needed,
+    outputs,
+    parameters,
+    signal_types,
+    signals,
+    values,
+)
+from cspdiag.model.types import TimeType
+from cspdiag.network.ir.network import ExternalBody, ExternalCall, SubmodelClass, SubmodelEquation
+
+INTEGRATION = frozenset({"h", "half", "sixth", "step", "t", "time", "_steps", "_h", "_derivative", "_derivatives"})
+"""Names that an integration uses itself."""
+
+
+def signal_names(class_: SubmodelClass) -> Names:
+    """Python names of everything in a submodel: keywords of its constructor, attributes and local variables alike."""
+    names = Names({*MEMBERS, "_body", *(INTEGRATION if class_.derivatives else ())})
+    for item in (*class_.parameters, *class_.ports, *class_.states):
+        names[item.name]
+    return names
+
+
+def submodel_module(class_: SubmodelClass, names: PackageNames, modules: ExternalModules) -> ClassModule:
+    """The module of a submodel class."""
+    if class_.external is not None:
+        return _BodyWriter(class_, names, modules, class_.external).module()
+    return _SubmodelWriter(class_, names, modules).module()
+
+
+class _SubmodelWriter:
+    def __init__(self, class_: SubmodelClass, names: PackageNames, modules: ExternalModules) -> None:
+        self.class_ = class_
+        self.package = names
+        self.modules = modules
+        self.names = signal_names(class_)
+        self.types = signal_types(class_)
+        taken = {self.names[name] for name in self.types}
+        self.imports = Imports(names, taken=taken | INTEGRATION)
+        self.constants = constants_needed(class_)
+        self.integration = Integration(class_, self.names, self._place)
+        self.attributes = self._attributes()
+        self.place = names.place(class_.span.file, class_.span.line)
+
+    def module(self) -> ClassModule:
+        functions = [self._constructor()]
+        reset = self._reset_statements()
+        if reset:
+            functions.append(["    def reset(self) -> None:", *lines(reset, "        ")])
+        functions += [self._run(), self._calculate()]
+        if self.class_.derivatives:
+            printer = self._printer(local=[*self.integration.held, *self._moving()])
+            functions.append(self.integration.derivatives(printer, self._annotations()))
+        name, base = self.package.classes[self.class_.name], self.imports.runtime("Submodel")
+        return ClassModule(
+            f"The submodel {self.class_.definition}.",
+            self.imports.lines(),
+            f"class {name}({base}):",
+            docstring(class_doc(self.class_, self.place, "submodel"), "    "),
+            functions,
+        )
+
+    def _place(self, equation: SubmodelEquation | ExternalCall) -> str:
+        return self.package.place(equation.span.file, equation.span.line)
+
+    def _annotations(self) -> dict[str, str]:
+        return {name: annotation(type_, self.imports) for name, type_ in self.types.items()}
+
+    def _moving(self) -> list[str]:
+        continuous = [state.name for state in self.class_.states if state.continuous]
+        return [*continuous, *(equation.name for equation in self.class_.derivative_equations)]
+
+    def _calls(self) -> list[ExternalCall]:
+        return [equation for equation in self.class_.equations if isinstance(equation, ExternalCall)]
+
+    def _attributes(self) -> set[str]:
+        """Parameters and constants that are wanted after construction."""
+        class_ = self.class_
+        late = (
+            tuple(state.initial for state in class_.states),
+            class_.next_values,
+            class_.derivatives,
+            tuple(equation.value for equation in class_.derivative_equations),
+            tuple(part for equation in class_.equations for part in values(equation)),
+        )
+        period = {"sample"} if class_.derivatives and class_.step is None else set()
+        return {*signals(late), *parameters(late), *period}
+
+    def _printer(self, *, local: Iterable[str] = (), constructing: bool = False) -> Printer:
+        """Names in ``local`` are local variables, the others attributes."""
+        known = set(local)
+
+        def parameter(name: str) -> Code:
+            python = self.names[name]
+            return Atom(python if constructing or name in known else f"self.{python}")
+
+        def signal(name: str) -> Code:
+            return Atom(self.names[name] if name in known else f"self.{self.names[name]}")
+
+        def seconds(name: str) -> Code:
+            if constructing:
+                return infix("/", PRODUCT, Atom(self.names[name]), Atom(self.imports.runtime("s")))
+            return parameter(name)
+
+        return Printer(self.imports, parameter=parameter, signal=signal, seconds=seconds)
+
+    def _constructor(self) -> list[str]:
+        class_ = self.class_
+        keywords = [f"{self.names[p.name]}: {annotation(p.type, self.imports)}" for p in class_.parameters]
+        keywords += [f"{self.names[p.name]}: {port_annotation(p, self.imports)}" for p in class_.ports]
+        head = signature(
+            "def __init__", ["self", "name: str", *(["*", *keywords] if keywords else [])], " -> None:", "    "
+        )
+        source = Argument(Atom(quoted(self.place)), "source")
+        statements: list[Statement] = [run(Call("super().__init__", (Argument(Atom("name")), source)))]
+        ports = [self.names[port.name] for port in class_.ports]
+        statements += [assign(f"self.{port}", Atom(port)) for port in ports]
+        statements += self._made()
+        return [*head, *lines(statements, "        ")]
+
+    def _made(self) -> Iterable[Statement]:
+        """What the constructor does after it has the ports."""
+        yield from self._kept_parameters()
+        yield from self._constants()
+        yield from self._sub_steps()
+        yield from (self._external_body(item) for item in self._calls())
+        if self.class_.states:
+            yield Line("self.reset()")
+
+    def _kept_parameters(self) -> Iterable[Statement]:
+        for item in self.class_.parameters:
+            if item.name in self.attributes:
+                python = self.names[item.name]
+                value: Code = Atom(python)
+                if isinstance(item.type, TimeType):
+                    value = infix("/", PRODUCT, value, Atom(self.imports.runtime("s")))
+                yield assign(f"self.{python}", value)
+
+    def _constants(self) -> Iterable[Statement]:
+        local = [item.name for item in self.constants if item.name not in self.attributes]
+        printer = self._printer(local=local, constructing=True)
+        for item in self.constants:
+            python = self.names[item.name]
+            target = python if item.name in local else f"self.{python}"
+            yield assign(target, printer.print(item.value), self._place(item))
+
+    def _sub_steps(self) -> Iterable[Statement]:
+        if not self.class_.derivatives or self.class_.step is None:
+            return
+        sample = infix("*", PRODUCT, Atom(self.names["sample"]), Atom(self.imports.runtime("s")))
+        step = duration(self.class_.step, self.imports)
+        ratio = infix("/", PRODUCT, call("round", sample), step)
+        yield assign("self._steps", call(self.imports.standard("math", "ceil"), ratio))
+        yield assign("self._h", infix("/", PRODUCT, Atom(self.names["sample"]), Atom("self._steps")))
+
+    def _external_body(self, item: ExternalCall) -> Statement:
+        printer = self._printer(constructing=True, local=[])
+        given = {name: printer.print(value) for name, value in item.arguments}
+        return assign(f"self.{self.names[item.name]}", self.modules.construct(item.external, given, self.imports))
+
+    def _reset_statements(self) -> list[Statement]:
+        printer = self._printer()
+        statements: list[Statement] = [
+            Line(f"self.{self.names[state.name]} = ", printer.print(state.initial)) for state in self.class_.states
+        ]
+        statements += [
+            Line("", call(f"self.{self.names[item.name]}.reset"))
+            for item in self._calls()
+            if self.modules.describe(item.external).has_reset
+        ]
+        return statements
+
+    def _run(self) -> list[str]:
+        """All inputs are read at once, and then all outputs are written at once."""
+        given = [self.names[name] for name in inputs(self.class_)]
+        results = [self.names[name] for name in outputs(self.class_)]
+        statements: list[Statement] = []
+        if len(given) == 1:
+            statements.append(assign(given[0], Prefix("await ", call(f"self.{given[0]}.read"))))
+        elif given:
+            read = call(self.imports.runtime("read_all"), *(Atom(f"self.{name}") for name in given))
+            statements.append(Unpack(tuple(given), Prefix("await ", read)))
+        calculated = call("self.calculate", *(Atom(name) for name in given))
+        if not results:
+            statements.append(run(calculated))
+        elif len(results) == 1:
+            statements.append(assign(results[0], calculated))
+            statements.append(run(Prefix("await ", call(f"self.{results[0]}.write", Atom(results[0])))))
+        else:
+            pairs = (tuple_of((Atom(f"self.{name}"), Atom(name))) for name in results)
+            statements.append(Unpack(tuple(results), calculated))
+            statements.append(run(Prefix("await ", call(self.imports.runtime("write_all"), *pairs))))
+        return ["    async def run(self) -> None:", *lines(statements, "        ")]
+
+    def _calculate(self) -> list[str]:
+        class_ = self.class_
+        given, results = inputs(class_), outputs(class_)
+        roots = [*results, *signals((class_.next_values,)), *(self.integration.held if class_.derivatives else [])]
+        equations = needed(class_.equations, roots)
+        expressions = (tuple(part for equation in equations for part in values(equation)), class_.next_values)
+        hoisted = self._hoisted(expressions)
+        local = [*given, *hoisted, *(name for equation in equations for name in defined(equation))]
+        printer = self._printer(local=local)
+
+        statements: list[Statement] = [assign(self.names[name], Atom(f"self.{self.names[name]}")) for name in hoisted]
+        statements += [self._equation(equation, printer) for equation in equations]
+        if class_.derivatives:
+            statements += self._integrate()
+        statements += [
+            Line(f"self.{self.names[name]} = ", printer.print(value), comment=self._next_place(name))
+            for name, value in class_.next_values
+        ]
+        statements += [assign(f"self.{state}", Atom(state)) for state in self._moved]
+        statements += self._returned(statements, results, printer)
+
+        return self._calculation(statements)
+
+    def _calculation(self, statements: Sequence[Statement]) -> list[str]:
+        given, results = inputs(self.class_), outputs(self.class_)
+        types = self._annotations()
+        parameters_ = [f"{self.names[name]}: {types[name]}" for name in given]
+        returned = _return_annotation([types[name] for name in results])
+        head = signature("def calculate", ["self", *parameters_], f" -> {returned}:", "    ")
+        return [*head, *lines(statements or [Line("pass")], "        ")]
+
+    def _next_place(self, name: str) -> str | None:
+        return next((self.package.place(s.span.file, s.span.line) for s in self.class_.states if s.name == name), None)
+
+    def _equation(self, equation: Equation, printer: Printer) -> Statement:
+        if isinstance(equation, ExternalCall):
+            return external_call(equation, self.names, printer, self.modules, time=None)
+        return assign(self.names[equation.name], printer.print(equation.value), self._place(equation))
+
+    def _hoisted(self, expressions: Sequence[object]) -> list[str]:
+        """Attributes that are read more than once, or after they have changed, and so become local variables first."""
+        class_ = self.class_
+        read = signals(expressions) + parameters(expressions)
+        discrete = [state.name for state in class_.states if not state.continuous]
+        continuous = [state.name for state in class_.states if state.continuous]
+        changed: set[str] = set()
+        late: Counter[str] = Counter()
+        for name, value in class_.next_values:
+            late.update(signal for signal in signals((value,)) if signal in changed)
+            changed.add(name)
+        candidates = [
+            *discrete,
+            *(item.name for item in class_.parameters),
+            *(item.name for item in self.constants),
+        ]
+        hoisted = [name for name in candidates if read[name] > 1 or late[name]]
+        if class_.derivatives:
+            hoisted += [name for name in discrete if name in self.integration.held and name not in hoisted]
+            hoisted += continuous
+        return hoisted
+
+    def _integrate(self) -> Iterable[Statement]:
+        if self.class_.step is None:
+            yield assign("h", Atom(f"self.{self.names['sample']}"))
+            yield from self.integration.loop(None)
+        else:
+            yield assign("h", Atom("self._h"))
+            yield from self.integration.loop(Atom("self._steps"))
+        for state in self.integration.states:
+            yield assign(state, call(self.imports.runtime("finite"), Atom(state)))
+
+    @property
+    def _moved(self) -> list[str]:
+        """Continuous states, which take their values with the discrete ones."""
+        return self.integration.states if self.class_.derivatives else []
+
+    def _returned(self, before: list[Statement], results: list[str], printer: Printer) -> Iterable[Statement]:
+        if len(results) == 1:
+            last = before[-1] if before else None
+            target = f"{self.names[results[0]]} = "
+            if isinstance(last, Line) and last.before == target:
+                before.pop()
+                return [Line("return ", last.code, comment=last.comment)]
+            return [Line("return ", printer.signal(results[0]))]
+        if not results:
+            return []
+        return [Line("return ", Atom(", ".join(self.names[name] for name in results)))]
+
+
+class _BodyWriter(_SubmodelWriter):
+    """A law written by hand: the class around it has its ports, and hands on what it calculates."""
+
+    def __init__(
+        self, class_: SubmodelClass, names: PackageNames, modules: ExternalModules, body: ExternalBody
+    ) -> None:
+        super().__init__(class_, names, modules)
+        self.body = body
+
+    def _made(self) -> Iterable[Statement]:
+        given = {item.name: Atom(self.names[item.name]) for item in self.class_.parameters if not item.derived}
+        yield assign("self._body", self.modules.construct(self.body, given, self.imports))
+
+    def _reset_statements(self) -> list[Statement]:
+        return [run(call("self._body.reset"))] if self.modules.describe(self.body).has_reset else []
+
+    def _calculate(self) -> list[str]:
+        arguments = tuple(Argument(Atom(self.names[name]), identifier(name)) for name in inputs(self.class_))
+        calculated = Call("self._body.calculate", arguments)
+        results = outputs(self.class_)
+        if not results:
+            return self._calculation([run(calculated)])
+        types = self._annotations()
+        returned = _return_annotation([types[name] for name in results])
+        target = self.names[results[0]] if len(results) == 1 else "calculated"
+        return self._calculation(
+            [assign(f"{target}: {returned}", calculated, self.place), Line("return ", Atom(target))]
+        )
+
+
+def _return_annotation(types: Sequence[str]) -> str:
+    if not types:
+        return "None"
+    return types[0] if len(types) == 1 else f"tuple[{', '.join(types)}]"

@@ -1,0 +1,78 @@
+"""The frame of a package: project file, README, entry points."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from cspdiag.codegen.python.plain.docs import sentence
+from cspdiag.codegen.python.plain.environments import port_key
+from cspdiag.codegen.python.plain.external import ExternalModules, installed_modules
+from cspdiag.codegen.python.text.literals import docstring
+from cspdiag.codegen.python.text.names import PackageNames
+from cspdiag.codegen.shared.package_text import markdown, markdown_code, toml_string
+from cspdiag.codegen.shared.plain_text import one_line
+from cspdiag.model.constants.durations import duration
+from cspdiag.network.ir.network import ExternalPort, Network
+
+
+@dataclass(frozen=True)
+class PortRow:
+    """A row of the table of ports."""
+
+    name: str
+    direction: str
+    type: str
+    timing: str
+    doc: str
+
+
+@dataclass(frozen=True)
+class Project:
+    """What the templates of the frame lay out."""
+
+    package: str
+    distribution: str
+    top: str
+    source: str
+    """On one line, for comments."""
+    source_code: str
+    """The same as a code span of Markdown."""
+    doc: str
+    """In Markdown."""
+    docstring: str
+    description: str
+    """A string of TOML."""
+    ports: list[PortRow]
+    environments: list[str]
+    copied: bool
+    installed: list[str]
+
+
+def project_view(network: Network, names: PackageNames, modules: ExternalModules) -> Project:
+    """The frame of the package of a network."""
+    top = network.class_named(network.top)
+    doc = sentence(top.doc or network.doc or f"The process {network.top}, generated from its CSP diagram.")
+    summary = doc.split("\n\n")[0].replace("\n", " ")
+    source = network.source.rpartition("/")[2]
+    return Project(
+        package=names.package,
+        distribution=names.package.strip("_").replace("_", "-"),
+        top=network.top,
+        source=one_line(source),
+        source_code=markdown_code(source),
+        doc=markdown(doc),
+        docstring="\n".join(docstring(summary, "")),
+        description=toml_string(summary),
+        ports=[port_row(port) for port in network.external_ports],
+        environments=[entry.name for entry in network.environments],
+        copied=bool(modules.copies(network)),
+        installed=installed_modules(network, modules),
+    )
+
+
+def port_row(port: ExternalPort) -> PortRow:
+    """An external port for a README."""
+    timing = "event" if port.period is None else f"every {duration(port.period)}"
+    if port.immediate:
+        timing += ", immediate"
+    return PortRow(port_key(port), port.direction, str(port.type), timing, markdown(" ".join((port.doc or "").split())))

@@ -1,0 +1,1 @@
+"""Python as text: expressions, statements, names, imports, layout."""

@@ -1,0 +1,116 @@
+"""What a generated module imports, collected while its text is made."""
+
+from __future__ import annotations
+
+import re
+from collections import defaultdict
+from collections.abc import Iterable, Mapping
+
+from cspdiag.codegen.python.text.layout import bracketed
+from cspdiag.codegen.python.text.names import PackageNames
+
+
+class Imports:
+    """The imports of one module; asking for a name imports it and says how to spell it here."""
+
+    def __init__(self, names: PackageNames, *, taken: Iterable[str] = (), dots: str = ".") -> None:
+        """``taken`` are the names that mean something else in the module; ``dots`` lead to the package."""
+        self.names = names
+        self._taken = frozenset(taken) | names.globals
+        self._dots = dots
+        self._relative: dict[str, set[str]] = defaultdict(set)
+        self._standard: dict[str, set[str]] = defaultdict(set)
+        self._modules: set[str] = set()
+        self._installed: dict[str, set[str]] = defaultdict(set)
+
+    def runtime(self, name: str) -> str:
+        """A name of the runtime, qualified where the module has the plain name for something of its own."""
+        if name in self._taken:
+            self._relative[""].add("runtime")
+            return f"runtime.{name}"
+        self._relative["runtime"].add(name)
+        return name
+
+    def standard(self, module: str, name: str | None = None) -> str:
+        """A name of the standard library, qualified where the module has it for something of its own, or a module of it."""
+        if name is None or name in self._taken:
+            self._modules.add(module)
+            return module if name is None else f"{module}.{name}"
+        self._standard[module].add(name)
+        return name
+
+    def class_(self, name: str) -> str:
+        """A class of the network."""
+        return self._from(self.names.modules[name], self.names.classes[name])
+
+    def type_(self, name: str) -> str:
+        """An enum or a struct of the text."""
+        return self._from("types", self.names.types[name])
+
+    def exception(self, name: str) -> str:
+        """An exception of the text or of the runtime."""
+        if name in self.names.exceptions:
+            return self._from("exceptions", self.names.exceptions[name])
+        return self.runtime(name)
+
+    def caught(self, name: str) -> list[str]:
+        """What a handler of an exception of the text catches: a ``Fault`` is also what Python raises for a division by zero."""
+        of_python = ["ArithmeticError"] if name == "Fault" and name not in self.names.exceptions else []
+        return [self.exception(name), *of_python]
+
+    def constant(self, name: str) -> str | None:
+        """A ``const`` of the text, or None where a name of the module hides it."""
+        python = self.names.constants.get(name)
+        if python is None or python in self._taken - self.names.globals:
+            return None
+        return self._from("constants", python)
+
+    def body(self, module: str, name: str, *, copied: bool) -> str:
+        """A class written by hand, of a module that was copied into the package or of an installed one.
+
+        It is called ``<name>Body`` where the package has something of that name.
+        """
+        wanted = self._relative[f"external.{module}"] if copied else self._installed[module]
+        taken = name in self._taken or name in self.names.environments.values()
+        wanted.add(f"{name} as {name}Body" if taken else name)
+        return f"{name}Body" if taken else name
+
+    def _from(self, module: str, name: str) -> str:
+        self._relative[module].add(name)
+        return name
+
+    def lines(self) -> list[str]:
+        """The import statements, sorted as isort does, with a blank line between the groups."""
+        standard = [f"import {module}" for module in sorted(self._modules)]
+        standard += import_lines(self._standard, "")
+        lines: list[str] = []
+        for group in (standard, import_lines(self._installed, ""), import_lines(self._relative, self._dots)):
+            lines += ["", *group] if lines and group else group
+        return lines
+
+
+def import_lines(wanted: Mapping[str, set[str]], dots: str) -> list[str]:
+    """`from` statements for the names wanted of each module."""
+    lines: list[str] = []
+    for module in sorted(wanted):
+        if wanted[module]:
+            members = sorted(wanted[module], key=member_order)
+            lines += _import_lines(f"from {dots}{module} import ", members)
+    return lines
+
+
+def _import_lines(start: str, members: list[str]) -> list[str]:
+    line = start + ", ".join(members)
+    return [line] if len(line) <= 100 else bracketed("", f"{start}(", members, ")", together=False)
+
+
+def member_order(name: str) -> tuple[int, list[str | int], str]:
+    """The key by which linters sort names: constants, classes, others, numbers in them as numbers."""
+    plain = name.split(" ")[0]
+    kind = 0 if plain.isupper() and len(plain) > 1 else 1 if plain[:1].isupper() else 2
+    return kind, _natural(plain.lower()), name
+
+
+def _natural(text: str) -> list[str | int]:
+    """Text with its numbers as numbers, so that ``int8`` comes before ``int64``."""
+    return [int(part) if part.isdigit() else part for part in re.split(r"(\d+)", text)]

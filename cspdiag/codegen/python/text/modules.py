@@ -1,0 +1,29 @@
+"""What the template of a module with one class lays out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from cspdiag.codegen.python.text.imports import Imports
+from cspdiag.codegen.python.text.types import annotation
+from cspdiag.network.ir.network import Port
+
+
+@dataclass(frozen=True)
+class ClassModule:
+    """A module: its docstring, imports, and a class with its methods, each as lines."""
+
+    summary: str
+    imports: list[str]
+    head: str
+    docstring: list[str]
+    functions: list[list[str]]
+
+
+def port_annotation(port: Port, imports: Imports) -> str:
+    """``In[float]``, or a sequence of them for an array of ports."""
+    end = imports.runtime("In" if port.direction == "in" else "Out")
+    one = f"{end}[{annotation(port.type, imports)}]"
+    if port.size is None:
+        return one
+    return f"{imports.standard('collections.abc', 'Sequence')}[{one}]"

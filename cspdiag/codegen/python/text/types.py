@@ -1,0 +1,191 @@
+"""Python types, zeros and literals for the types and values of the network representation."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from typing import assert_never
+
+from cspdiag.base import Span
+from cspdiag.codegen.python.text.code import PRIMARY, PRODUCT, SIGN, Argument, Atom, Call, Chain, Code, call, tuple_of
+from cspdiag.codegen.python.text.imports import Imports
+from cspdiag.codegen.python.text.literals import quoted
+from cspdiag.codegen.python.text.names import member_names
+from cspdiag.model.constants.arithmetic import single
+from cspdiag.model.types import (
+    ArrayType,
+    BoolType,
+    EnumType,
+    IntType,
+    RealType,
+    StructType,
+    TextType,
+    TimeType,
+    Type,
+    UnknownType,
+)
+from cspdiag.network.ir.expressions import Value
+
+_UNITS = (("s", 1_000_000_000), ("ms", 1_000_000), ("us", 1_000))
+_MEMBERS_OF_INT = frozenset(
+    [
+        "name",
+        "value",
+        "real",
+        "imag",
+        "numerator",
+        "denominator",
+        "conjugate",
+        "bit_length",
+        "bit_count",
+        "to_bytes",
+        "from_bytes",
+        "is_integer",
+        "as_integer_ratio",
+        "mro",
+    ]
+)
+_MEMBERS_OF_TUPLE = frozenset(["count", "index"])
+
+
+def annotation(type_: Type, imports: Imports) -> str:
+    """The Python type of values of ``type_``."""
+    match type_:
+        case BoolType():
+            return "bool"
+        case IntType() | TimeType():
+            return "int"
+        case RealType():
+            return "float"
+        case TextType():
+            return "str"
+        case EnumType() | StructType():
+            return imports.type_(type_.name)
+        case ArrayType():
+            return f"tuple[{annotation(type_.element, imports)}, ...]"
+        case UnknownType():
+            raise ValueError("a type that was reported cannot be generated")
+    assert_never(type_)
+
+
+def accepted(type_: Type, imports: Imports) -> Code:
+    """What makes a value of ``type_`` of one that a driver returns."""
+    match type_:
+        case BoolType():
+            return Atom(imports.runtime("boolean"))
+        case IntType():
+            of = imports.runtime(f"{'' if type_.signed else 'u'}int{type_.bits}")
+            return Call(imports.runtime("integer"), (Argument(Atom(of)),))
+        case TimeType():
+            return Call(imports.runtime("integer"), (Argument(Atom(imports.runtime("int64"))),))
+        case RealType():
+            return Atom(imports.runtime("single" if type_.bits == 32 else "double"))
+        case TextType():
+            return Atom(imports.runtime("text"))
+        case EnumType():
+            return Call(imports.runtime("enumeration"), (Argument(Atom(imports.type_(type_.name))),))
+        case StructType():
+            fields = [accepted(field, imports) for _, field in type_.fields]
+            made = (Atom(imports.type_(type_.name)), *fields)
+            return Call(imports.runtime("record"), tuple(Argument(part) for part in made))
+        case ArrayType():
+            size = Atom(str(type_.size or 0))
+            parts = (accepted(type_.element, imports), size)
+            return Call(imports.runtime("array"), tuple(Argument(part) for part in parts))
+        case UnknownType():
+            raise ValueError("a type that was reported cannot be generated")
+    assert_never(type_)
+
+
+def zero(type_: Type) -> Value:
+    """The zero of a type: what an output that is not told otherwise releases to."""
+    match type_:
+        case BoolType():
+            return False
+        case IntType() | TimeType() | EnumType():
+            return 0
+        case RealType():
+            return 0.0
+        case TextType():
+            return ""
+        case StructType():
+            return tuple(zero(field) for _, field in type_.fields)
+        case ArrayType():
+            return tuple(zero(type_.element) for _ in range(type_.size or 0))
+        case UnknownType():
+            raise ValueError("a type that was reported cannot be generated")
+    assert_never(type_)
+
+
+def literal(value: Value, type_: Type, imports: Imports, span: Span | None = None) -> Code:
+    """A value as an expert would write it; numbers keep the spelling that they have at ``span``."""
+    match type_:
+        case BoolType():
+            return Atom(repr(bool(value)))
+        case IntType():
+            assert isinstance(value, int)
+            return number(repr(int(value)))
+        case TimeType():
+            assert isinstance(value, int)
+            return duration(value, imports)
+        case RealType():
+            assert isinstance(value, int | float)
+            return real(single(float(value)) if type_.bits == 32 else float(value), span)
+        case TextType():
+            return Atom(quoted(str(value)))
+        case EnumType():
+            assert isinstance(value, int)
+            return Atom(f"{imports.type_(type_.name)}.{enum_members(type_)[type_.literals[value]]}")
+        case StructType():
+            assert isinstance(value, tuple)
+            fields = zip(type_.fields, value, strict=True)
+            names = field_names(type_)
+            named = {names[name]: literal(part, field, imports) for (name, field), part in fields}
+            return call(imports.type_(type_.name), **named)
+        case ArrayType():
+            assert isinstance(value, tuple)
+            if len(value) > 8 and len(set(value)) == 1:
+                element = tuple_of([literal(value[0], type_.element, imports)])
+                return Chain(PRODUCT, element, (("*", Atom(str(len(value)))),))
+            return tuple_of(literal(part, type_.element, imports) for part in value)
+        case UnknownType():
+            raise ValueError("a type that was reported cannot be generated")
+    assert_never(type_)
+
+
+def number(text: str) -> Atom:
+    """A number, with the precedence of the sign that it may have."""
+    return Atom(text, SIGN if text.startswith("-") else PRIMARY)
+
+
+def real(value: float, span: Span | None = None) -> Code:
+    """A float, in the spelling of the text if that says the same in Python."""
+    if span is not None:
+        written = re.match(r"-?\d+\.\d*(e[+-]?\d+)?|-?\d+e[+-]?\d+", span.text)
+        if written and float(written[0]) == value and not written[0].endswith("."):
+            return number(written[0])
+    if value != value:
+        return call("float", Atom('"nan"'))
+    if value in (float("inf"), float("-inf")):
+        return call("float", Atom('"inf"' if value > 0 else '"-inf"'))
+    return number(repr(value))
+
+
+def duration(nanoseconds: int, imports: Imports) -> Code:
+    """A duration in its greatest unit: ``2 * ms``."""
+    if nanoseconds == 0:
+        return Atom("0")
+    for unit, size in _UNITS:
+        if nanoseconds % size == 0:
+            return Chain(PRODUCT, number(repr(nanoseconds // size)), (("*", Atom(imports.runtime(unit))),))
+    return Chain(PRODUCT, number(repr(nanoseconds)), (("*", Atom(imports.runtime("ns"))),))
+
+
+def enum_members(type_: EnumType) -> Mapping[str, str]:
+    """The members of an ``IntEnum`` for the literals of an enum."""
+    return member_names(type_.literals, _MEMBERS_OF_INT)
+
+
+def field_names(type_: StructType) -> Mapping[str, str]:
+    """The fields of a ``NamedTuple`` for those of a struct."""
+    return member_names(tuple(name for name, _ in type_.fields), _MEMBERS_OF_TUPLE)

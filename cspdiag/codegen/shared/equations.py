@@ -1,0 +1,103 @@
+"""Which signals of a submodel are needed for what."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Sequence
+
+from cspdiag.model.types import Type
+from cspdiag.network.ir.expressions import Expression, ParameterValue, PresentTime, SignalValue
+from cspdiag.network.ir.network import ExternalCall, SubmodelClass, SubmodelEquation
+from cspdiag.network.ir.walk import parts
+
+Equation = SubmodelEquation | ExternalCall
+
+
+def signals(items: Iterable[object]) -> Counter[str]:
+    """How often each signal is read in expressions."""
+    return Counter(part.name for part in parts(tuple(items)) if isinstance(part, SignalValue))
+
+
+def parameters(items: Iterable[object]) -> Counter[str]:
+    """How often each parameter is read in expressions."""
+    return Counter(part.name for part in parts(tuple(items)) if isinstance(part, ParameterValue))
+
+
+def uses_time(items: Iterable[object]) -> bool:
+    """Whether the present instant is read in expressions."""
+    return any(isinstance(part, PresentTime) for part in parts(tuple(items)))
+
+
+def values(equation: Equation) -> tuple[Expression, ...]:
+    """The expressions that an equation evaluates."""
+    if isinstance(equation, ExternalCall):
+        return tuple(value for _, value in equation.inputs)
+    return (equation.value,)
+
+
+def defined(equation: Equation) -> tuple[str, ...]:
+    """The signals that an equation gives values to."""
+    if isinstance(equation, ExternalCall):
+        return tuple(local for _, local, _ in equation.outputs)
+    return (equation.name,)
+
+
+def needed(equations: Sequence[Equation], roots: Iterable[str], *, calls: bool = True) -> list[Equation]:
+    """The equations that ``roots`` depend on, in order; external calls too where ``calls`` says so."""
+    wanted = set(roots)
+    kept: list[Equation] = []
+    for equation in reversed(equations):
+        is_call = isinstance(equation, ExternalCall)
+        if is_call and not calls:
+            continue
+        if is_call or not wanted.isdisjoint(defined(equation)):
+            kept.append(equation)
+            wanted.update(signals(values(equation)))
+    return kept[::-1]
+
+
+def outputs(class_: SubmodelClass) -> list[str]:
+    """The output ports, in order."""
+    return [port.name for port in class_.ports if port.direction == "out"]
+
+
+def inputs(class_: SubmodelClass) -> list[str]:
+    """The input ports, in order."""
+    return [port.name for port in class_.ports if port.direction == "in"]
+
+
+def held(class_: SubmodelClass) -> list[str]:
+    """What the derivatives read that does not change within a sample: inputs, other equations, discrete states."""
+    moving = {equation.name for equation in class_.derivative_equations}
+    moving |= {state.name for state in class_.states if state.continuous}
+    moving |= {constant.name for constant in class_.constants}
+    read = signals((class_.derivatives, *(equation.value for equation in class_.derivative_equations)))
+    return [name for name in read if name not in moving]
+
+
+def constants_needed(class_: SubmodelClass) -> list[SubmodelEquation]:
+    """The constants that anything depends on."""
+    roots = signals(
+        (
+            class_.states,
+            class_.next_values,
+            class_.derivatives,
+            class_.derivative_equations,
+            tuple(part for equation in class_.equations for part in values(equation)),
+            tuple(equation.arguments for equation in class_.equations if isinstance(equation, ExternalCall)),
+        )
+    )
+    return [item for item in needed(class_.constants, roots) if isinstance(item, SubmodelEquation)]
+
+
+def signal_types(class_: SubmodelClass) -> dict[str, Type]:
+    """The type of everything that has a value in a submodel, by name."""
+    types: dict[str, Type] = {}
+    for group in (class_.parameters, class_.ports, class_.states, class_.constants):
+        types.update((item.name, item.type) for item in group)
+    for equation in (*class_.equations, *class_.derivative_equations):
+        if isinstance(equation, ExternalCall):
+            types.update({local: type_ for _, local, type_ in equation.outputs})
+        else:
+            types[equation.name] = equation.type
+    return types

@@ -1,0 +1,18 @@
+"""Models for other proof tools: what is written is the transition system of the network."""
+
+from __future__ import annotations
+
+from cspdiag.codegen.shared.target_error import TargetError
+from cspdiag.network.ir.network import Network
+from cspdiag.proofs.transitions.systems.system import System
+
+
+def system_of(network: Network) -> System:
+    """The transition system of a network. Raises TargetError where it would have too many states."""
+    from cspdiag.proofs.transitions import transition_system
+    from cspdiag.proofs.transitions.threads.explore import TransitionError
+
+    try:
+        return transition_system(network)
+    except TransitionError as problem:
+        raise TargetError(str(problem)) from None

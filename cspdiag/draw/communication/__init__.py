@@ -1,0 +1,1 @@
+"""Communication diagrams as pictures."""

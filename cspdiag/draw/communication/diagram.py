@@ -1,0 +1,267 @@
+"""Draws communication diagrams."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import assert_never
+
+from cspdiag.base import Diagnostic
+from cspdiag.draw.annotations import BADGE, SMALLEST_ROW, badge, badge_width, has_badge, heading, messages
+from cspdiag.draw.communication import symbols
+from cspdiag.draw.communication.graph import BADGE_GAP, Caption, CommunicationGraph, communication_graph
+from cspdiag.draw.communication.legend import legend
+from cspdiag.draw.communication.tooltips import (
+    arrow_tooltip,
+    box_tooltip,
+    parent_port_tooltip,
+    port_tooltip,
+    store_tooltip,
+)
+from cspdiag.draw.elements.diagram import Arrow, Box, CommunicationDiagram, ParentPort, Sink, Store, Value, Vertex
+from cspdiag.draw.elements.marks import WHOLE, Mark, Marks
+from cspdiag.draw.hiding import NOTHING_HIDDEN, Hidden
+from cspdiag.draw.layout.elk import lay_out
+from cspdiag.draw.layout.graph import Layout, Node, Route, Side
+from cspdiag.draw.scene.geometry import Point, Rectangle
+from cspdiag.draw.scene.scene_geometry import bounds, fitted, moved
+from cspdiag.draw.scene.shapes import Anchor, Dash, Face, Group, Head, Ink, Item, Line, Run, Scene, Text
+from cspdiag.draw.scene.text_metrics import ASCENT, line_height
+from cspdiag.network.ir.network import Direction
+
+ROW_GAP = 24.0
+"""Around elements that stand apart."""
+GAP = 26.0
+"""Between heading, drawing, legend and messages."""
+CORNER_RISE = 2.0
+"""How far the middle of a badge at a corner is outside of the shape, so that it leaves the text within free."""
+TEXT_MARGIN = 3.0
+"""Between the side of a node that is only a text, where its arrows end, and the text."""
+
+
+def draw_communication(
+    diagram: CommunicationDiagram,
+    *,
+    hidden: Hidden = NOTHING_HIDDEN,
+    marks: Marks | None = None,
+    diagnostics: Mapping[int, Diagnostic] | None = None,
+    links: Mapping[str, str] | None = None,
+) -> Scene:
+    """A communication diagram with its heading, a legend of what occurs, and the messages that the marks refer to.
+
+    ``marks`` are by the key of the element, below that of the box around it (``horizontal/alignL``), and by WHOLE for the diagram as a whole; ``links`` lead from a
+    definition to an address. Raises what ``lay_out`` raises.
+    """
+    marks = dict(marks or {})
+    mark_of_whole = marks.pop(WHOLE, None)
+    made = communication_graph(diagram, hidden, marks)
+    layout = _with_row(lay_out(made.graph), made.apart) if made.graph.nodes else _with_row(Layout(0, 0, {}), made.apart)
+    picture = _Drawing(made, layout, marks, links or {}).picture()
+    parts: list[Item] = [heading(_title(diagram), diagram.doc, mark_of_whole)]
+    if picture:
+        parts.append(Group("diagram", picture))
+    width = max(SMALLEST_ROW, bounds(parts[-1]).width)
+    explained = legend(made.vertices.values(), made.arrows.values(), width)
+    if explained is not None and not hidden.hides("legend"):
+        parts.append(explained)
+    if diagnostics:
+        parts.append(messages(diagnostics.items(), width))
+    return fitted(_below_each_other(parts), title=diagram.key, description=diagram.doc or "", name=diagram.key)
+
+
+def _with_row(layout: Layout, apart: Sequence[Node]) -> Layout:
+    """The layout with further nodes in rows below it."""
+    nodes = dict(layout.nodes)
+    x, y = 0.0, layout.height + ROW_GAP if layout.nodes else 0.0
+    for node in apart:
+        if x > 0 and x + node.width > max(layout.width, SMALLEST_ROW):
+            x, y = 0.0, y + node.height + ROW_GAP / 2
+        nodes[node.id] = Rectangle(x, y, node.width, node.height)
+        x += node.width + ROW_GAP
+    return replace(layout, nodes=nodes)
+
+
+def _title(diagram: CommunicationDiagram) -> tuple[Run, ...]:
+    if diagram.environment_of is not None:
+        return (Run("environment ", ink=Ink.FAINT), Run(diagram.key, Face.BOLD), Run(f" for {diagram.environment_of}"))
+    names = ", ".join(parameter.partition(":")[0].strip() for parameter in diagram.parameters)
+    parameters = (Run(f"({names})", ink=Ink.FAINT),) if names else ()
+    return (Run("process ", ink=Ink.FAINT), Run(diagram.key, Face.BOLD), *parameters)
+
+
+def _below_each_other(parts: list[Item]) -> list[Item]:
+    placed: list[Item] = []
+    y = 0.0
+    for part in parts:
+        room = bounds(part)
+        placed.append(moved(part, -room.x, y - room.y))
+        y += room.height + GAP
+    return placed
+
+
+class _Drawing:
+    """Puts shapes and texts where the layout says."""
+
+    def __init__(self, made: CommunicationGraph, layout: Layout, marks: Marks, links: Mapping[str, str]) -> None:
+        self.made = made
+        self.layout = layout
+        self.marks = marks
+        self.links = links
+        self.corners: list[Rectangle] = []
+        """Where there are badges at corners."""
+
+    def picture(self) -> tuple[Item, ...]:
+        """Boxes, outer ones first, then the arrows above them, then badges."""
+        boxes = [self._vertex(name, vertex) for name, vertex in self.made.vertices.items()]
+        arrows = [self._arrow(name, arrow) for name, arrow in self.made.arrows.items()]
+        badges = [self._badge(name, mark) for name, mark in self.marks.items()]
+        return (*boxes, *arrows, *(item for item in badges if item is not None))
+
+    def _vertex(self, name: str, vertex: Vertex) -> Item:
+        place = self.layout.nodes[name]
+        mark = self.marks.get(name)
+        match vertex:
+            case Box():
+                return self._box(name, vertex, place, mark)
+            case ParentPort():
+                is_in = vertex.direction == "in"
+                text = self._beside(name, place, Anchor.END if is_in else Anchor.START, mark)
+                return Group("port", (text,), name, _with_note(parent_port_tooltip(vertex), mark))
+            case Store():
+                shapes = symbols.store(vertex, place, mark)
+                return Group(
+                    vertex.form, (*shapes, self._centred(name, place)), name, _with_note(store_tooltip(vertex), mark)
+                )
+            case Value():
+                return Group("value", (self._beside(name, place, Anchor.END, mark),), name, _with_note("", mark))
+            case Sink():
+                return Group("sink", symbols.sink(place, mark), name, _with_note("discarded", mark))
+            case _:
+                assert_never(vertex)
+
+    def _box(self, name: str, box: Box, place: Rectangle, mark: Mark | None) -> Item:
+        items: list[Item] = [*symbols.instance(box, place, mark)]
+        title = self.made.captions[f"{name}#title"]
+        items += _lines(title, self.layout.labels[f"{name}#title"], Anchor.MIDDLE)
+        for port in box.ports:
+            items.append(self._port(f"{name}|{port.key}", name))
+        kind = f"{box.kind} hand-written" if box.language else box.kind
+        link = self.links.get(box.definition, "")
+        return Group(f"instance {kind}", tuple(items), name, _with_note(box_tooltip(box), mark), link)
+
+    def _port(self, name: str, box: str) -> Item:
+        port = self.made.ports[name]
+        at = self.layout.ports[name]
+        mark = self.marks.get(f"{box}.{port.key}")
+        inwards = -1 if self.layout.sides[name] is Side.EAST else 1
+        items: list[Item] = [symbols.port(at, mark, is_connected=port.is_connected, inwards=inwards)]
+        label = self.layout.labels.get(f"{name}#name")
+        if label is not None:
+            anchor = Anchor.END if inwards < 0 else Anchor.START
+            items += _lines(self.made.captions[f"{name}#name"], label, anchor)
+        return Group(f"port {port.direction}", tuple(items), name, _with_note(port_tooltip(port), mark))
+
+    def _centred(self, name: str, place: Rectangle) -> Item:
+        caption = self.made.captions[name]
+        baseline = place.centre.y + (ASCENT - line_height(1) / 2) * caption.size
+        return Text(Point(place.centre.x + 2, baseline), caption.lines[0], caption.size, Anchor.MIDDLE)
+
+    def _beside(self, name: str, place: Rectangle, anchor: Anchor, mark: Mark | None) -> Item:
+        caption = self.made.captions[name]
+        baseline = place.centre.y + (ASCENT - line_height(1) / 2) * caption.size
+        x = place.right - TEXT_MARGIN if anchor is Anchor.END else place.x + TEXT_MARGIN
+        return Text(Point(x, baseline), _inked(caption.lines[0], mark), caption.size, anchor)
+
+    def _arrow(self, name: str, arrow: Arrow) -> Item:
+        mark = self.marks.get(name)
+        route = self.layout.routes[f"{name}#edge"]
+        items: list[Item] = [*self._lines_of(arrow, route, mark)]
+        caption = self.made.captions.get(f"{name}#label")
+        place = self.layout.labels.get(f"{name}#label")
+        if caption is not None and place is not None:
+            inked = replace(caption, lines=tuple(_inked(line, mark) for line in caption.lines))
+            items += _lines(inked, place, Anchor.START)
+        kind = " ".join(("channel", *arrow.kinds)) if not arrow.by_composition else "communication"
+        return Group(kind, tuple(items), name, _with_note(arrow_tooltip(arrow), mark))
+
+    def _lines_of(self, arrow: Arrow, route: Route, mark: Mark | None) -> tuple[Item, ...]:
+        ink, width, dash = symbols.outline(mark, Ink.LINE)
+        if arrow.by_composition and mark is None:
+            dash = Dash.DASHED
+        items: list[Item] = []
+        for section in route.sections:
+            ends_in_sink = section.target is not None and self._is_sink(section.target)
+            goes_on = section.target is not None and self._is_border(section.target, "out")
+            head = Head.NONE if section.target is None or ends_in_sink or goes_on else Head.ARROW
+            items.append(Line(section.points, ink, width, dash, end=head, corner=5))
+        for junction in route.junctions:
+            items.append(Line((junction, junction.moved(0.01, 0)), ink, width, start=Head.DOT))
+        begun: set[Point] = set()
+        for section in route.sections:
+            start = section.points[0]
+            kind = symbols.symbol_of(arrow)
+            if kind is None or section.source is None or start in begun or self._is_border(section.source, "in"):
+                continue
+            begun.add(start)
+            items += symbols.kind_symbol(kind, start, section.points[1], ink)
+        return tuple(items)
+
+    def _is_sink(self, target: str) -> bool:
+        return isinstance(self.made.vertices.get(target.rpartition("|")[0]), Sink)
+
+    def _is_border(self, end: str, direction: Direction) -> bool:
+        """Whether a line begins or ends at the inner side of a box that shows its inside, beyond which it goes on."""
+        port = self.made.ports.get(end)
+        return port is not None and port.direction == direction
+
+    def _badge(self, name: str, mark: Mark) -> Item | None:
+        """At a corner of a shape, the upper right one where that is free, and beside a text or a line."""
+        vertex, place = self.made.vertices.get(name), self.layout.nodes.get(name)
+        if not has_badge(mark):
+            return None
+        half = badge_width(mark) / 2
+        if vertex is not None and place is not None:
+            if not isinstance(vertex, ParentPort | Value):
+                return badge(mark, self._free(_corners(place, half), half))
+            away = TEXT_MARGIN + self.made.captions[name].text_width + BADGE_GAP + half
+            is_left = isinstance(vertex, Value) or vertex.direction == "in"
+            return badge(mark, Point(place.right - away if is_left else place.x + away, place.centre.y))
+        label = self.layout.labels.get(f"{name}#label")
+        if label is not None and self.made.captions[f"{name}#label"].mark is not None:
+            return badge(mark, Point(label.right - half, label.bottom - BADGE))
+        return None
+
+    def _free(self, candidates: Sequence[Point], half: float) -> Point:
+        """The first place where a badge lies on no label and on no other badge, or else the first."""
+        taken = [*self.layout.labels.values(), *self.corners]
+        rooms = [Rectangle(at.x - half, at.y - BADGE, 2 * half, 2 * BADGE) for at in candidates]
+        free = [place for place, room in enumerate(rooms) if not any(room.overlaps(other) for other in taken)]
+        chosen = free[0] if free else 0
+        self.corners.append(rooms[chosen])
+        return candidates[chosen]
+
+
+def _corners(place: Rectangle, half: float) -> list[Point]:
+    """Where the middle of a badge may be that sits on a corner of a shape: the right ones first, and the upper ones of those."""
+    left, right = place.x - BADGE + BADGE_GAP + half, place.right + BADGE - BADGE_GAP - half
+    return [Point(x, y) for x in (right, left) for y in (place.y - CORNER_RISE, place.bottom + CORNER_RISE)]
+
+
+def _lines(caption: Caption, place: Rectangle, anchor: Anchor) -> list[Item]:
+    x = {Anchor.START: place.x, Anchor.MIDDLE: place.centre.x, Anchor.END: place.right}[anchor]
+    top = place.y if caption.mark is None else place.bottom - BADGE - caption.text_height / 2
+    return [
+        Text(Point(x, top + ASCENT * caption.size + row * line_height(caption.size)), line, caption.size, anchor)
+        for row, line in enumerate(caption.lines)
+    ]
+
+
+def _inked(runs: tuple[Run, ...], mark: Mark | None) -> tuple[Run, ...]:
+    if mark is None:
+        return runs
+    ink = symbols.INKS[mark.kind][0]
+    return tuple(Run(run.text, run.face, ink) for run in runs)
+
+
+def _with_note(tooltip: str, mark: Mark | None) -> str:
+    return "\n".join(part for part in (tooltip, mark.note if mark is not None else "") if part)

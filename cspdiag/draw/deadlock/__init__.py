@@ -1,0 +1,1 @@
+"""Deadlocks as pictures: the ring of processes that wait for each other."""

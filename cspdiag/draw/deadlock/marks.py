@@ -1,0 +1,115 @@
+"""Where waiting processes stand in the communication diagram of the process around them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import takewhile
+
+from cspdiag.base import Span
+from cspdiag.draw.elements.communication import communication_diagram
+from cspdiag.draw.elements.diagram import CommunicationDiagram
+from cspdiag.draw.elements.facts import Facts
+from cspdiag.draw.elements.marks import Mark
+from cspdiag.model.program import Program
+from cspdiag.syntax import ast
+
+_INDEX = re.compile(r"\[[^\]]*\]")
+MOST_NUMBERS = 10
+"""More processes than these are not numbered at one element."""
+
+
+@dataclass(frozen=True)
+class Waiting:
+    """A process that can never go on.
+
+    ``path`` is that of the process (``Table.fork[1]``), ``words`` says for what it waits (``to read Table.philosopher[0].first``), ``place`` is the file and
+    line, ``channels`` are the full names of the channels, ``ports`` those of its own ports that are connected to them. ``span`` is exactly where it
+    waits, if that is known.
+    """
+
+    path: str
+    words: str
+    place: str | None = None
+    channels: tuple[str, ...] = ()
+    ports: tuple[str, ...] = ()
+    span: Span | None = None
+
+
+def shortened(text: str, top: str) -> str:
+    """A path, or words with paths, without the name of the outermost process; empty for that itself."""
+    return "" if text == top else re.sub(rf"(?<![\w.\]]){re.escape(top)}\.", "", text)
+
+
+def surroundings(
+    program: Program, top: str, waiting: Sequence[Waiting]
+) -> tuple[CommunicationDiagram, dict[str, Mark]] | None:
+    """The diagram of the innermost process that holds all that wait, and marks on it, numbered in their order; None where there is none."""
+    prefix = _common([tuple(each.path.split(".")) for each in waiting])
+    definition = definition_at(program, prefix) if prefix and prefix[0] == top else None
+    if definition is None or definition.communication is None:
+        return None
+    diagram = communication_diagram(program, Facts(program), definition)
+    return diagram, _marks(diagram, ".".join(prefix), waiting)
+
+
+def _common(paths: Sequence[tuple[str, ...]]) -> tuple[str, ...]:
+    """What the paths have in common, but for the last part of each that has several."""
+    holders = [path[:-1] or path for path in paths]
+    common = takewhile(lambda parts: len(set(parts)) == 1, zip(*holders, strict=False))
+    return tuple(part for part, *_ in common)
+
+
+def definition_at(program: Program, path: Sequence[str]) -> ast.ProcessDefinition | None:
+    """The definition of the process at a path that begins with the outermost one; None where there is none."""
+    definition = program.definitions.get(path[0])
+    for part in path[1:]:
+        if not isinstance(definition, ast.ProcessDefinition) or definition.communication is None:
+            return None
+        instance = _instance(definition.communication.declarations, _INDEX.sub("", part))
+        definition = None if instance is None else program.definitions.get(instance.definition.text)
+    return definition if isinstance(definition, ast.ProcessDefinition) else None
+
+
+def _instance(declarations: Sequence[ast.Declaration], name: str) -> ast.Instance | None:
+    for declaration in declarations:
+        if isinstance(declaration, ast.Instance) and declaration.name.text == name:
+            return declaration
+        if isinstance(declaration, ast.RepeatedDeclarations):
+            found = _instance(declaration.declarations, name)
+            if found is not None:
+                return found
+    return None
+
+
+def _marks(diagram: CommunicationDiagram, prefix: str, waiting: Sequence[Waiting]) -> dict[str, Mark]:
+    numbers: dict[str, list[int]] = {}
+    notes: dict[str, list[str]] = {}
+    channels: dict[str, list[str]] = {}
+    for number, each in enumerate(waiting, 1):
+        note = f"{each.path} waits {each.words}"
+        box = _INDEX.sub("", each.path.removeprefix(f"{prefix}.").partition(".")[0])
+        numbers.setdefault(box, []).append(number)
+        notes.setdefault(box, []).append(note)
+        for channel in each.channels:
+            if channel.startswith(f"{prefix}."):
+                channels.setdefault(_INDEX.sub("", channel.removeprefix(f"{prefix}.")), []).append(note)
+    keys = {element.key for element in diagram.elements()}
+    marks = {
+        key: Mark("highlighted", tuple(found) if len(found) <= MOST_NUMBERS else (), "\n".join(notes[key]))
+        for key, found in numbers.items()
+        if key in keys
+    }
+    for arrow in diagram.arrows:
+        ends = (*arrow.sources, *arrow.sinks)
+        names = {arrow.label, *(_INDEX.sub("", str(end)).replace("..", ".") for end in ends)}
+        found = [note for name, told in channels.items() if name in names for note in told]
+        if found:
+            mark = Mark("highlighted", (), "\n".join(found))
+            marks[arrow.key] = mark
+            marks |= {f"{end.element}.{end.port}": mark for end in ends if end.port is not None}
+    for vertex in diagram.vertices:
+        if vertex.key in channels and vertex.key not in marks:
+            marks[vertex.key] = Mark("highlighted", (), "\n".join(channels[vertex.key]))
+    return marks

@@ -1,0 +1,77 @@
+"""At which steps of their compositions processes wait."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from pathlib import PurePath
+
+from cspdiag.base import Span
+from cspdiag.draw.deadlock.marks import MOST_NUMBERS, Waiting, definition_at
+from cspdiag.draw.elements.composition import Activity, CompositionDiagram, Guard, Part
+from cspdiag.draw.elements.marks import Mark
+from cspdiag.draw.elements.read_composition import composition_diagram
+from cspdiag.model.program import Program
+
+
+def waiting_steps(program: Program, waiting: Sequence[Waiting]) -> list[tuple[CompositionDiagram, dict[str, Mark]]]:
+    """The compositions of the waiting processes, each once, with marks where they wait, numbered in their order.
+
+    Where it is not certain at which step a process waits, nothing is marked for it.
+    """
+    diagrams: dict[str, CompositionDiagram] = {}
+    found: dict[str, dict[str, list[int]]] = {}
+    for number, each in enumerate(waiting, 1):
+        definition = definition_at(program, each.path.split("."))
+        if definition is None or definition.composition is None:
+            continue
+        name = definition.name.text
+        if name not in diagrams:
+            diagrams[name] = composition_diagram(program.definitions, definition)
+        for key in _steps(diagrams[name], each):
+            found.setdefault(name, {}).setdefault(key, []).append(number)
+    return [
+        (
+            diagrams[name],
+            {
+                key: Mark("highlighted", tuple(numbers) if len(numbers) <= MOST_NUMBERS else ())
+                for key, numbers in steps.items()
+            },
+        )
+        for name, steps in found.items()
+    ]
+
+
+def _steps(diagram: CompositionDiagram, waiting: Waiting) -> list[str]:
+    """The element at which a process waits; of an alternative the guards."""
+    if waiting.span is not None:
+        return _at(diagram, waiting.span)
+    steps = list(_on_line(diagram, waiting))
+    kinds = {type(step) for step in steps}
+    alternative = len(waiting.channels) > 1 and kinds == {Guard}
+    return [step.key for step in steps] if len(steps) == 1 or alternative else []
+
+
+def _at(diagram: CompositionDiagram, span: Span) -> list[str]:
+    """The smallest element that contains the place."""
+    around = [
+        (place.end - place.start, element.key)
+        for element in diagram.elements()
+        for place in element.spans
+        if place.file == span.file and place.start <= span.start and span.end <= place.end
+    ]
+    return [min(around)[1]] if around else []
+
+
+def _on_line(diagram: CompositionDiagram, waiting: Waiting) -> Iterator[Part]:
+    """The steps on the line of the place that do what the process waits for; of several channels the guards."""
+    file, _, line = (waiting.place or "").rpartition(":")
+    sort = Guard if len(waiting.channels) > 1 else Activity
+    ports = {port.partition("[")[0] for port in waiting.ports}
+    for element in diagram.elements():
+        if not isinstance(element, sort) or not element.spans:
+            continue
+        span = element.spans[0]
+        is_there = str(span.line) == line and PurePath(span.file).name == PurePath(file).name
+        if is_there and (not ports or re.split(r"\W", element.text)[0] in ports):
+            yield element

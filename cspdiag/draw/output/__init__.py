@@ -1,0 +1,1 @@
+"""Drawings in the formats of files."""

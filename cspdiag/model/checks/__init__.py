@@ -1,0 +1,1 @@
+"""The rules for definitions, one module for each family."""

@@ -1,0 +1,161 @@
+"""Communication relationships: directions, and one type and unit at all ends."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from cspdiag.base import Label, Report
+from cspdiag.model.diagnostics.ports import DifferentEnds, WrongSink, WrongSource
+from cspdiag.model.expressions.coercion import same
+from cspdiag.model.program import EndLabelSymbol, PortSymbol, Program
+from cspdiag.model.symbols import declared_at, described
+from cspdiag.model.types import UNKNOWN, Type
+from cspdiag.syntax import ast
+
+
+def check_relationships(program: Program, report: Report) -> None:
+    """Check every relationship of processes and environments."""
+    for definition in program.definitions.values():
+        if isinstance(definition, ast.ProcessDefinition) and definition.communication is not None:
+            _check_all(program, definition.communication.declarations, report, has_directions=True)
+        elif isinstance(definition, ast.EnvironmentDefinition):
+            # Directions are looked at where the environment is put together.
+            _check_all(program, definition.declarations, report, has_directions=False)
+
+
+def _check_all(
+    program: Program, declarations: Iterable[ast.Declaration], report: Report, *, has_directions: bool
+) -> None:
+    pending = list(declarations)[::-1]
+    while pending:
+        item = pending.pop()
+        match item:
+            case ast.RepeatedDeclarations():
+                pending += reversed(item.declarations)
+            case ast.Connection():
+                if has_directions:
+                    _check_directions(program, item, report)
+                _check_types(program, item, report)
+            case _:
+                pass
+
+
+def _check_directions(program: Program, connection: ast.Connection, report: Report) -> None:
+    for source in connection.sources:
+        wrong = _port_of_direction(program, source, own="out", inner="in")
+        if wrong is not None:
+            advice = _source_advice(program, connection, source, wrong)
+            kind = _kind(source, wrong)
+            refused = WrongSource(
+                source.span, name=source.span.text, kind=kind, advice=advice, declared=declared_at(wrong)
+            )
+            _refuse(program, report, refused, connection, source)
+    if connection in program.poisoned:
+        # The whole arrow stands the wrong way around, as a rule.
+        return
+    for sink in connection.sinks:
+        if not isinstance(sink, ast.Reference):
+            continue
+        wrong = _port_of_direction(program, sink, own="in", inner="out")
+        if wrong is not None:
+            advice = _sink_advice(sink, wrong)
+            kind = _kind(sink, wrong)
+            refused_sink = WrongSink(
+                sink.span, name=sink.span.text, kind=kind, advice=advice, declared=declared_at(wrong)
+            )
+            _refuse(program, report, refused_sink, connection, sink)
+
+
+def _refuse(
+    program: Program, report: Report, refused: WrongSource | WrongSink, connection: ast.Connection, end: ast.Reference
+) -> None:
+    report.add(refused)
+    program.poisoned.update((connection, end))
+
+
+def _port_of_direction(program: Program, end: ast.Reference, *, own: str, inner: str) -> PortSymbol | None:
+    """The port at an end, if it is one of this process with direction ``own`` or one of an instance with direction ``inner``."""
+    if end in program.poisoned:
+        return None
+    member, symbol = program.members.get(end), program.bindings.get(end)
+    if isinstance(member, PortSymbol):
+        return member if member.declaration.direction == inner else None
+    if isinstance(symbol, PortSymbol):
+        return symbol if symbol.declaration.direction == own else None
+    return None
+
+
+def _kind(end: ast.Reference, port: PortSymbol) -> str:
+    if end.member is not None:
+        return f"{described(port)} of an instance"
+    return f"{described(port)} of this process"
+
+
+def _source_advice(program: Program, connection: ast.Connection, source: ast.Reference, port: PortSymbol) -> str:
+    for sink in connection.sinks:
+        if not isinstance(sink, ast.Reference):
+            continue
+        other = program.members.get(sink) or program.bindings.get(sink)
+        wanted = "in" if sink.member is None else "out"
+        if isinstance(other, PortSymbol) and other.declaration.direction == wanted:
+            return f"turn the arrow around: `{sink.span.text} -> {source.span.text}`"
+    if source.member is not None:
+        return "an arrow begins at an out port of an instance or at an in port of this process"
+    return f"begin at an out port of an instance, or declare `in {port.name} : {port.type}`"
+
+
+def _sink_advice(sink: ast.Reference, port: PortSymbol) -> str:
+    if sink.member is not None:
+        return "an arrow ends at an in port of an instance or at an out port of this process"
+    return f"end at an in port of an instance, or declare `out {port.name} : {port.type}`"
+
+
+def _check_types(program: Program, connection: ast.Connection, report: Report) -> None:
+    """Compare every end with the label's type, or with the first end where that has none."""
+    ends = [*connection.sources, *(sink for sink in connection.sinks if isinstance(sink, ast.Reference))]
+    known = [(end, program.types.get(end, UNKNOWN)) for end in ends if end not in program.poisoned]
+    known = [(end, found) for end, found in known if found is not UNKNOWN]
+    if connection.type is not None:
+        wanted = program.types.get(connection.type, UNKNOWN)
+        name = connection.label.text if connection.label is not None else "the arrow"
+        place = Label(connection.type.span, f"the arrow is declared to carry {wanted}")
+        reported: set[Type] = set()
+        for end, found in known:
+            if not same(found, wanted) and found not in reported:
+                reported.add(found)
+                notes = (_declaration(program, end, found), place)
+                report.add(_different(end, found, name, wanted, notes))
+        return
+    if not known:
+        return
+    first, expected = known[0]
+    for end, found in known[1:]:
+        if not same(found, expected):
+            notes = (_declaration(program, first, expected), _declaration(program, end, found))
+            report.add(_different(end, found, first.span.text, expected, notes, turned=True))
+
+
+def _different(
+    end: ast.Reference,
+    found: Type,
+    other: str,
+    other_type: Type,
+    notes: tuple[Label, Label],
+    *,
+    turned: bool = False,
+) -> DifferentEnds:
+    if turned:
+        return DifferentEnds(end.span, other, other_type, end.span.text, found, notes)
+    return DifferentEnds(end.span, end.span.text, found, other, other_type, notes)
+
+
+def _declaration(program: Program, end: ast.Reference, found: Type) -> Label:
+    symbol = program.members.get(end) or program.bindings.get(end)
+    place = end.span
+    if isinstance(symbol, PortSymbol):
+        place = symbol.declaration.span
+    elif isinstance(symbol, ast.Variable | ast.Channel):
+        place = symbol.span
+    elif isinstance(symbol, EndLabelSymbol):
+        place = symbol.connection.span
+    return Label(place, f"`{end.span.text}` is declared as {found}")

@@ -1,0 +1,167 @@
+"""Values written outside a program, as in ``--set Tsh=10ms``."""
+
+from __future__ import annotations
+
+import math
+import re
+
+from cspdiag.model.constants.arithmetic import OutOfRangeError, UndefinedError, checked
+from cspdiag.model.program import Value
+from cspdiag.model.types import (
+    ArrayType,
+    BoolType,
+    EnumType,
+    IntType,
+    RealType,
+    StructType,
+    TextType,
+    TimeType,
+    Type,
+    UnknownType,
+)
+from cspdiag.model.units import conversion_factor, parse_unit
+
+_PART = re.compile(r"\.([A-Za-z_][A-Za-z0-9_]*)|\[([0-9]{1,9})\]")
+_QUANTITY = re.compile(r"([+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*(?:<([^<>]*)>|([A-Za-z%].*))?")
+_NANOSECONDS = {"ns": 1, "us": 1_000, "ms": 1_000_000, "s": 1_000_000_000, "min": 60_000_000_000}
+_UNITS_OF_TIME = f"{', '.join(_NANOSECONDS)}, or the period of a frequency in Hz, kHz, MHz"
+_HERTZ = {"Hz": 1, "kHz": 1_000, "MHz": 1_000_000}
+
+
+def parse_value(type_: Type, text: str) -> Value:
+    """A value of a type: ``10ms``, ``1kHz``, ``2e-3``, ``0.5<rad>``, ``0.5 rad``, ``true``, ``Mode.run``, ``[1, 2]``.
+
+    A number without a unit has that of the type. Raises ValueError, with a text for people, where it is no such value.
+    """
+    text = text.strip()
+    match type_:
+        case BoolType():
+            if text in {"true", "false"}:
+                return text == "true"
+            raise ValueError(f"`{text}` is neither true nor false")
+        case TimeType():
+            return _time(text)
+        case IntType():
+            if not re.fullmatch(r"[+-]?[0-9]{1,30}", text):
+                raise ValueError(f"`{text}` is no {type_}")
+            return _checked(int(text), type_, text)
+        case RealType():
+            return _real(type_, text)
+        case EnumType():
+            name = text.removeprefix(f"{type_.name}.")
+            if name not in type_.literals:
+                raise ValueError(f"`{text}` is none of {', '.join(type_.literals)}")
+            return type_.literals.index(name)
+        case ArrayType():
+            return _array(type_, text)
+        case TextType():
+            return text
+        case StructType():
+            raise ValueError(f"a value of the struct {type_.name} cannot be given here")
+        case UnknownType():
+            raise ValueError("its type is not known")
+
+
+class NoPartError(ValueError):
+    """A path leads to no field or element of a type; the message is one line. ``before`` is as much of the path as leads somewhere."""
+
+    def __init__(self, message: str, before: str, fields: tuple[str, ...] = ()) -> None:
+        super().__init__(message)
+        self.before = before
+        self.fields = fields
+
+
+def part_of(type_: Type, path: str) -> tuple[Type, tuple[int, ...]]:
+    """The type of a field or element by its path, such as ``.gains[1].kp``, and the positions on the way. Raises NoPartError."""
+    positions: list[int] = []
+    at = 0
+    while at < len(path):
+        step = _PART.match(path, at)
+        name, index = step.groups() if step is not None else (None, None)
+        match type_:
+            case StructType():
+                names = tuple(field for field, _ in type_.fields)
+                if name not in names:
+                    raise NoPartError(f"{type_} has the fields {', '.join(names)}", path[:at], names)
+                positions.append(names.index(name))
+                type_ = type_.fields[positions[-1]][1]
+            case ArrayType():
+                if index is None or (type_.size is not None and int(index) >= type_.size):
+                    last = f" to [{type_.size - 1}]" if type_.size is not None and type_.size > 1 else ""
+                    raise NoPartError(f"it has the elements [0]{last}", path[:at])
+                positions.append(int(index))
+                type_ = type_.element
+            case _:
+                raise NoPartError(f"{path[:at].lstrip('.') or 'it'} is {type_}, without fields or elements", path[:at])
+        assert step is not None
+        at = step.end()
+    return type_, tuple(positions)
+
+
+def with_part(type_: Type, value: Value, path: str, part: Value) -> Value:
+    """A struct or array with another value at ``path``; the value as it is where there is no such place."""
+    try:
+        positions = part_of(type_, path)[1]
+    except NoPartError:
+        return value
+    return _replaced(value, positions, part)
+
+
+def _replaced(value: Value, positions: tuple[int, ...], part: Value) -> Value:
+    if not positions:
+        return part
+    first, *others = positions
+    if not isinstance(value, tuple) or first >= len(value):
+        return value
+    return (*value[:first], _replaced(value[first], tuple(others), part), *value[first + 1 :])
+
+
+def _checked(value: float, type_: Type, text: str) -> int | float:
+    try:
+        return checked(value, type_)
+    except (OutOfRangeError, UndefinedError, OverflowError):
+        raise ValueError(f"`{text}` does not fit {type_}") from None
+
+
+def _quantity(text: str, what: str) -> tuple[str, str | None]:
+    """The number and the unit of a quantity."""
+    found = _QUANTITY.fullmatch(text)
+    if found is None:
+        raise ValueError(f"`{text}` is no {what}")
+    number, bracketed, plain = found.groups()
+    return number, bracketed if bracketed is not None else plain
+
+
+def _time(text: str) -> int:
+    number, unit = _quantity(text, "time, such as 10 ms")
+    value = float(number)
+    if unit in _HERTZ and value > 0:
+        nanoseconds = 1e9 / (value * _HERTZ[unit])
+    elif unit in _NANOSECONDS:
+        nanoseconds = value * _NANOSECONDS[unit]
+    else:
+        raise ValueError(f"`{text}` is no time; write it with a unit, such as 10ms (there are {_UNITS_OF_TIME})")
+    return int(_checked(nanoseconds if math.isinf(nanoseconds) else round(nanoseconds), TimeType(), text))
+
+
+def _real(type_: RealType, text: str) -> float:
+    number, unit = _quantity(text, str(type_))
+    value = float(number)
+    if unit is not None:
+        found = parse_unit(unit)
+        if found is None:
+            raise ValueError(f"`{unit}` is no unit")
+        factor = conversion_factor(found, type_.unit)
+        if factor is None:
+            raise ValueError(f"`{text}` is no {type_}: the units do not agree")
+        value *= factor
+    return float(_checked(value, type_, text))
+
+
+def _array(type_: ArrayType, text: str) -> Value:
+    if not (text.startswith("[") and text.endswith("]")) or isinstance(type_.element, ArrayType):
+        raise ValueError(f"`{text}` is no {type_}; write it as [a, b, c]")
+    values = tuple(parse_value(type_.element, part) for part in text[1:-1].split(","))
+    if type_.size is not None and type_.size != len(values):
+        raise ValueError(f"`{text}` has {len(values)} elements, not {type_.size}")
+    return values

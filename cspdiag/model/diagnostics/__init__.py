@@ -1,0 +1,1 @@
+"""What can be wrong with names, types, units and equations."""

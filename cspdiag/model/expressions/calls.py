@@ -1,0 +1,108 @@
+"""Types of calls: structs that are built, functions of the language, conversions."""
+
+from __future__ import annotations
+
+from itertools import chain
+from typing import TYPE_CHECKING
+
+from cspdiag.model.diagnostics.names import UnknownName, WrongKind
+from cspdiag.model.expressions.arguments import matched, report_missing
+from cspdiag.model.expressions.coercion import Purpose
+from cspdiag.model.expressions.functions import FUNCTIONS, conversion, function
+from cspdiag.model.program import BuiltinSymbol
+from cspdiag.model.symbols import CONVERSIONS, declared_at, described
+from cspdiag.model.types import UNKNOWN, StructType, Type
+from cspdiag.syntax import ast
+
+if TYPE_CHECKING:
+    from cspdiag.model.expressions.numbers import Typer
+
+
+def call(typer: Typer, node: ast.Call) -> Type:
+    """The type of a struct that is built, a function of the language, or a conversion."""
+    name = node.function.text
+    program = typer.context.program
+    definition = program.definitions.get(name)
+    structure = program.types.get(definition) if definition is not None else None
+    if isinstance(structure, StructType):
+        return _structure(typer, node, structure)
+    if name in FUNCTIONS:
+        program.bindings[node.function] = BuiltinSymbol(name=name)
+        return function(typer, node)
+    if name in CONVERSIONS:
+        program.bindings[node.function] = BuiltinSymbol(name=name)
+        return conversion(typer, node)
+    for argument in node.arguments:
+        typer.infer(argument.value)
+    _refuse_function(typer, node, definition)
+    return UNKNOWN
+
+
+def _structure(typer: Typer, node: ast.Call, structure: StructType) -> Type:
+    definition = typer.context.program.definitions[structure.name]
+    if not isinstance(definition, ast.StructDefinition):
+        return UNKNOWN
+    typer.context.program.bindings[node.function] = definition
+    declared, types = definition.name.span, dict(structure.fields)
+    matches = matched(typer.context, structure.name, definition.fields, node.arguments, declared)
+    example = f"{structure.name}({', '.join(f'{name} = ...' for name in types)})"
+    report_missing(typer.context, structure.name, matches, tuple(types), node, example, declared)
+    for field in definition.fields:
+        argument = matches.values.get(field.name.text)
+        if argument is not None:
+            purpose = Purpose(
+                what=f"the field `{field.name.text}`", declared=field.name.span, declared_text="declared here"
+            )
+            typer.require(argument.value, types[field.name.text], purpose)
+    return structure
+
+
+_ELSEWHERE = {
+    "arcsin": "asin", "arccos": "acos", "arctan": "atan", "arctan2": "atan2", "ln": "log", "fabs": "abs", "sgn": "sign",
+    "clamp": "limit", "clip": "limit", "saturate": "limit", "sat": "limit", "trunc": "int", "real": "double",
+}  # fmt: skip
+"""What functions are called in other languages, and here."""
+
+_OPERATORS = {"pow": "x ^ y", "power": "x ^ y", "mod": "x % y", "fmod": "x - y * floor(x / y)"}
+
+
+def _refuse_function(typer: Typer, node: ast.Call, definition: ast.Definition | None) -> None:
+    name = node.function.text
+    typer.context.program.poisoned.add(node)
+    if isinstance(definition, ast.StructDefinition):
+        # Its own fields were refused.
+        return
+    if definition is not None:
+        advice = (
+            f"declare an instance: `{name.lower()} : {name}(...)`"
+            if isinstance(definition, ast.SubmodelDefinition | ast.ProcessDefinition)
+            else None
+        )
+        refused = WrongKind(
+            node.function.span,
+            name=name,
+            kind=described(definition),
+            wanted="a function",
+            advice=advice,
+            declared=declared_at(definition),
+        )
+        typer.context.refuse(refused, node)
+    elif not typer.context.excuses_unknown_names:
+        structs = (
+            found
+            for found, given in typer.context.program.definitions.items()
+            if isinstance(given, ast.StructDefinition)
+        )
+        near = _ELSEWHERE.get(name) or typer.context.speller.nearest(name, chain(FUNCTIONS, CONVERSIONS, structs))
+        operator = _OPERATORS.get(name)
+        typer.context.refuse(
+            UnknownName(
+                node.function.span,
+                name=name,
+                wanted="function",
+                suggestion=None if operator else near,
+                declared=None,
+                advice=f"write `{operator}`" if operator else None,
+            ),
+            node,
+        )

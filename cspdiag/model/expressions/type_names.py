@@ -1,0 +1,125 @@
+"""Type names in the text, and the types they stand for."""
+
+from __future__ import annotations
+
+from itertools import chain
+
+from cspdiag.base import Span
+from cspdiag.model.context import Context
+from cspdiag.model.diagnostics.names import UnknownName, WrongKind
+from cspdiag.model.diagnostics.units import UnitNotAllowed, UnknownUnit
+from cspdiag.model.expressions.functions import integer_named, near_unit
+from cspdiag.model.program import Symbol
+from cspdiag.model.symbols import TYPE_NAMES, declared_at, described
+from cspdiag.model.types import BOOL, DOUBLE, TEXT, TIME, UNKNOWN, ArrayType, RealType, Type
+from cspdiag.model.units import Unit, parse_unit
+from cspdiag.syntax import ast
+
+_OTHER_NAMES = {
+    "real": "double", "float64": "double", "number": "double", "float32": "float", "single": "float",
+    "integer": "int", "int64": "int", "long": "int", "short": "int16", "byte": "uint8", "unsigned": "uint32",
+    "char": "uint8", "boolean": "bool", "logical": "bool", "duration": "time",
+}  # fmt: skip
+"""Types of other languages."""
+
+_TEXTS = frozenset(["string", "String", "str"])
+
+
+def builtin_type(name: str) -> Type | None:
+    """The type of the language with that name."""
+    match name:
+        case "bool":
+            return BOOL
+        case "double":
+            return DOUBLE
+        case "float":
+            return RealType(32)
+        case "time":
+            return TIME
+        case "text":
+            return TEXT
+        case "int" | "int8" | "int16" | "int32" | "uint8" | "uint16" | "uint32":
+            return integer_named(name)
+        case _:
+            return None
+
+
+def unit_of(context: Context, text: str, span: Span, place: ast.Node) -> Unit | None:
+    """The unit between angle brackets; None where it is none, which is reported."""
+    unit = parse_unit(text)
+    if unit is None:
+        context.refuse(UnknownUnit(span, text=text, suggestion=near_unit(text)), place)
+    return unit
+
+
+def element_type(context: Context, name: ast.TypeName) -> Type:
+    """The type that a name and its unit stand for, without the dimensions; names are bound."""
+    found = builtin_type(name.name.text)
+    if found is None:
+        found = _defined_type(context, name)
+    if name.unit is None or found is UNKNOWN:
+        return found
+    unit = unit_of(context, name.unit, name.unit_span or name.span, name)
+    if unit is None:
+        return UNKNOWN
+    if not isinstance(found, RealType) or found.unit != RealType().unit:
+        context.refuse(UnitNotAllowed(name.unit_span or name.span, name=name.name.text, stands_for=found), name)
+        return UNKNOWN
+    return RealType(found.bits, unit)
+
+
+def _defined_type(context: Context, name: ast.TypeName) -> Type:
+    program, text = context.program, name.name.text
+    symbol = program.definitions.get(text)
+    if isinstance(symbol, ast.EnumDefinition | ast.StructDefinition | ast.TypeAliasDefinition):
+        program.bindings[name.name] = symbol
+        return program.types.get(symbol, UNKNOWN)
+    program.poisoned.add(name)
+    if symbol is not None:
+        _refuse_kind(context, name, symbol)
+    elif not context.excuses_unknown_names:
+        types = (
+            other
+            for other, found in program.definitions.items()
+            if isinstance(found, ast.EnumDefinition | ast.StructDefinition | ast.TypeAliasDefinition)
+        )
+        suggestion = _OTHER_NAMES.get(text) or context.speller.nearest(text, chain(TYPE_NAMES, types))
+        near = program.definitions.get(suggestion) if suggestion else None
+        declared = declared_at(near) if near is not None else None
+        if text in _TEXTS:
+            suggestion = None
+        advice = "a text is a `text`; only parameters of drivers and of bodies in other languages are texts"
+        refused = UnknownName(
+            name.name.span,
+            name=text,
+            wanted="type",
+            suggestion=suggestion,
+            declared=declared,
+            advice=advice if text in _TEXTS else None,
+        )
+        context.refuse(refused, name)
+    return UNKNOWN
+
+
+def _refuse_kind(context: Context, name: ast.TypeName, symbol: Symbol) -> None:
+    advice = None
+    if isinstance(symbol, ast.ProcessDefinition | ast.SubmodelDefinition | ast.DriverDefinition):
+        advice = "an instance is declared without `var`, and has a name of its own"
+    refused = WrongKind(
+        name.name.span,
+        name=name.name.text,
+        kind=described(symbol),
+        wanted="a type",
+        advice=advice,
+        declared=declared_at(symbol),
+    )
+    context.refuse(refused, name)
+
+
+def in_dimensions(element: Type, sizes: list[int | None]) -> Type:
+    """An array of the element type; the first dimension is the outermost."""
+    if element is UNKNOWN:
+        return UNKNOWN
+    for size in reversed(sizes):
+        element = ArrayType(element, size)
+    return element

@@ -1,0 +1,181 @@
+"""The definitions of a program: collected from all files, constants and types settled in the order in which they need each other."""
+
+from __future__ import annotations
+
+from cspdiag.model.constants.evaluate import evaluate
+from cspdiag.model.constants.values import parse_value, with_part
+from cspdiag.model.context import Context, Surroundings
+from cspdiag.model.diagnostics.names import DuplicateDefinition, DuplicateName, Recursion, ReservedName
+from cspdiag.model.diagnostics.types import UselessValue
+from cspdiag.model.expressions.coercion import Purpose
+from cspdiag.model.expressions.declared_types import declared_type
+from cspdiag.model.expressions.functions import FUNCTIONS
+from cspdiag.model.expressions.numbers import Typer
+from cspdiag.model.names.graphs import circle, components, walk
+from cspdiag.model.program import Scope
+from cspdiag.model.symbols import BUILTIN_EXCEPTIONS, RESERVED_VALUES, TYPE_NAMES, described
+from cspdiag.model.types import TEXT, UNKNOWN, EnumType, StructType, Type
+from cspdiag.syntax import ast
+
+Settled = ast.Constant | ast.TypeAliasDefinition | ast.StructDefinition
+
+
+def collect(context: Context) -> None:
+    """Enter every definition under its name; what is imported comes first, so that a clash is shown in the importing file."""
+    program = context.program
+    for tree in reversed(program.trees):
+        for item in tree.items:
+            if isinstance(item, ast.Import):
+                continue
+            if isinstance(item, ast.Assertion):
+                program.assertions.append(item)
+                continue
+            name = item.name.text
+            first = program.definitions.get(name)
+            if first is not None:
+                library = first.span.file.removesuffix(".csp").replace("/", ".")
+                refused = DuplicateDefinition(
+                    item.name.span,
+                    name=name,
+                    first=first.name.span,
+                    library=library if library.startswith("std.") else None,
+                )
+                context.refuse(refused, item)
+                continue
+            meaning = _reserved_meaning(item)
+            if meaning:
+                context.refuse(ReservedName(item.name.span, name=name, meaning=meaning))
+            program.definitions[name] = item
+
+
+def _reserved_meaning(item: ast.Definition) -> str | None:
+    name = item.name.text
+    match item:
+        case ast.Constant() if name in RESERVED_VALUES:
+            return reserved_value(name)
+        case ast.EnumDefinition() | ast.StructDefinition() | ast.TypeAliasDefinition() if name in TYPE_NAMES:
+            return "a type of the language"
+        case ast.StructDefinition() if name in FUNCTIONS:
+            return "a function of the language"
+        case ast.ExceptionDefinition() if name in BUILTIN_EXCEPTIONS:
+            return "an exception of the language"
+        case _:
+            return None
+
+
+def reserved_value(name: str) -> str | None:
+    """What a reserved name of a value means; None where the name is free."""
+    return {
+        "time": "the present instant in equations",
+        "sample": "the sample period in equations",
+        "pi": "the number 3.14159…",
+    }.get(name)
+
+
+def settle(context: Context) -> None:
+    """Find types and values of constants, aliases, enums and structs."""
+    program = context.program
+    for definition in program.definitions.values():
+        if isinstance(definition, ast.EnumDefinition):
+            names = tuple(literal.text for literal in definition.literals)
+            program.types[definition] = EnumType(definition.name.text, names)
+            _refuse_twins(context, definition.literals, f"the enum `{definition.name.text}`", "a literal")
+    settled = [item for item in program.definitions.values() if isinstance(item, Settled)]
+    needs = {item: _needed(context, item) for item in settled}
+    for component in components(settled, needs.__getitem__):
+        if len(component) > 1 or component[0] in needs[component[0]]:
+            _refuse_circle(context, component, needs)
+        else:
+            _settle(context, component[0])
+
+
+def _needed(context: Context, item: Settled) -> list[Settled]:
+    found: list[Settled] = []
+    for part in walk(item):
+        match part:
+            case ast.Name():
+                name = part.name
+            case ast.TypeName():
+                name = part.name.text
+            case ast.Call():
+                name = part.function.text
+            case _:
+                continue
+        needed = context.program.definitions.get(name)
+        if isinstance(needed, Settled):
+            found.append(needed)
+    return found
+
+
+def _refuse_circle(context: Context, component: list[Settled], needs: dict[Settled, list[Settled]]) -> None:
+    members = sorted(component, key=lambda item: (item.span.file, item.span.start))
+    cycle = circle(members, needs.__getitem__)
+    first = members[0]
+    kind = described(first).removeprefix("a ")
+    refused = Recursion(
+        first.name.span,
+        name=first.name.text,
+        kind=kind,
+        cycle=tuple((item.name.text, item.name.span) for item in cycle),
+    )
+    context.refuse(refused, *members)
+    for item in members:
+        context.program.types[item] = UNKNOWN
+
+
+def _settle(context: Context, item: Settled) -> None:
+    surroundings = Surroundings(place="constant", owner=item, scope=Scope(), replicators={}, constant=True)
+    typer = Typer(context, surroundings)
+    match item:
+        case ast.Constant():
+            _settle_constant(context, typer, item)
+        case ast.TypeAliasDefinition():
+            context.program.types[item] = declared_type(typer, item.type)
+        case ast.StructDefinition():
+            _refuse_twins(
+                context, tuple(field.name for field in item.fields), f"the struct `{item.name.text}`", "a field"
+            )
+            fields: dict[str, Type] = {}
+            for field in item.fields:
+                found = context.program.types[field] = declared_type(typer, field.type)
+                fields.setdefault(field.name.text, found)
+            context.program.types[item] = StructType(item.name.text, tuple(fields.items()))
+
+
+def _settle_constant(context: Context, typer: Typer, item: ast.Constant) -> None:
+    program, name = context.program, item.name.text
+    if item.type is not None:
+        wanted = declared_type(typer, item.type)
+        purpose = Purpose(what=f"the constant `{name}`", declared=item.type.span, declared_text="its type")
+        typer.require(item.value, wanted, purpose)
+        # The size of an array may be left to the value.
+        found = wanted
+    else:
+        found = typer.infer(item.value)
+    if found is TEXT:
+        advice = "texts are arguments of drivers and of bodies in other languages only"
+        context.refuse(UselessValue(item.value.span, what="a text", advice=advice), item.value)
+        found = UNKNOWN
+    program.types[item] = found
+    override = program.overrides.get(name)
+    if isinstance(override, str):
+        override = parse_value(found, override)
+    value = override if override is not None else evaluate(program, item.value, {}, context.report)
+    for path, part in program.overrides.items():
+        if value is not None and path.startswith((f"{name}.", f"{name}[")):
+            value = with_part(found, value, path[len(name) :], part)
+    if value is None:
+        program.poisoned.add(item)
+    else:
+        program.constants[item] = value
+
+
+def _refuse_twins(context: Context, names: tuple[ast.Identifier, ...], where: str, kind: str) -> None:
+    first: dict[str, ast.Identifier] = {}
+    for name in names:
+        other = first.setdefault(name.text, name)
+        if other is not name:
+            refused = DuplicateName(
+                name.span, name=name.text, where=where, kind=kind, first=other.span, first_kind=kind
+            )
+            context.refuse(refused, name)

@@ -1,0 +1,66 @@
+"""The files of a program: the main one and everything it imports."""
+
+from __future__ import annotations
+
+import posixpath
+from collections.abc import Callable, Iterator
+
+from cspdiag.base import Report, SourceFile, resources
+from cspdiag.model.diagnostics.imports import ImportCycle, UnknownLibrary, UnreadableImport
+from cspdiag.syntax import ast
+from cspdiag.syntax.parser import parse
+
+
+def load(main: SourceFile, read: Callable[[str], SourceFile], report: Report) -> list[ast.SourceTree]:
+    """Parse a program and everything it imports, each file once; the main file comes first.
+
+    ``read`` is given the path of an imported file relative to where the main file's name is relative to, and raises OSError where it
+    cannot read it. A file without a readable tree is left out.
+    """
+    trees: dict[str, ast.SourceTree | None] = {main.name: parse(main, report)}
+    # The files on the way from the main file to the present one, each with the imports that are still to be followed.
+    path = [(main.name, _imports(trees[main.name]))]
+    while path:
+        importer, pending = path[-1]
+        statement = next(pending, None)
+        if statement is None:
+            path.pop()
+            continue
+        name = _file_name(importer, statement)
+        if name in [file for file, _ in path]:
+            cycle = (*(file for file, _ in path[[file for file, _ in path].index(name) :]), name)
+            report.add(ImportCycle(statement.span, cycle=cycle))
+        elif name not in trees:
+            source = _open(name, statement, read, report)
+            trees[name] = parse(source, report) if source else None
+            path.append((name, _imports(trees[name])))
+    return [tree for tree in trees.values() if tree is not None]
+
+
+def _imports(tree: ast.SourceTree | None) -> Iterator[ast.Import]:
+    return iter([item for item in tree.items if isinstance(item, ast.Import)] if tree else [])
+
+
+def _file_name(importer: str, statement: ast.Import) -> str:
+    if statement.library is not None:
+        return statement.library.replace(".", "/") + ".csp"
+    return posixpath.normpath(posixpath.join(posixpath.dirname(importer), statement.path or ""))
+
+
+def _open(name: str, statement: ast.Import, read: Callable[[str], SourceFile], report: Report) -> SourceFile | None:
+    if statement.library is not None:
+        text = resources.library_source(statement.library)
+        if text is None:
+            report.add(UnknownLibrary(statement.span, library=statement.library))
+            return None
+        return SourceFile(name=name, text=text)
+    try:
+        return read(name)
+    except OSError as error:
+        reason = error.strerror or str(error)
+    except UnicodeDecodeError:
+        reason = "it is not a text file"
+    except ValueError as error:
+        reason = str(error)
+    report.add(UnreadableImport(statement.span, path=statement.path or "", looked_for=name, reason=reason))
+    return None

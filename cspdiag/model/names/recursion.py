@@ -1,0 +1,60 @@
+"""Processes and submodels that contain themselves."""
+
+from __future__ import annotations
+
+from cspdiag.model.context import Context
+from cspdiag.model.diagnostics.names import Recursion
+from cspdiag.model.names.graphs import circle, components
+from cspdiag.model.symbols import described
+from cspdiag.syntax import ast
+
+Composed = ast.ProcessDefinition | ast.SubmodelDefinition
+
+
+def instances_of(definition: ast.Definition) -> list[ast.Instance]:
+    """The instances inside a definition, those in repeated declarations included."""
+    found: list[ast.Instance] = []
+    pending: list[object] = []
+    match definition:
+        case ast.ProcessDefinition():
+            pending = list(definition.communication.declarations) if definition.communication else []
+        case ast.SubmodelDefinition():
+            pending = list(definition.items)
+        case ast.EnvironmentDefinition():
+            pending = list(definition.declarations)
+        case _:
+            pass
+    while pending:
+        item = pending.pop()
+        if isinstance(item, ast.Instance):
+            found.append(item)
+        elif isinstance(item, ast.RepeatedDeclarations):
+            pending += item.declarations
+    return found[::-1]
+
+
+def refuse_recursion(context: Context) -> None:
+    """Report each circle of definitions once, and poison the instances that close it."""
+    program = context.program
+    composed = [item for item in program.definitions.values() if isinstance(item, Composed)]
+    instances = {item: instances_of(item) for item in composed}
+    needs: dict[Composed, list[Composed]] = {}
+    for item in composed:
+        inner = [program.bindings.get(instance.definition) for instance in instances[item]]
+        needs[item] = [found for found in inner if isinstance(found, Composed)]
+    for component in components(composed, needs.__getitem__):
+        if len(component) == 1 and component[0] not in needs[component[0]]:
+            continue
+        members = sorted(component, key=lambda item: (item.span.file, item.span.start))
+        path = circle(members, needs.__getitem__)
+        inside = set(component)
+        closing = [
+            instance
+            for item in members
+            for instance in instances[item]
+            if program.bindings.get(instance.definition) in inside
+        ]
+        cycle = tuple((item.name.text, item.name.span) for item in path)
+        kind = described(members[0]).split(" ", 1)[1]
+        first = members[0].name
+        context.refuse(Recursion(first.span, name=first.text, kind=kind, cycle=cycle), *closing)

@@ -1,0 +1,1 @@
+"""What can be said against a program once its shapes are known."""

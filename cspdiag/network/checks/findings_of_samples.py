@@ -1,0 +1,116 @@
+"""Reports samples that are missed, each once, where the reads of parts are joined."""
+
+from __future__ import annotations
+
+from cspdiag.base import Report, Span
+from cspdiag.network.checks.first_samples import Late
+from cspdiag.network.checks.gaps import NOTHING, Gap, either, then
+from cspdiag.network.checks.sample_reads import MANY, Book, Part, Reads
+from cspdiag.network.diagnostics.rates import SamplesMissed
+from cspdiag.network.infer.contexts import Placed
+from cspdiag.network.infer.waiting import sample_period
+from cspdiag.network.shapes import Key
+
+NEVER = 1 << 63
+"""A later moment than any."""
+
+
+class Findings:
+    """What is found in one process."""
+
+    def __init__(self, placed: Placed, report: Report) -> None:
+        self.placed = placed
+        self.report = report
+        self.tolerated = False
+        """Whether nothing is said of the parts that are joined now: a missed sample is caught there, or it is not certain that they are reached."""
+        self.limit = NEVER
+        """Within how many nanoseconds the parts that are joined now are surely cut off."""
+        self.said: set[tuple[Key, Span]] = set()
+
+    def add_first(self, late: Late) -> None:
+        """Report what every run misses."""
+        between = Gap(late.waits, None, late.cause)
+        self._report(late.port, between, late.earlier, late.read, 1, is_certain=True, slower=late.slower)
+
+    def check(self, book: Book, between: Gap | None, one: Reads, other: Reads) -> bool:
+        """Report a gap in which a sample is certainly overwritten, or may be while an event is waited for."""
+        period = sample_period(self.placed, book[0])
+        if self.tolerated or between is None or between.cause is None:
+            return False
+        if between.event is None and between.late < 2 * period:
+            return False
+        if between.duration + period >= self.limit:
+            return False
+        is_said = (book[0], between.cause) in self.said
+        self.said.add((book[0], between.cause))
+        if not is_said:
+            self._report(book[0], between, one.span, other.span, 1 + max(between.credit, 0) // period, is_certain=True)
+        return True
+
+    def check_turns(self, body: Part, *, is_endless: bool) -> None:
+        """What one turn of a loop leaves to the next, and whether it takes as many samples as come in it."""
+        slowest = max(
+            ((found.least * sample_period(self.placed, book[0]), book) for book, found in body.reads.items()),
+            default=(0, ("", 0)),
+        )
+        for book, found in body.reads.items():
+            key = book[0]
+            if found.before is None or found.after is None:
+                continue
+            # Between two reads there may also be a turn without one.
+            free = found.past or NOTHING
+            between = (then(found.after.then(free), found.before), then(found.held, found.before), found.pending)
+            if any(self.check(book, gap, found, found) for gap in between):
+                # What one input misses in a turn, others may miss too: it is one mistake.
+                return
+            if self.tolerated:
+                continue
+            taken = found.most * sample_period(self.placed, key)
+            if 0 < found.most < MANY and slowest[0] > taken:
+                slower = body.reads[slowest[1]].span
+                waited = Gap(slowest[0], None, slower, taken)
+                self._report_turns(key, waited, found.span, slower=slowest[1][0], is_endless=is_endless)
+                return
+            drift = either(found.drift, then(found.drift, found.past))
+            if drift is not None and drift.event is None and drift.late >= 0 and drift.cause is not None:
+                self._report_turns(key, drift, found.span, slower=None, is_endless=is_endless)
+                return
+
+    def _report_turns(self, key: Key, turn: Gap, read: Span, *, slower: Key | None, is_endless: bool) -> None:
+        assert turn.cause is not None
+        period = sample_period(self.placed, key)
+        turns = 2 + 2 * period // turn.late if turn.late else 1
+        if turns * turn.duration + period < self.limit and (key, turn.cause) not in self.said:
+            self.said.add((key, turn.cause))
+            reads = turn.credit // period
+            self._report(key, turn, read, read, reads, is_certain=is_endless, slower=slower, turns=True)
+
+    def _report(
+        self,
+        key: Key,
+        between: Gap,
+        earlier: Span,
+        read: Span,
+        reads: int,
+        *,
+        is_certain: bool,
+        slower: Key | None = None,
+        turns: bool = False,
+    ) -> None:
+        assert between.cause is not None
+        self.report.add(
+            SamplesMissed(
+                span=between.cause,
+                port=key,
+                period=sample_period(self.placed, key),
+                read=read,
+                earlier=earlier,
+                event=between.event,
+                beside=None if between.event is not None else between.beside,
+                waits=between.duration,
+                slower=slower,
+                reads=reads,
+                turns=turns,
+                is_certain=is_certain,
+            )
+        )

@@ -1,0 +1,248 @@
+"""A ready guard promises a read: the process behind ``port -> P`` begins by reading that port.
+
+The rule: on every way through ``P``, the port is read before anything that may have to wait. What never waits may come first:
+``skip``, ``:=``, ``reset``, reading a ``var`` channel or a default, writing an output of the outermost process. A submodel
+reads all its inputs at once; besides the port of the guard it may read what never waits, and sampled inputs of the same period that
+this process reads nowhere else but together with that port, for they are ready at the same instant.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TypeAlias, assert_never
+
+from cspdiag.base import Report, Span
+from cspdiag.base.record import record
+from cspdiag.network.diagnostics.alternatives import GuardNotRead
+from cspdiag.network.infer.contexts import Placed
+from cspdiag.network.infer.ends import all_actions
+from cspdiag.network.infer.waiting import inputs_of, is_open, is_over_at_once, read_may_wait, write_may_wait
+from cspdiag.network.ir.actions import (
+    Action,
+    AssignValue,
+    Branch,
+    CatchException,
+    Choice,
+    CountedLoop,
+    Group,
+    IfElse,
+    InputEvent,
+    InterruptOn,
+    OptimizedStep,
+    ParallelSteps,
+    RaiseException,
+    ReadValue,
+    ReadyEvent,
+    Repeat,
+    ResetInstance,
+    RunInstance,
+    SequentialSteps,
+    SkipEvent,
+    SkipStep,
+    StopStep,
+    WaitStep,
+    WhileLoop,
+    WriteValue,
+)
+from cspdiag.network.relations import end_key
+from cspdiag.network.shapes import UNKNOWN_PERIOD, InstanceShape, Key, attached_key, element_name
+
+
+@record
+class Reads:
+    """The port is read before anything that may wait."""
+
+
+@record
+class Silent:
+    """Nothing that may wait was met, nor the port."""
+
+
+@record
+class Other:
+    """Something that may wait comes first; ``what`` says it in words."""
+
+    span: Span
+    what: str
+    beside: str | None = None
+    """An input that is read at once with the guard's port and may not be ready."""
+
+
+Beginning: TypeAlias = Reads | Silent | Other
+
+_READS, _SILENT = Reads(), Silent()
+_DEEPEST = 100
+"""Levels of hierarchy that are looked into; what begins deeper is given credit."""
+
+
+def check_guards(placed: Placed, report: Report) -> None:
+    """Report every ready guard whose process does not begin by reading the guard's port."""
+    body = placed.shape.body
+    if body is None or placed.shape.incomplete:
+        return
+    for action in all_actions(body):
+        match action:
+            case Choice():
+                for branch in action.branches:
+                    _check(placed, branch, report)
+            case InterruptOn():
+                _check(placed, action.branch, report)
+            case _:
+                pass
+
+
+def _check(placed: Placed, branch: Branch, report: Report) -> None:
+    if not isinstance(branch.event, ReadyEvent):
+        return
+    key = end_key(branch.event.source)
+    if is_open(placed, key):
+        return
+    found = _Beginnings(placed, key, 0).of(branch.body)
+    if isinstance(found, Reads):
+        return
+    if isinstance(found, Silent):
+        found = Other(branch.body.span, "the branch ends without reading it")
+    report.add(GuardNotRead(span=branch.event.span, port=key, first=found.span, what=found.what, beside=found.beside))
+
+
+class _Beginnings:
+    """How actions of one process begin with regard to one port or channel."""
+
+    def __init__(self, placed: Placed, key: Key | None, depth: int) -> None:
+        self.placed = placed
+        self.key = key
+        self.depth = depth
+
+    def of(self, action: Action) -> Beginning:
+        match action:
+            case RunInstance():
+                instance = self.placed.shape.instances[action.instance]
+                return (
+                    self._law(instance, action.span) if instance.shape.is_submodel else self._process(instance, action)
+                )
+            case ReadValue():
+                return self._read(end_key(action.source), action.span)
+            case WriteValue():
+                key = end_key(action.sink)
+                waits = write_may_wait(self.placed, key) and not is_open(self.placed, key)
+                return Other(action.span, f"the branch writes `{key}` first") if waits else _SILENT
+            case AssignValue() | SkipStep() | ResetInstance():
+                return _SILENT
+            case WaitStep() if is_over_at_once(self.placed, action.duration):
+                return _SILENT
+            case WaitStep() | StopStep() | RaiseException():
+                return Other(action.span, "the branch does not begin by reading it")
+            case SequentialSteps():
+                return self._first(action.steps)
+            case ParallelSteps():
+                return _of_parallel(map(self.of, action.steps))
+            case Choice():
+                return _of_alternatives(map(self._branch, action.branches), action.span)
+            case Repeat() | CountedLoop() | Group():
+                return self.of(action.body)
+            case WhileLoop():
+                found = self.of(action.body)
+                return (
+                    Other(action.span, "the branch may end without reading it") if isinstance(found, Reads) else found
+                )
+            case IfElse():
+                return _of_alternatives(map(self.of, (action.then, action.otherwise)), action.span)
+            case CatchException() | InterruptOn():
+                return self.of(action.body)
+            case OptimizedStep():
+                raise AssertionError("made by the optimizer, later")
+            case _:
+                assert_never(action)
+
+    def _first(self, steps: tuple[Action, ...]) -> Beginning:
+        for step in steps:
+            found = self.of(step)
+            if not isinstance(found, Silent):
+                return found
+        return _SILENT
+
+    def _branch(self, branch: Branch) -> Beginning:
+        match branch.event:
+            case ReadyEvent() | InputEvent() as event if end_key(event.source) == self.key:
+                return _READS
+            case SkipEvent():
+                return self.of(branch.body)
+            case _:
+                return Other(branch.span, "the branch may choose something else first")
+
+    def _read(self, key: Key, span: Span) -> Beginning:
+        if key == self.key:
+            return _READS
+        waits = read_may_wait(self.placed, key) and not is_open(self.placed, key)
+        return Other(span, f"the branch reads `{key}` first") if waits else _SILENT
+
+    def _law(self, instance: InstanceShape, span: Span) -> Beginning:
+        keys = [key for key in inputs_of(instance) if key is not None]
+        reads = self.key in keys
+        for key in keys:
+            if key == self.key or is_open(self.placed, key) or not read_may_wait(self.placed, key):
+                continue
+            if not (reads and self._is_companion(key)):
+                if reads:
+                    return Other(span, f"`{instance.name}` also reads `{key}`, which may not be ready", key)
+                return Other(span, f"`{instance.name}` reads `{key}` first")
+        if reads:
+            return _READS
+        outputs = (
+            attached_key(a) for e, a in instance.attachments.items() if instance.shape.ports[e[0]].direction == "out"
+        )
+        for output in outputs:
+            if output is not None and not is_open(self.placed, output) and write_may_wait(self.placed, output):
+                return Other(span, f"`{instance.name}` writes `{output}` first")
+        return _SILENT
+
+    def _is_companion(self, key: Key) -> bool:
+        """Whether ``key`` is a sampled input ready whenever the guard's port is: read only together with it, at its period."""
+        assert self.key is not None
+        (kind, period), (guard_kind, guard_period) = self.placed.facts[key], self.placed.facts[self.key]
+        is_known = UNKNOWN_PERIOD not in (period, guard_period)
+        if kind != "sampled" or guard_kind != "sampled" or (is_known and period != guard_period):
+            return False
+        shape = self.placed.shape
+        for instance in shape.instances.values():
+            keys = set(inputs_of(instance))
+            if key in keys and not (instance.shape.is_submodel and self.key in keys):
+                return False
+        assert shape.body is not None
+        return not any(isinstance(a, ReadValue) and end_key(a.source) == key for a in all_actions(shape.body))
+
+    def _process(self, instance: InstanceShape, action: RunInstance) -> Beginning:
+        body = instance.shape.body
+        if body is None or instance.shape.incomplete or self.depth >= _DEEPEST:
+            return _READS
+        inside = self.placed.inside[instance.name]
+        ports = [
+            element_name(*element)
+            for element, attached in instance.attachments.items()
+            if self.key is not None and attached_key(attached) == self.key
+        ]
+        found = _Beginnings(inside, ports[0] if ports else None, self.depth + 1).of(body)
+        if isinstance(found, Other):
+            return Other(action.span, found.what.replace("the branch", f"`{instance.name}`", 1))
+        return found
+
+
+def _of_parallel(found: Iterable[Beginning]) -> Beginning:
+    """All branches begin at once, so one that reads the port is enough."""
+    all_found = list(found)
+    if any(isinstance(one, Reads) for one in all_found):
+        return _READS
+    return next((one for one in all_found if isinstance(one, Other)), _SILENT)
+
+
+def _of_alternatives(found: Iterable[Beginning], span: Span) -> Beginning:
+    """Every way has to read the port."""
+    all_found = list(found)
+    other = next((one for one in all_found if isinstance(one, Other)), None)
+    if other is not None:
+        return other
+    if all(isinstance(one, Reads) for one in all_found):
+        return _READS
+    if any(isinstance(one, Reads) for one in all_found):
+        return Other(span, "the branch may end without reading it")
+    return _SILENT

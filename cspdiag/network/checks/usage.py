@@ -1,0 +1,87 @@
+"""Names that nobody uses, and channels that are looked at as if they kept a value."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from cspdiag.base import Report
+from cspdiag.network.diagnostics.channels import ChannelReadAsVariable
+from cspdiag.network.diagnostics.usage import PortUnused, VariableUnused
+from cspdiag.network.infer.ends import all_actions
+from cspdiag.network.ir.actions import (
+    Action,
+    AfterEvent,
+    AssignValue,
+    Choice,
+    IfElse,
+    InterruptOn,
+    OutputEvent,
+    Repeat,
+    WaitStep,
+    WhileLoop,
+    WriteValue,
+)
+from cspdiag.network.ir.expressions import Expression
+from cspdiag.network.relations import UsesByKey, variables_read
+from cspdiag.network.shapes import Shape, attached_key
+from cspdiag.syntax import ast
+
+
+def check_usage(shape: Shape, uses: UsesByKey, report: Report, *, is_specification: bool) -> None:
+    """Warn of ports and variables of a process that nobody uses; refuse conditions on channels that keep no value.
+
+    A port that a specification does not use is one at which it allows nothing.
+    """
+    if shape.body is None or shape.incomplete:
+        return
+    _check_values(shape, shape.body, report)
+    if shape.has_refused_relationship:
+        return
+    for port, _, key in shape.port_elements():
+        if not is_specification and key not in uses and key not in shape.port_spans:
+            report.add(PortUnused(span=port.span, port=key, process=shape.name, direction=port.direction))
+    connected = {attached_key(a) for instance in shape.instances.values() for a in instance.attachments.values()}
+    for channel in shape.channels.values():
+        use = uses.get(channel.name)
+        is_declared = not isinstance(channel.declaration, ast.Connection)
+        if is_declared and use is None and channel.name not in connected:
+            report.add(VariableUnused(span=channel.span, name=channel.name))
+
+
+def _check_values(shape: Shape, body: Action, report: Report) -> None:
+    for expression in expressions_in(body):
+        for value in variables_read(expression):
+            channel = shape.channels.get(value.channel)
+            if channel is not None and channel.kind != "var" and not channel.excused and value.span is not None:
+                refused = ChannelReadAsVariable(
+                    span=value.span, channel=channel.name, kind=channel.kind, declared=channel.span
+                )
+                report.add(refused)
+
+
+def expressions_in(body: Action) -> Iterator[Expression]:
+    """The expressions of a composition: values written, conditions, durations and indexes."""
+    for action in all_actions(body):
+        match action:
+            case WriteValue():
+                yield action.value
+            case AssignValue():
+                yield action.value
+                yield from action.target.indexes
+            case WaitStep():
+                yield action.duration
+            case WhileLoop() | IfElse():
+                yield action.condition
+            case Repeat():
+                if action.until is not None:
+                    yield action.until
+            case Choice() | InterruptOn():
+                for branch in action.branches if isinstance(action, Choice) else (action.branch,):
+                    if branch.condition is not None:
+                        yield branch.condition
+                    if isinstance(branch.event, OutputEvent):
+                        yield branch.event.value
+                    elif isinstance(branch.event, AfterEvent):
+                        yield branch.event.duration
+            case _:
+                pass

@@ -1,0 +1,301 @@
+"""What goes wrong between users of a channel in parallel."""
+
+from __future__ import annotations
+
+from cspdiag.base import Diagnostic, Label, Span
+from cspdiag.base.record import record
+from cspdiag.network.relations import Access
+
+
+def _do_in_parallel(one: Access, other: Access, verb: str, channel: str) -> str:
+    """Who does the same to a channel at the same time: ```one` and `other` read `c` in parallel``."""
+    if not one.instance and not other.instance:
+        return f"two parallel parts of the process {verb} `{channel}`"
+    return f"{one.who} and {other.who} {verb} `{channel}` in parallel"
+
+
+def both(one: Access, other: Access, verbs: tuple[str, str]) -> tuple[Label, ...]:
+    """The places of a pair: the other end of the relationship, and where the two stand in the composition."""
+    labels = [Label(other.span, f"{other.who} {verbs[1]} here")]
+    for access, verb in ((one, verbs[0]), (other, verbs[1])):
+        if access.run != access.span:
+            labels.append(Label(access.run, f"{access.who}, which {verb} it, runs here"))
+    return tuple(labels)
+
+
+@record
+class Race(Diagnostic):
+    """A variable is written in one parallel part and used in another.
+
+    A variable keeps its last value and makes nobody wait. Between parallel parts it would depend on the scheduler which value is
+    seen: a race. Parallel parts exchange values over channels, where the reader waits for the writer.
+
+    Refused::
+
+        process Main {
+          out output : int
+          communication { var value : int = 0 }
+          composition { value := 1 || output ! value }
+        }
+
+    Mended::
+
+        process Main {
+          out output : int
+          communication { var value : int = 0 }
+          composition { value := 1 ; output ! value }
+        }
+    """
+
+    code = "E0520"
+    title = "race on a variable"
+
+    variable: str
+    one: Access
+    other: Access
+    both_write: bool
+
+    @property
+    def message(self) -> str:
+        if self.both_write:
+            writing = _do_in_parallel(self.one, self.other, "write", self.variable)
+            return f"{writing}, so that either value may be lost"
+        if not self.one.instance and not self.other.instance:
+            return f"`{self.variable}` is written in one parallel part of the process and read in another"
+        return f"{self.one.who} writes `{self.variable}` in parallel with {self.other.who}, which reads it"
+
+    @property
+    def label(self) -> str:
+        return "written here"
+
+    @property
+    def help(self) -> str | None:
+        return "pass the value over a channel between the two, or run them one after the other"
+
+    @property
+    def labels(self) -> tuple[Label, ...]:
+        return both(self.one, self.other, ("writes", "writes" if self.both_write else "reads"))
+
+
+@record
+class ParallelWriters(Diagnostic):
+    """A channel has several writers in parallel.
+
+    A rendezvous is between one writer and one reader. Where several writers are active at the same time, the order in which their
+    values come is left open, and the diagram has to say that this is meant: `any`. Writers that run one after
+    the other, or in different branches of an alternative, need nothing.
+
+    Refused::
+
+        process Sender {
+          out output : int
+          composition { mu output ! 1 }
+        }
+
+        process Receiver {
+          in input : int
+          communication { var last : int = 0 }
+          composition { mu input ? last }
+        }
+
+        process Main {
+          communication {
+            one      : Sender
+            other    : Sender
+            receiver : Receiver
+            one.output, other.output -> receiver.input
+          }
+          composition { one || other || receiver }
+        }
+
+    Mended::
+
+        process Sender {
+          out output : int
+          composition { mu output ! 1 }
+        }
+
+        process Receiver {
+          in input : int
+          communication { var last : int = 0 }
+          composition { mu input ? last }
+        }
+
+        process Main {
+          communication {
+            one      : Sender
+            other    : Sender
+            receiver : Receiver
+            one.output, other.output -> any -> receiver.input
+          }
+          composition { one || other || receiver }
+        }
+    """
+
+    code = "E0521"
+    title = "several writers in parallel"
+
+    channel: str
+    one: Access
+    other: Access
+    said: str | None
+    outermost: bool
+
+    @property
+    def message(self) -> str:
+        return _do_in_parallel(self.one, self.other, "write", self.channel)
+
+    @property
+    def help(self) -> str | None:
+        if self.said is not None:
+            return f"only `any` takes values from several writers, one at a time; this channel says `{self.said}`"
+        if self.outermost:
+            return "write `-> any ->` if the values may come in any order, or run one writer after the other"
+        return "write `-> any ->` so that the channel takes from one writer at a time, or run them one after the other"
+
+    @property
+    def labels(self) -> tuple[Label, ...]:
+        return both(self.one, self.other, ("writes", "writes"))
+
+
+@record
+class ParallelReaders(Diagnostic):
+    """A channel has several readers in parallel.
+
+    With several readers at the same time there are two meanings, and the diagram has to say which: `broadcast` gives every value
+    to every reader, `any` gives each value to one of them.
+
+    Refused::
+
+        process Sender {
+          out output : int
+          composition { mu output ! 1 }
+        }
+
+        process Receiver {
+          in input : int
+          communication { var last : int = 0 }
+          composition { mu input ? last }
+        }
+
+        process Main {
+          communication {
+            sender : Sender
+            one    : Receiver
+            other  : Receiver
+            sender.output -> one.input, other.input
+          }
+          composition { sender || one || other }
+        }
+
+    Mended::
+
+        process Sender {
+          out output : int
+          composition { mu output ! 1 }
+        }
+
+        process Receiver {
+          in input : int
+          communication { var last : int = 0 }
+          composition { mu input ? last }
+        }
+
+        process Main {
+          communication {
+            sender : Sender
+            one    : Receiver
+            other  : Receiver
+            sender.output -> broadcast -> one.input, other.input
+          }
+          composition { sender || one || other }
+        }
+    """
+
+    code = "E0522"
+    title = "several readers in parallel"
+
+    channel: str
+    one: Access
+    other: Access
+    said: str | None
+
+    @property
+    def message(self) -> str:
+        return _do_in_parallel(self.one, self.other, "read", self.channel)
+
+    @property
+    def help(self) -> str | None:
+        said = "" if self.said is None else f" instead of `{self.said}`"
+        return f"say `broadcast` (each of them gets every value) or `any` (one of them gets it){said}"
+
+    @property
+    def labels(self) -> tuple[Label, ...]:
+        return both(self.one, self.other, ("reads", "reads"))
+
+
+@record
+class EventReadInParallel(Diagnostic):
+    """An event from outside is read by several processes in parallel.
+
+    An event is taken by whoever reads it first. In the published code of JIWY both joints waited for the stop button in this way: one
+    joint could take the press, and the other one never stopped. Say `broadcast` if every reader must get every event, `any` if
+    one of them is enough. A sampled input needs nothing of the kind: each reader gets each sample.
+
+    Refused::
+
+        process Receiver {
+          in input : int
+          communication { var last : int = 0 }
+          composition { mu input ? last }
+        }
+
+        process Main {
+          in button : int
+          communication {
+            horizontal : Receiver
+            vertical   : Receiver
+            button -> horizontal.input, vertical.input
+          }
+          composition { horizontal || vertical }
+        }
+
+    Mended::
+
+        process Receiver {
+          in input : int
+          communication { var last : int = 0 }
+          composition { mu input ? last }
+        }
+
+        process Main {
+          in button : int
+          communication {
+            horizontal : Receiver
+            vertical   : Receiver
+            button -> broadcast -> horizontal.input, vertical.input
+          }
+          composition { horizontal || vertical }
+        }
+    """
+
+    code = "E0523"
+    title = "event read by several in parallel"
+
+    port: str
+    one: Access
+    other: Access
+    declared: Span
+
+    @property
+    def message(self) -> str:
+        reading = _do_in_parallel(self.one, self.other, "read the event", self.port)
+        return f"{reading}, so that one can take it from the other"
+
+    @property
+    def help(self) -> str | None:
+        return "write `-> broadcast ->` if each of them must get every event, `-> any ->` if one of them is enough"
+
+    @property
+    def labels(self) -> tuple[Label, ...]:
+        return (*both(self.one, self.other, ("reads", "reads")), Label(self.declared, "the event port"))

@@ -1,0 +1,277 @@
+"""What is wrong between processes of different rates."""
+
+from __future__ import annotations
+
+import re
+
+from cspdiag.base import Diagnostic, Label, Span
+from cspdiag.base.record import record
+from cspdiag.model.constants.durations import duration
+
+
+@record
+class FasterLawWaits(Diagnostic):
+    """Two control laws of different rates wait for each other.
+
+    In a rendezvous the writer and the reader both wait. A law that is run at every sample of 1 ms and gets its set-point by
+    rendezvous from a law that runs every 10 ms waits those 10 ms too. The samples that come meanwhile are overwritten, which is a missed
+    deadline: `Timeout`. A FIFO only postpones it: an empty one makes the reader wait, and `buffer`, when full, the writer.
+
+    To a faster reader the value has to be a variable: an alternative takes a new value when there is one, and runs the law at each sample
+    with the last. A faster writer need not wait where the channel is `overwrite 1`: the slower reader takes the latest value.
+
+    Refused::
+
+        submodel Controller {
+          in  wanted, actual : double
+          out control        : double
+          control = 2 * (wanted - actual)
+        }
+
+        process Main {
+          in  wanted, angle : double @ 10 ms
+          in  speed         : double @ 1 ms
+          out control       : double @ 1 ms
+          communication {
+            outer : Controller
+            inner : Controller
+            wanted        -> outer.wanted
+            angle         -> outer.actual
+            outer.control -> inner.wanted
+            speed         -> inner.actual
+            inner.control -> control
+          }
+          composition { mu outer || mu inner }
+        }
+
+    Mended::
+
+        submodel Controller {
+          in  wanted, actual : double
+          out control        : double
+          control = 2 * (wanted - actual)
+        }
+
+        process Main {
+          in  wanted, angle : double @ 10 ms
+          in  speed         : double @ 1 ms
+          out control       : double @ 1 ms
+          communication {
+            outer : Controller
+            inner : Controller
+            channel reference : double
+            var target        : double = 0
+            wanted        -> outer.wanted
+            angle         -> outer.actual
+            outer.control -> reference
+            target        -> inner.wanted
+            speed         -> inner.actual
+            inner.control -> control
+          }
+          composition { mu outer || mu (reference ? target -> skip []> speed -> inner) }
+        }
+    """
+
+    code = "W0706"
+    title = "faster control law that waits for a slower one"
+    severity = "warning"
+
+    law: str
+    port: str
+    period: int
+    sampled: str
+    sampled_span: Span
+    slower: str
+    slower_port: str
+    slower_period: int
+    slower_span: Span
+    is_writer: bool
+    """Whether the faster law writes."""
+
+    @property
+    def message(self) -> str:
+        every, slowly = duration(self.period), duration(self.slower_period)
+        if self.is_writer:
+            return (
+                f"`{self.law}` runs every {every} but waits until `{self.slower}`, which runs every {slowly}, "
+                f"takes `{self.port}`: it will miss samples of `{self.sampled}`"
+            )
+        return (
+            f"`{self.law}` runs every {every} but waits for `{self.slower_port}`, which comes every {slowly}: "
+            f"it will miss samples of `{self.sampled}`"
+        )
+
+    @property
+    def help(self) -> str | None:
+        if self.is_writer:
+            return "let the channel keep the latest value: `overwrite 1` on this relationship, without waiting for the reader"
+        return (
+            f"connect a variable to `{self.port}`, and read the slow value into it when it comes: "
+            f"`mu (channel ? variable -> skip []> {self.sampled} -> {self.law.rpartition('.')[2]})`"
+        )
+
+    @property
+    def labels(self) -> tuple[Label, ...]:
+        return (
+            Label(self.sampled_span, f"`{self.law}` takes a sample every {duration(self.period)}"),
+            Label(self.slower_span, f"`{self.slower}` takes a sample every {duration(self.slower_period)}"),
+        )
+
+
+@record
+class SamplesMissed(Diagnostic):
+    """A process does something between two reads of a sampled input that takes longer than its samples come.
+
+    From the first read of a sampled input on, and until the process ends, each sample is taken before the next one comes. One that is overwritten
+    before is a missed deadline: the next read raises `Timeout`. So a process that follows samples must not wait for anything else that takes a period
+    or longer: a delay, an input that is sampled more slowly, or an event, which may come at any time or never. Shorter delays add up, where each turn of a loop waits longer
+    than the samples take that it reads; and what follows an event beside the samples begins, at the worst, when the next sample comes. Every way is looked at that can be taken.
+
+    An alternative waits for whatever comes first, and keeps the slower value in a variable. What belongs to one mode only stands in a
+    process of its own: it follows the samples while it runs, and begins with the next one when it runs again. And what
+    comes at another rate can be read by a process in parallel.
+
+    Refused::
+
+        process Main {
+          in  start  : int
+          in  angle  : double @ 1 ms
+          out motor  : double @ 1 ms
+          communication {
+            var pressed : int    = 0
+            var now     : double = 0
+          }
+          composition {
+            mu (
+              start ? pressed ;
+              (mu (angle ? now ; motor ! 1 - now) until now > 1) ;
+              motor ! 0
+            )
+          }
+        }
+
+    Mended::
+
+        process Turn {
+          in  angle  : double @ 1 ms
+          out motor  : double @ 1 ms
+          communication {
+            var now : double = 0
+          }
+          composition {
+            (mu (angle ? now ; motor ! 1 - now) until now > 1) ;
+            motor ! 0
+          }
+        }
+
+        process Main {
+          in  start  : int
+          in  angle  : double @ 1 ms
+          out motor  : double @ 1 ms
+          communication {
+            turn        : Turn
+            var pressed : int = 0
+            angle      -> turn.angle
+            turn.motor -> motor
+          }
+          composition {
+            mu (start ? pressed ; turn)
+          }
+        }
+    """
+
+    code = "W0707"
+    title = "process that misses samples"
+    severity = "warning"
+
+    port: str
+    period: int
+    read: Span
+    earlier: Span
+    event: str | None
+    """The event that is waited for, if any."""
+    beside: str | None
+    """The event that may come just before the next sample, if any."""
+    waits: int
+    """The least time that passes, in nanoseconds."""
+    slower: str | None
+    """The input of which the samples are waited for, in a loop."""
+    reads: int
+    """How many samples of ``port`` are taken meanwhile, the one that is late included; of a turn of a loop, all."""
+
+    turns: bool
+    """Whether that is one turn of a loop, and not once."""
+
+    is_certain: bool
+    """Whether samples are missed, not only if the loop has many turns."""
+
+    @property
+    def message(self) -> str:
+        every = f"`{self.port}`, which comes every {duration(self.period)}"
+        if self.event is not None:
+            return f"between two reads of {every}, this {self.meanwhile}: if that takes longer, samples are missed"
+        if self.beside is not None:
+            return f"between two reads of {every}, this {self.meanwhile}: if that comes late in a period, samples are missed"
+        taken = "one sample" if self.reads == 1 else f"{self.reads} samples"
+        if not self.turns:
+            if self.reads == 1:
+                return f"between two reads of {every}, this {self.meanwhile}: samples are missed"
+            return f"this {self.meanwhile} and takes {taken} of {every}: more are missed"
+        turn = f"each turn of the loop {self.meanwhile}"
+        if self.slower is not None or self.waits > self.reads * self.period:
+            return f"{turn} and takes {taken} of {every}: {self._missed}"
+        return f"{turn} and takes {taken} of {every}: as soon as anything else takes time, samples are missed"
+
+    @property
+    def meanwhile(self) -> str:
+        """What is done between two reads."""
+        if self.event is not None:
+            return f"waits for the event `{self.event}`"
+        if self.beside is not None:
+            return f"waits {duration(self.waits)} after the event `{self.beside}`"
+        return f"waits {duration(self.waits)}" + ("" if self.slower is None else f" for `{self.slower}`")
+
+    @property
+    def account(self) -> str:
+        """What one that has missed a sample did meanwhile."""
+        if self.reads == 1:
+            return f"between two reads of `{self.port}` it {self.meanwhile}"
+        return f"it {self.meanwhile} and takes {self.reads} samples of `{self.port}`"
+
+    @property
+    def _missed(self) -> str:
+        return "the others are missed" if self.is_certain else "after a few turns, samples are missed"
+
+    @property
+    def help(self) -> str | None:
+        if self.slower is not None:
+            written = self.alternative
+            remedy = "" if written is None else f", `mu ({written})`,"
+            return f"let an alternative read whichever comes{remedy} or a process of its own read the slower one in parallel"
+        own = f"put what reads `{self.port}` into a process of its own, which follows the samples only while it runs"
+        if self.event is not None:
+            written = self.alternative
+            remedy = "" if written is None else f", `{written}`"
+            return f"read both in one alternative{remedy}, or {own}"
+        return f"count samples of `{self.port}` instead, wait in a process in parallel, or {own}"
+
+    @property
+    def alternative(self) -> str | None:
+        """What reads whichever comes, in the words of the text; None where these mean something in their place only."""
+        other = _guarded(self.slower or self.event or "", self.span)
+        read = _guarded(self.port, self.read)
+        return None if other is None or read is None else f"{other} []> {read}"
+
+    @property
+    def labels(self) -> tuple[Label, ...]:
+        if self.read == self.earlier:
+            return (Label(self.read, f"reads `{self.port}`"),)
+        return (Label(self.earlier, f"reads `{self.port}`"), Label(self.read, f"reads `{self.port}` again"))
+
+
+def _guarded(port: str, read: Span) -> str | None:
+    """A branch that does what reads a port in the text, which is a communication, a guard or a control law; None where that is more, or replicated."""
+    text = read.text
+    if text == port or re.fullmatch(rf"{re.escape(port)}\s*\?\s*[\w.]+", text):
+        return f"{text} -> ..."
+    return f"{port} -> {text}" if re.fullmatch(r"[A-Za-z_]\w*", text) else None

@@ -1,0 +1,165 @@
+"""What can be wrong with channels between parts of a program that follow one another."""
+
+from __future__ import annotations
+
+from cspdiag.base import Diagnostic, Label
+from cspdiag.base.record import record
+from cspdiag.network.diagnostics.parallel import both
+from cspdiag.network.relations import Access
+
+
+@record
+class RendezvousInSequence(Diagnostic):
+    """A channel that makes its users wait for each other is asked for between parts in sequence.
+
+    With `sync`, `broadcast` and `any` the writer goes on only when a reader has taken the value. If the reader comes after the writer
+    in a sequence, the writer waits for somebody who never comes: a certain deadlock. Left alone, the channel becomes one that
+    keeps the value.
+
+    Refused::
+
+        process Sender {
+          out output : int
+          composition { output ! 1 }
+        }
+
+        process Receiver {
+          in input : int
+          communication { var last : int = 0 }
+          composition { input ? last }
+        }
+
+        process Main {
+          communication {
+            sender   : Sender
+            receiver : Receiver
+            sender.output -> sync -> receiver.input
+          }
+          composition { sender ; receiver }
+        }
+
+    Mended::
+
+        process Sender {
+          out output : int
+          composition { output ! 1 }
+        }
+
+        process Receiver {
+          in input : int
+          communication { var last : int = 0 }
+          composition { input ? last }
+        }
+
+        process Main {
+          communication {
+            sender   : Sender
+            receiver : Receiver
+            sender.output -> receiver.input
+          }
+          composition { sender ; receiver }
+        }
+    """
+
+    code = "E0526"
+    title = "channel that waits, between parts in sequence"
+
+    channel: str
+    kind: str
+    writer: Access
+    reader: Access
+
+    @property
+    def message(self) -> str:
+        return (
+            f"`{self.channel}` is `{self.kind}`, but {self.writer.who} and {self.reader.who} run in sequence: "
+            "each would wait for the other for ever"
+        )
+
+    @property
+    def help(self) -> str | None:
+        return f"leave `{self.kind}` away, so that the channel keeps the value, or put the two in parallel"
+
+    @property
+    def labels(self) -> tuple[Label, ...]:
+        return (
+            Label(self.writer.run, f"{self.writer.who} writes here"),
+            Label(self.reader.run, f"{self.reader.who} reads here"),
+        )
+
+
+@record
+class BroadcastInSequence(Diagnostic):
+    """A broadcast has readers that run in sequence.
+
+    The writer of a broadcast goes on when every reader has taken the value. A reader that has not begun yet, or has ended, never takes
+    it.
+
+    Refused::
+
+        process Sender {
+          out output : int
+          composition { mu output ! 1 }
+        }
+
+        process Receiver {
+          in input : int
+          communication { var last : int = 0 }
+          composition { input ? last }
+        }
+
+        process Main {
+          communication {
+            sender : Sender
+            one    : Receiver
+            other  : Receiver
+            sender.output -> broadcast -> one.input, other.input
+          }
+          composition { sender || (one ; other) }
+        }
+
+    Mended::
+
+        process Sender {
+          out output : int
+          composition { mu output ! 1 }
+        }
+
+        process Receiver {
+          in input : int
+          communication { var last : int = 0 }
+          composition { input ? last }
+        }
+
+        process Main {
+          communication {
+            sender : Sender
+            one    : Receiver
+            other  : Receiver
+            sender.output -> one.input, other.input
+          }
+          composition { sender || (one ; other) }
+        }
+    """
+
+    code = "E0527"
+    title = "broadcast to readers in sequence"
+
+    channel: str
+    one: Access
+    other: Access
+
+    @property
+    def message(self) -> str:
+        return (
+            f"`{self.channel}` is `broadcast`, but {self.one.who} and {self.other.who} read it in sequence: "
+            "the writer would wait for both at once"
+        )
+
+    @property
+    def help(self) -> str | None:
+        return "put the readers in parallel, or say `any` if each value goes to whichever of them runs"
+
+    @property
+    def labels(self) -> tuple[Label, ...]:
+        return both(self.one, self.other, ("reads", "reads"))

@@ -1,0 +1,188 @@
+"""Compositions of the network as text, an action a line."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import assert_never
+
+from cspdiag.network.dump.expression import expression_text
+from cspdiag.network.dump.submodel import doc_lines, law_lines
+from cspdiag.network.ir.actions import (
+    Action,
+    AfterEvent,
+    AssignValue,
+    Branch,
+    CatchException,
+    Choice,
+    CountedLoop,
+    End,
+    Event,
+    Group,
+    IfElse,
+    InputEvent,
+    InterruptOn,
+    OptimizedStep,
+    OutputEvent,
+    ParallelSteps,
+    PortEnd,
+    ProcessScope,
+    RaiseException,
+    ReadInputs,
+    ReadValue,
+    ReadyEvent,
+    Repeat,
+    ReportCommunication,
+    ResetInstance,
+    ResetStates,
+    RunInstance,
+    RunLaw,
+    SequentialSteps,
+    SkipEvent,
+    SkipStep,
+    StopStep,
+    Target,
+    WaitStep,
+    WhileLoop,
+    WriteOutputs,
+    WriteValue,
+)
+
+
+def end_text(end: End) -> str:
+    """``request[3]``, and ``feedback end 1`` for a reading end after the first."""
+    name = end.port if isinstance(end, PortEnd) else end.channel
+    index = f"[{end.index}]" if isinstance(end, PortEnd) and end.index is not None else ""
+    return f"{name}{index}" + (f" end {end.end}" if end.end else "")
+
+
+def target_text(target: Target) -> str:
+    """``buffer[first]``."""
+    return target.channel + "".join(f"[{expression_text(index)}]" for index in target.indexes)
+
+
+def action_lines(action: Action) -> Iterator[str]:
+    """The action, with what is inside it indented below."""
+    match action:
+        case RunInstance():
+            yield f"run {action.instance}"
+        case ReadValue():
+            yield f"{end_text(action.source)} ? {target_text(action.target)}"
+        case WriteValue():
+            yield f"{end_text(action.sink)} ! {expression_text(action.value)}"
+        case AssignValue():
+            yield f"{target_text(action.target)} := {expression_text(action.value)}"
+        case SkipStep():
+            yield "skip"
+        case StopStep():
+            yield "stop"
+        case WaitStep():
+            yield f"wait {expression_text(action.duration)}"
+        case ResetInstance():
+            yield f"reset {action.instance}"
+        case RaiseException():
+            yield f"raise {action.exception}"
+        case SequentialSteps():
+            yield "in sequence"
+            for step in action.steps:
+                yield from _inside(step)
+        case ParallelSteps():
+            yield "in parallel" + (" by priority" if action.prioritized else "")
+            for step in action.steps:
+                yield from _inside(step)
+        case Choice():
+            yield (
+                "alternative"
+                + (f" {action.name}" if action.name else "")
+                + (" by priority" if action.prioritized else "")
+            )
+            for branch in action.branches:
+                yield from _branch(branch)
+        case Repeat():
+            yield "repeat" + ("" if action.until is None else f" until {expression_text(action.until)}")
+            yield from _inside(action.body)
+        case WhileLoop():
+            yield f"while {expression_text(action.condition)}"
+            yield from _inside(action.body)
+        case CountedLoop():
+            yield f"repeat {action.turns} times"
+            yield from _inside(action.body)
+        case IfElse():
+            yield f"if {expression_text(action.condition)}"
+            yield from _inside(action.then)
+            if not isinstance(action.otherwise, SkipStep):
+                yield "else"
+                yield from _inside(action.otherwise)
+        case CatchException():
+            yield "try"
+            yield from _inside(action.body)
+            yield f"catch {action.exception}"
+            yield from _inside(action.handler)
+        case InterruptOn():
+            yield "interruptible"
+            yield from _inside(action.body)
+            yield "interrupted"
+            yield from _branch(action.branch)
+        case Group():
+            yield f"group {action.label}"
+            yield from _inside(action.body)
+        case OptimizedStep():
+            yield from _made_by_a_pass(action)
+        case _:
+            assert_never(action)
+
+
+def _made_by_a_pass(
+    action: ReadInputs | WriteOutputs | RunLaw | ResetStates | ProcessScope | ReportCommunication,
+) -> Iterator[str]:
+    match action:
+        case ReadInputs():
+            yield "at once"
+            for read in action.reads:
+                yield f"  {end_text(read.source)} ? {read.name}"
+        case WriteOutputs():
+            yield "at once"
+            for write in action.writes:
+                yield f"  {end_text(write.sink)} ! {expression_text(write.value)}"
+        case RunLaw():
+            yield from doc_lines(action.doc)
+            yield f"law {action.law}"
+            for line in law_lines(action):
+                yield f"  {line}"
+        case ResetStates():
+            yield f"reset {', '.join(action.states)}"
+        case ProcessScope():
+            yield from doc_lines(action.doc)
+            ends = ", ".join(end_text(end) for end in action.ends)
+            yield f"process {action.instance} : {action.class_name}" + (f" closes {ends}" if ends else "")
+            yield from _inside(action.body)
+        case ReportCommunication():
+            yield f"report {action.channel} = {expression_text(action.value)}"
+        case _:
+            assert_never(action)
+
+
+def _inside(action: Action) -> Iterator[str]:
+    return (f"  {line}" for line in action_lines(action))
+
+
+def _branch(branch: Branch) -> Iterator[str]:
+    condition = "" if branch.condition is None else f" when {expression_text(branch.condition)}"
+    yield f"  on {_event(branch.event)}{condition}"
+    for line in action_lines(branch.body):
+        yield f"    {line}"
+
+
+def _event(event: Event) -> str:
+    match event:
+        case ReadyEvent():
+            return f"{end_text(event.source)} ready"
+        case InputEvent():
+            return f"{end_text(event.source)} ? {target_text(event.target)}"
+        case OutputEvent():
+            return f"{end_text(event.sink)} ! {expression_text(event.value)}"
+        case AfterEvent():
+            return f"after {expression_text(event.duration)}"
+        case SkipEvent():
+            return "skip"
+        case _:
+            assert_never(event)

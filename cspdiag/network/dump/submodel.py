@@ -1,0 +1,92 @@
+"""Control laws and the systems of environments as text."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from cspdiag.model.constants.durations import duration
+from cspdiag.network.dump.expression import expression_text
+from cspdiag.network.ir.actions import RunLaw
+from cspdiag.network.ir.network import (
+    ExternalBody,
+    ExternalCall,
+    LocalChannel,
+    Medium,
+    Port,
+    ProcessClass,
+    SubmodelClass,
+    SubmodelEquation,
+)
+
+
+def external_text(external: ExternalBody) -> str:
+    """``python "plant.py:Joint"``."""
+    return f'{external.language} "{external.target}"'
+
+
+def doc_lines(doc: str | None) -> Iterator[str]:
+    """The comment of a definition."""
+    for line in (doc or "").splitlines():
+        yield f"/// {line}".rstrip()
+
+
+def port_text(port: Port) -> str:
+    """``in feedback : double<rad> @ T``."""
+    size = "" if port.size is None else f"[{port.size}]"
+    period = "" if port.period is None else f" @ {expression_text(port.period)}"
+    return f"{port.direction} {port.name}{size} : {port.type}{period}{_media(port.media)}"
+
+
+def _media(media: tuple[Medium, ...]) -> str:
+    """`` via sync, reads guarded``: what a port of a specialized class is connected to; for an array once if all are alike."""
+    if not media:
+        return ""
+    alike = media[:1] if len(set(media)) == 1 else media
+    return " via " + "; ".join(f"{m.kind}{guards_text(m)}" for m in alike)
+
+
+def guards_text(place: Medium | LocalChannel) -> str:
+    """Which sides of a channel alternatives guard."""
+    return (", reads guarded" if place.guarded_reads else "") + (", writes guarded" if place.guarded_writes else "")
+
+
+def submodel_body(law: SubmodelClass) -> Iterator[str]:
+    """The lines inside the braces of a submodel class."""
+    for port in law.ports:
+        yield port_text(port)
+    yield from memory_lines(law)
+    yield from law_lines(law)
+
+
+def memory_lines(owner: SubmodelClass | ProcessClass) -> Iterator[str]:
+    """Constants and states."""
+    for constant in owner.constants:
+        yield f"constant {_equation(constant)}"
+    for state in owner.states:
+        kind = "continuous" if state.continuous else "discrete"
+        yield f"state {state.name} : {state.type} = {expression_text(state.initial)} {kind}"
+
+
+def law_lines(law: SubmodelClass | RunLaw) -> Iterator[str]:
+    """What one run computes."""
+    for equation in law.equations:
+        yield _equation(equation)
+    for name, value in law.next_values:
+        yield f"next {name} = {expression_text(value)}"
+    for equation in law.derivative_equations:
+        yield f"during the sample {_equation(equation)}"
+    for name, value in law.derivatives:
+        yield f"der {name} = {expression_text(value)}"
+    if law.derivatives:
+        step = "" if law.step is None else f" in steps of at most {duration(law.step)}"
+        yield f"integrated by {law.method}{step}"
+
+
+def _equation(equation: SubmodelEquation | ExternalCall) -> str:
+    if isinstance(equation, SubmodelEquation):
+        return f"{equation.name} : {equation.type} = {expression_text(equation.value)}"
+    arguments = ", ".join(f"{name} = {expression_text(value)}" for name, value in equation.arguments)
+    inputs = ", ".join(f"{name} = {expression_text(value)}" for name, value in equation.inputs)
+    outputs = ", ".join(f"{name} : {kind}" for _, name, kind in equation.outputs)
+    body = external_text(equation.external)
+    return f"{outputs} = call {equation.name} : {equation.definition}({arguments}) {body} with {inputs}"

@@ -1,0 +1,1 @@
+"""From definitions to shapes: sizes evaluated, replicators unrolled, references resolved."""

@@ -1,0 +1,114 @@
+"""Values of expressions that depend on constants and parameters only, for coefficients and sizes."""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable
+from typing import Any, assert_never
+
+from cspdiag.model.constants import arithmetic
+from cspdiag.model.types import IntType, RealType, StructType
+from cspdiag.network.ir.expressions import (
+    ArrayElements,
+    BinaryOperation,
+    ConditionalValue,
+    Conversion,
+    ElementValue,
+    Expression,
+    FieldValue,
+    FunctionCall,
+    LiteralValue,
+    ParameterValue,
+    PresentTime,
+    SignalValue,
+    StructValue,
+    UnaryOperation,
+    Value,
+    VariableValue,
+)
+
+Lookup = Callable[[ParameterValue | SignalValue], "Value | None"]
+
+
+def constant_value(expression: Expression, lookup: Lookup) -> Value | None:
+    """The value of an expression, None where a name has no value yet or the arithmetic fails.
+
+    ``lookup`` gives the values of parameters and of constants of the submodel.
+    """
+    try:
+        value: Value = _value(expression, lookup)
+        return value
+    except (
+        _NoValueError,
+        arithmetic.UndefinedError,
+        arithmetic.OutOfRangeError,
+        ArithmeticError,
+        ValueError,
+        IndexError,
+    ):
+        return None
+
+
+class _NoValueError(Exception):
+    pass
+
+
+def _value(expression: Expression, lookup: Lookup) -> Any:
+    def value(part: Expression) -> Any:
+        return _value(part, lookup)
+
+    match expression:
+        case LiteralValue():
+            return expression.value
+        case ParameterValue() | SignalValue():
+            found = lookup(expression)
+            if found is None:
+                raise _NoValueError
+            return found
+        case VariableValue() | PresentTime():
+            raise _NoValueError
+        case UnaryOperation():
+            operand = value(expression.operand)
+            return arithmetic.checked(-operand, expression.type) if expression.operator == "-" else not operand
+        case BinaryOperation():
+            return _binary(expression, lookup)
+        case ConditionalValue():
+            return value(expression.then if value(expression.condition) else expression.otherwise)
+        case FunctionCall():
+            arguments = [value(argument) for argument in expression.arguments]
+            if expression.function == "seconds":
+                return arguments[0] / 1_000_000_000
+            return arithmetic.function(expression.function, arguments, expression.type)
+        case Conversion():
+            assert isinstance(expression.type, IntType | RealType)
+            return arithmetic.convert(value(expression.operand), expression.type)
+        case FieldValue():
+            assert isinstance(expression.operand.type, StructType)
+            names = [name for name, _ in expression.operand.type.fields]
+            return value(expression.operand)[names.index(expression.field)]
+        case ElementValue():
+            index = value(expression.index)
+            if index < 0:
+                raise _NoValueError
+            return value(expression.operand)[index]
+        case StructValue() | ArrayElements():
+            return tuple(map(value, expression.values))
+        case _:
+            assert_never(expression)
+
+
+def _binary(expression: BinaryOperation, lookup: Lookup) -> Any:
+    left = _value(expression.left, lookup)
+    match expression.operator:
+        case "and" | "or":
+            decided = left == (expression.operator == "or")
+            return left if decided else _value(expression.right, lookup)
+        case "==" | "!=" | "<" | "<=" | ">" | ">=":
+            return _COMPARISONS[expression.operator](left, _value(expression.right, lookup))
+        case _:
+            return arithmetic.operate(expression.operator, left, _value(expression.right, lookup), expression.type)
+
+
+_COMPARISONS: dict[str, Callable[[Any, Any], bool]] = {
+    "==": operator.eq, "!=": operator.ne, "<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge,
+}  # fmt: skip

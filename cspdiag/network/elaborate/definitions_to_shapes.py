@@ -1,0 +1,293 @@
+"""From definitions to shapes: sizes evaluated, arrays and ``for`` unrolled, every reference resolved to an element.
+
+The work is per shape, by a worklist, so that neither deep hierarchies nor many equal instances cost more than their text.
+A parameter without a value (a definition that is checked by itself) leaves out what structurally depends on it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+from cspdiag.base import Report
+from cspdiag.base.record import replaced
+from cspdiag.model.constants.evaluate import evaluate
+from cspdiag.model.program import PortSymbol, Program, Value
+from cspdiag.model.types import ArrayType, Type
+from cspdiag.network.diagnostics.arrays import SizeNotPositive, TooManyInstances
+from cspdiag.network.elaborate.compose import compose
+from cspdiag.network.elaborate.connect import connect
+from cspdiag.network.elaborate.definitions import Definitions, Instantiable, arguments_of
+from cspdiag.network.elaborate.places import Places
+from cspdiag.network.shapes import UNKNOWN_PERIOD, InstanceShape, Overrides, PortShape, Shape, element_name
+from cspdiag.syntax import ast
+
+LARGEST_PROCESS = 100_000
+"""More elements of anything in one process are refused."""
+
+Values = Mapping[ast.Node, Value]
+
+
+class Elaboration:
+    """All shapes of a program, each made once."""
+
+    def __init__(self, program: Program, definitions: Definitions, report: Report) -> None:
+        self.program = program
+        self.definitions = definitions
+        self.report = report
+        self.shapes: list[Shape] = []
+        """Callers before callees, in the order of discovery."""
+        self.refused_periods: dict[Shape, list[tuple[ast.Expression, int]]] = {}
+        """The periods of ports that are not longer than zero, with their values in nanoseconds."""
+        self._known: dict[object, Shape] = {}
+        self._pending: list[Shape] = []
+
+    def root(self, definition: ast.ProcessDefinition, values: Mapping[str, Value], overrides: Overrides) -> Shape:
+        """The shape of an outermost process with the given values of parameters, and those of everything inside."""
+        parameters: dict[ast.Node, Value] = {
+            p: values[p.name.text] for p in definition.parameters if p.name.text in values
+        }
+        shape = self.shape(definition, parameters, overrides)
+        while self._pending:
+            self._fill(self._pending.pop())
+        return shape
+
+    def shape(self, definition: Instantiable, parameters: Values, overrides: Overrides) -> Shape:
+        """The shape for these values of the structural parameters; only its ports are there at once."""
+        structural = self.definitions.structural(definition)
+        own: dict[ast.Node, Value] = {
+            p: parameters[p] for p in definition.parameters if p.name.text in structural and p in parameters
+        }
+        key = (definition, tuple(own.items()), tuple(sorted(overrides.items())))
+        known = self._known.get(key)
+        if known is None:
+            known = self._known[key] = Shape(definition, own, overrides)
+            self._ports(known)
+            self.shapes.append(known)
+            if isinstance(definition, ast.ProcessDefinition):
+                self._pending.append(known)
+        return known
+
+    def integer(self, expression: ast.Expression, values: Values) -> int | None:
+        """The value of a size or an index; None where it is unknown or was reported."""
+        if isinstance(expression, ast.Number) and isinstance(expression.value, int):
+            return expression.value
+        if isinstance(expression, ast.Name):
+            symbol = self.program.bindings.get(expression)
+            if isinstance(symbol, ast.Replicator):
+                found = values.get(symbol)
+                return found if isinstance(found, int) else None
+        value = evaluate(self.program, expression, values, self.report)
+        return value if isinstance(value, int) and not isinstance(value, bool) else None
+
+    def size(self, expression: ast.Expression, what: str, values: Values, *, zero: bool = False) -> int | None:
+        """Like ``integer`` for a number of elements, which is positive and, times those of all ``for`` around it, not absurd."""
+        size = self.integer(expression, values)
+        if size is None:
+            return None
+        if size < 0 or (size == 0 and not zero):
+            self.report.add(SizeNotPositive(span=expression.span, what=what, size=size))
+            return None
+        total = size
+        for outer in [key for key in values if isinstance(key, ast.Replicator)]:
+            total *= self.integer(outer.count, values) or 0
+        if total > LARGEST_PROCESS:
+            self.report.add(TooManyInstances(span=expression.span, what=what, number=total, limit=LARGEST_PROCESS))
+            return None
+        return size
+
+    def repeated(self, replicator: ast.Replicator, what: str, values: Values) -> list[dict[ast.Node, Value]] | None:
+        """The values inside each repetition; None where their number is unknown or was reported."""
+        count = self.size(replicator.count, what, values, zero=True)
+        return None if count is None else [{**values, replicator: index} for index in range(count)]
+
+    def type_of(self, declared: ast.TypeName | None, known: Type, values: Values) -> Type:
+        """A type with the sizes filled in that depend on parameters."""
+        if declared is None or not declared.dimensions or not isinstance(known, ArrayType):
+            return known
+        sizes = [self.integer(dimension, values) for dimension in declared.dimensions]
+        return _with_sizes(known, sizes)
+
+    def period(self, ports: ast.Ports, shape: Shape) -> int | None:
+        """The sample period of a declaration in nanoseconds; one that is refused is kept for the report and unknown."""
+        expression = ports.period
+        if expression is None:
+            return None
+        if isinstance(expression, ast.Duration):
+            period: Value | None = expression.nanoseconds
+        else:
+            period = evaluate(self.program, expression, shape.values, self.report)
+        if not isinstance(period, int) or isinstance(period, bool):
+            return UNKNOWN_PERIOD
+        if period <= 0:
+            self.refused_periods.setdefault(shape, []).append((expression, period))
+            return UNKNOWN_PERIOD
+        return period
+
+    def _ports(self, shape: Shape) -> None:
+        scope = self.program.scopes.get(shape.definition)
+        if scope is None:
+            shape.incomplete = True
+            return
+        for symbol in scope.ports.values():
+            port = self._port(symbol, shape)
+            if port is not None:
+                shape.ports[port.name] = port
+            else:
+                shape.incomplete = True
+
+    def _port(self, symbol: PortSymbol, shape: Shape) -> PortShape | None:
+        size: int | None = None
+        if symbol.port.dimensions:
+            total = 1
+            for dimension in symbol.port.dimensions:
+                known = self.size(dimension, f"the array of ports `{symbol.name}`", shape.values)
+                if known is None:
+                    return None
+                total *= known
+            size = total
+        return PortShape(
+            symbol=symbol,
+            name=symbol.name,
+            direction=symbol.declaration.direction,
+            type=self.type_of(symbol.declaration.type, symbol.type, shape.values),
+            size=size,
+            period=self.period(symbol.declaration, shape),
+        )
+
+    def _fill(self, shape: Shape) -> None:
+        definition = shape.definition
+        assert isinstance(definition, ast.ProcessDefinition)
+        if definition.external is not None or definition in self.definitions.recursive:
+            shape.incomplete = shape.incomplete or definition in self.definitions.recursive
+            return
+        elements = _Declarations(self, shape)
+        if definition.communication is not None:
+            elements.instances(definition.communication.declarations, (), shape.values)
+        places = Places(self, shape, elements.loops)
+        if definition.communication is not None:
+            connect(self, shape, places, definition.communication.declarations)
+        if definition.composition is not None:
+            shape.body = compose(self, shape, places, definition.composition)
+
+
+class _Declarations:
+    """Makes the instances of a shape, also those inside ``for``."""
+
+    def __init__(self, elaboration: Elaboration, shape: Shape) -> None:
+        self.elaboration = elaboration
+        self.shape = shape
+        self.loops: dict[ast.Node, tuple[ast.Replicator, ...]] = {}
+        """The replicators around each declaration."""
+
+    def instances(
+        self, declarations: Iterable[ast.Declaration], loops: tuple[ast.Replicator, ...], values: Values
+    ) -> None:
+        for item in declarations:
+            self.loops[item] = loops
+            if isinstance(item, ast.Instance):
+                self._instance(item, tuple(_index(values, loop) for loop in loops), values)
+            elif isinstance(item, ast.RepeatedDeclarations):
+                repetitions = self.elaboration.repeated(item.replicator, "`for`", values)
+                self.shape.incomplete = self.shape.incomplete or repetitions is None
+                for inner in repetitions or ():
+                    self.instances(item.declarations, (*loops, item.replicator), inner)
+
+    def _instance(self, item: ast.Instance, prefix: tuple[int, ...], values: Values) -> None:
+        definition = self.elaboration.definitions.instantiated(item)
+        if definition is None or item in self.elaboration.program.poisoned:
+            self.shape.incomplete = True
+            return
+        name = item.name.text
+        if item.size is None:
+            self._element(item, definition, name, prefix, values)
+            return
+        replicator = item.size if isinstance(item.size, ast.Replicator) else None
+        expression = item.size.count if isinstance(item.size, ast.Replicator) else item.size
+        count = self.elaboration.size(expression, f"the array of instances `{name}`", values)
+        if count is None:
+            self.shape.incomplete = True
+            return
+        for index in range(count):
+            inner = values if replicator is None else {**values, replicator: index}
+            self._element(item, definition, name, (*prefix, index), inner)
+
+    def _element(
+        self, item: ast.Instance, definition: Instantiable, name: str, indexes: tuple[int, ...], values: Values
+    ) -> None:
+        full = element_name(name, *indexes)
+        overrides = _below(self.shape.overrides, full)
+        parameters = self._arguments(item, definition, values, overrides)
+        self.shape.instances[full] = InstanceShape(
+            name=full,
+            array=element_name(name, *indexes[:-1]) if indexes else None,
+            index=indexes[-1] if indexes else None,
+            declaration=item,
+            shape=self.elaboration.shape(definition, parameters, overrides),
+            replicators={node: value for node, value in values.items() if isinstance(node, ast.Replicator)},
+            overrides=overrides,
+            attachments={},
+        )
+
+    def _arguments(
+        self, item: ast.Instance, definition: Instantiable, values: Values, overrides: Overrides
+    ) -> dict[ast.Node, Value]:
+        """Values of the structural parameters of an instance, as far as they are known."""
+        structural = self.elaboration.definitions.structural(definition)
+        if not structural:
+            return {}
+        return argument_values(self.elaboration, item, definition, values, overrides, structural)
+
+
+def argument_values(
+    elaboration: Elaboration,
+    item: ast.Instance,
+    definition: Instantiable,
+    values: Values,
+    overrides: Overrides,
+    wanted: frozenset[str] | None = None,
+) -> dict[ast.Node, Value]:
+    """Values of the parameters (or of the ``wanted`` ones) that an instance is given, defaults included."""
+    given = dict(arguments_of(definition.parameters, item.arguments))
+    found: dict[ast.Node, Value] = {}
+    for parameter in definition.parameters:
+        name = parameter.name.text
+        if wanted is not None and name not in wanted:
+            continue
+        value: Value | None = overrides.get(name)
+        if value is None and parameter in given:
+            value = parameter_value(elaboration, parameter, given[parameter], values)
+        elif value is None and parameter.default is not None:
+            value = parameter_value(elaboration, parameter, parameter.default, found)
+        if value is not None:
+            found[parameter] = value
+    return found
+
+
+def parameter_value(
+    elaboration: Elaboration, parameter: ast.Parameter, expression: ast.Expression, values: Values
+) -> Value | None:
+    """The value of an argument or a default; a frequency literal given for a ``time`` is its period."""
+    if isinstance(expression, ast.Duration) and parameter.type.name.text == "time":
+        return expression.nanoseconds
+    return evaluate(elaboration.program, expression, values, elaboration.report)
+
+
+def _index(values: Values, loop: ast.Replicator) -> int:
+    index = values[loop]
+    assert isinstance(index, int)
+    return index
+
+
+def _below(overrides: Overrides, instance: str) -> Overrides:
+    """The overrides of an instance: ``{"alignL.speed": v}`` below ``alignL`` is ``{"speed": v}``."""
+    if not overrides:
+        return overrides
+    prefix = instance + "."
+    return {path[len(prefix) :]: value for path, value in overrides.items() if path.startswith(prefix)}
+
+
+def _with_sizes(known: Type, sizes: list[int | None]) -> Type:
+    if not sizes or not isinstance(known, ArrayType):
+        return known
+    inner = _with_sizes(known.element, sizes[1:])
+    return replaced(known, element=inner, size=sizes[0] if known.size is None else known.size)

@@ -1,0 +1,113 @@
+"""Where real values are tested: what is stored or written is a number, and what would be infinite or none is a fault.
+
+Within an expression, and from one equation of a law to the next, sums, products and quotients go on with infinities and NaNs as IEEE 754 has them. Functions
+outside their domain fault where they stand; a division by zero does so by itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+
+from cspdiag.base.record import replaced
+from cspdiag.model.types import RealType
+from cspdiag.network.ir.everywhere import rewritten
+from cspdiag.network.ir.expression_walk import operands
+from cspdiag.network.ir.expressions import (
+    ArrayElements,
+    BinaryOperation,
+    ConditionalValue,
+    Conversion,
+    Expression,
+    FunctionCall,
+    LiteralValue,
+    SignalValue,
+    StructValue,
+)
+from cspdiag.network.ir.network import ExternalCall, SubmodelEquation
+
+_HAS_DOMAIN = frozenset({"sqrt", "exp", "log", "asin", "acos"})
+_NONE: frozenset[str] = frozenset()
+
+
+def assured(expression: Expression) -> Expression:
+    """An expression whose value is stored or written, with tests."""
+    return _stored(within_domains(expression), _NONE)
+
+
+def assured_law(
+    equations: Sequence[SubmodelEquation | ExternalCall],
+    next_values: Mapping[str, Expression],
+    outputs: Iterable[str],
+    unsure: Iterable[str] = (),
+) -> tuple[tuple[SubmodelEquation | ExternalCall, ...], dict[str, Expression]]:
+    """The equations of a law, in the order of their evaluation, and the next values of its states, with tests.
+
+    Its outputs, states, and what it hands to bodies in other languages are tested, its local values only with those. ``unsure`` are signals from
+    elsewhere that may be infinite or no number.
+    """
+    results = frozenset(outputs)
+    untested: set[str] = set(unsure)
+    made: list[SubmodelEquation | ExternalCall] = []
+    for item in equations:
+        if isinstance(item, ExternalCall):
+            given = tuple((port, _stored(within_domains(value), untested)) for port, value in item.inputs)
+            made.append(replaced(item, inputs=given))
+            continue
+        value = within_domains(item.value)
+        if item.name in results:
+            value = _stored(value, untested)
+        elif _may_be_none(value, untested):
+            untested.add(item.name)
+        made.append(replaced(item, value=value))
+    return tuple(made), {name: _stored(within_domains(value), untested) for name, value in next_values.items()}
+
+
+def within_domains(expression: Expression) -> Expression:
+    """The expression with tests of functions that have no value everywhere."""
+    return rewritten(expression, lambda part: _tested(part) if _has_domain(part) else part)
+
+
+def _has_domain(expression: Expression) -> bool:
+    match expression:
+        case BinaryOperation(operator="^"):
+            return isinstance(expression.type, RealType)
+        case FunctionCall(function="quantize", arguments=(_, step)):
+            return not (isinstance(step, LiteralValue) and step.value != 0)
+        case FunctionCall(function=function):
+            return function in _HAS_DOMAIN
+    return False
+
+
+def _tested(expression: Expression) -> Expression:
+    return FunctionCall(type=expression.type, span=expression.span, function="finite", arguments=(expression,))
+
+
+def _stored(expression: Expression, untested: set[str] | frozenset[str]) -> Expression:
+    """The expression with a test of its value, or of the parts of which it consists."""
+    match expression:
+        case StructValue(values=values) | ArrayElements(values=values):
+            return replaced(expression, values=tuple(_stored(value, untested) for value in values))
+        case ConditionalValue(then=then, otherwise=otherwise) if not isinstance(expression.type, RealType):
+            return replaced(expression, then=_stored(then, untested), otherwise=_stored(otherwise, untested))
+    return _tested(expression) if _may_be_none(expression, untested) else expression
+
+
+def _may_be_none(expression: Expression, untested: set[str] | frozenset[str]) -> bool:
+    """Whether a real value may be infinite or no number."""
+    if not isinstance(expression.type, RealType):
+        return False
+    match expression:
+        case SignalValue(name=name):
+            return name in untested
+        case BinaryOperation():
+            return True
+        case ConditionalValue(then=then, otherwise=otherwise):
+            return _may_be_none(then, untested) or _may_be_none(otherwise, untested)
+        case FunctionCall(function="finite"):
+            return False
+        case FunctionCall(function="quantize" | "deadzone"):
+            return True
+        case Conversion(operand=operand):
+            narrowed = expression.type.bits == 32 and isinstance(operand.type, RealType) and operand.type.bits == 64
+            return narrowed or _may_be_none(operand, untested)
+    return any(_may_be_none(part, untested) for part in operands(expression))

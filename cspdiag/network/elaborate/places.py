@@ -1,0 +1,264 @@
+"""What a reference of the text means inside a shape: an instance, a port, a channel, element by element."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, TypeAlias
+
+from cspdiag.base import Span
+from cspdiag.base.record import node
+from cspdiag.model.program import EndLabelSymbol, PortSymbol, Value
+from cspdiag.network.diagnostics.arrays import IndexMissing, IndexOutOfRange
+from cspdiag.network.shapes import ChannelShape, InstanceShape, Key, PortElement, PortShape, Shape, element_name
+from cspdiag.syntax import ast
+
+if TYPE_CHECKING:
+    from cspdiag.network.elaborate.definitions_to_shapes import Elaboration
+
+Values: TypeAlias = Mapping[ast.Node, Value]
+
+
+@node
+class ProcessPort:
+    """A port of the process itself."""
+
+    span: Span
+    port: PortShape
+    key: Key
+
+
+@node
+class InstancePort:
+    """A port of an instance."""
+
+    span: Span
+    instance: InstanceShape
+    port: PortShape
+    element: PortElement
+
+    @property
+    def name(self) -> str:
+        """``servo.control``."""
+        return f"{self.instance.name}.{element_name(*self.element)}"
+
+
+@node
+class ChannelPlace:
+    """A channel, a variable or a label of the process."""
+
+    span: Span
+    channel: ChannelShape
+
+
+Endpoint: TypeAlias = ProcessPort | InstancePort | ChannelPlace
+
+
+class Places:
+    """Resolves the references of one shape; None means that nothing more is to be said about one."""
+
+    def __init__(
+        self, elaboration: Elaboration, shape: Shape, loops: Mapping[ast.Node, tuple[ast.Replicator, ...]]
+    ) -> None:
+        self.elaboration = elaboration
+        self.program = elaboration.program
+        self.shape = shape
+        self.loops = loops
+        self.aliases: dict[str, ProcessPort] = {}
+        """Labels on arrows at a port of the process, by name."""
+        self.excused: set[tuple[str, str | None]] = set()
+        """Instances and ports that occur in references which could not be resolved; None: it could be any port."""
+        self.arrays: dict[str, list[InstanceShape]] = {}
+
+    def indexes(self, expressions: tuple[ast.Expression, ...], values: Values) -> list[int] | None:
+        """Values of indexes; None where one is unknown."""
+        found = [self.elaboration.integer(expression, values) for expression in expressions]
+        known = [index for index in found if index is not None]
+        if len(known) < len(found):
+            self.shape.incomplete = True
+            return None
+        return known
+
+    def instance(self, reference: ast.Reference, values: Values) -> InstanceShape | None:
+        """The one instance that a reference names."""
+        symbol = self.program.bindings.get(reference)
+        if not isinstance(symbol, ast.Instance) or not self.program.poisoned.isdisjoint((symbol, reference)):
+            return None
+        found = self._elements(reference, symbol, values)
+        if found is None:
+            return None
+        instances, whole = found
+        if whole:
+            self._missing_index(reference)
+            return None
+        return instances[0]
+
+    def endpoints(self, reference: ast.Reference, values: Values) -> tuple[list[Endpoint], bool] | None:
+        """Everything that a reference in a relationship stands for, and whether it is a whole array."""
+        if reference in self.program.poisoned:
+            self._excuse(reference)
+            return None
+        symbol = self.program.bindings.get(reference)
+        found: tuple[list[Endpoint], bool] | None = None
+        match symbol:
+            case PortSymbol():
+                found = self._process_ports(reference, symbol, values)
+            case ast.Instance() if reference.member is not None:
+                found = self._instance_ports(reference, symbol, values)
+            case ast.Variable() | ast.Channel() | EndLabelSymbol():
+                channel = self.channel(reference, symbol, values)
+                found = ([channel], False) if channel is not None else None
+        if found is None:
+            self._excuse(reference)
+        return found
+
+    def single(self, reference: ast.Reference, values: Values) -> ProcessPort | ChannelPlace | None:
+        """The one port or channel of this process that ``?``, ``!`` or a guard names."""
+        found = self.endpoints(reference, values)
+        if found is None:
+            return None
+        ends, whole = found
+        if whole:
+            self._missing_index(reference)
+            return None
+        return None if isinstance(ends[0], InstancePort) else ends[0]
+
+    def channel(
+        self, reference: ast.Reference | ast.Name, symbol: ast.Variable | ast.Channel | EndLabelSymbol, values: Values
+    ) -> ProcessPort | ChannelPlace | None:
+        """The channel, variable or label that a name stands for here; of an alias, the port behind it.
+
+        Indexes beyond those of the ``for`` around the declaration are left to the value.
+        """
+        declaration = symbol.connection if isinstance(symbol, EndLabelSymbol) else symbol
+        loops = self.loops.get(declaration, ())
+        name = declaration.label.text if isinstance(declaration, ast.Connection) and declaration.label else ""
+        if not isinstance(declaration, ast.Connection):
+            name = declaration.name.text
+        prefix: list[int] | None = [i for loop in loops if isinstance(i := values.get(loop), int)]
+        if prefix is None or len(prefix) != len(loops):
+            given = reference.indexes if isinstance(reference, ast.Reference) else ()
+            prefix = self.indexes(given[: len(loops)], values)
+            if prefix is None:
+                return None
+            if len(prefix) != len(loops):
+                self._missing_index(reference)
+                return None
+        full = element_name(name, *prefix)
+        if full in self.shape.channels:
+            return ChannelPlace(span=reference.span, channel=self.shape.channels[full])
+        return self.aliases.get(full)
+
+    def indexes_beyond_loops(self, reference: ast.Reference, values: Values) -> tuple[ast.Expression, ...]:
+        """Those indexes of a reference to a variable that choose an element of its value."""
+        symbol = self.program.bindings.get(reference)
+        declaration = symbol.connection if isinstance(symbol, EndLabelSymbol) else symbol
+        loops = self.loops.get(declaration, ()) if isinstance(declaration, ast.Node) else ()
+        return reference.indexes if all(loop in values for loop in loops) else reference.indexes[len(loops) :]
+
+    def _process_ports(
+        self, reference: ast.Reference, symbol: PortSymbol, values: Values
+    ) -> tuple[list[Endpoint], bool] | None:
+        port = self.shape.ports.get(symbol.name)
+        elements = None if port is None else self._port_elements(reference, reference.indexes, port, values)
+        if port is None or elements is None:
+            return None
+        whole = port.size is not None and not reference.indexes
+        return [ProcessPort(span=reference.span, port=port, key=element_name(*e)) for e in elements], whole
+
+    def _instance_ports(
+        self, reference: ast.Reference, symbol: ast.Instance, values: Values
+    ) -> tuple[list[Endpoint], bool] | None:
+        member = self.program.members.get(reference)
+        found = self._elements(reference, symbol, values)
+        if found is None or not isinstance(member, PortSymbol):
+            return None
+        instances, whole = found
+        ends: list[Endpoint] = []
+        for instance in instances:
+            port = instance.shape.ports.get(member.name)
+            indexes = reference.member_indexes
+            elements = None if port is None else self._port_elements(reference, indexes, port, values)
+            if port is None or elements is None:
+                return None
+            if whole and len(elements) > 1 and not reference.member_indexes:
+                self._missing_index(reference)
+                return None
+            whole = whole or (port.size is not None and not reference.member_indexes)
+            ends += [InstancePort(span=reference.span, instance=instance, port=port, element=e) for e in elements]
+        return ends, whole
+
+    def _port_elements(
+        self, reference: ast.Reference, given: tuple[ast.Expression, ...], port: PortShape, values: Values
+    ) -> list[PortElement] | None:
+        if not given:
+            return port.elements
+        indexes = self.indexes(given, values)
+        if indexes is None or port.size is None:
+            return None
+        flat = 0
+        sizes = [self.elaboration.integer(d, self.shape.values) or 0 for d in port.symbol.port.dimensions]
+        if len(indexes) == 1:
+            sizes = [port.size]
+        for expression, index, size in zip(given, indexes, sizes, strict=False):
+            if not 0 <= index < size:
+                self._out_of_range(expression, index, f"the array of ports `{port.name}`", size, port.span)
+                return None
+            flat = flat * size + index
+        return [(port.name, flat)]
+
+    def _elements(
+        self, reference: ast.Reference, symbol: ast.Instance, values: Values
+    ) -> tuple[list[InstanceShape], bool] | None:
+        """The instances that a reference names, and whether that is a whole array."""
+        given = self.indexes(reference.indexes, values) if reference.indexes else []
+        if given is None:
+            return None
+        loops = self.loops.get(symbol, ())
+        depth = len(loops) + (symbol.size is not None)
+        around = [index for loop in loops if isinstance(index := values.get(loop), int)] if loops else []
+        if len(around) == len(loops) and len(given) <= depth - len(loops):
+            given = around + given
+        full = element_name(symbol.name.text, *given)
+        if len(given) == depth:
+            instance = self.shape.instances.get(full)
+            if instance is None:
+                self._no_such_element(reference, symbol, given)
+                return None
+            return [instance], False
+        if symbol.size is not None and len(given) == depth - 1:
+            array = self._arrays().get(full)
+            return (array, True) if array else None
+        self._missing_index(reference)
+        return None
+
+    def _arrays(self) -> dict[str, list[InstanceShape]]:
+        if not self.arrays:
+            for instance in self.shape.instances.values():
+                if instance.array is not None:
+                    self.arrays.setdefault(instance.array, []).append(instance)
+        return self.arrays
+
+    def _no_such_element(self, reference: ast.Reference, symbol: ast.Instance, given: list[int]) -> None:
+        array = self._arrays().get(element_name(symbol.name.text, *given[:-1]))
+        if array is None or not reference.indexes:
+            return
+        what = f"the array of instances `{symbol.name.text}`"
+        self._out_of_range(reference.indexes[-1], given[-1], what, len(array), symbol.name.span)
+
+    def _missing_index(self, reference: ast.Reference | ast.Name) -> None:
+        name = reference.name.text if isinstance(reference, ast.Reference) else reference.name
+        self.elaboration.report.add(IndexMissing(span=reference.span, name=name))
+
+    def _out_of_range(self, expression: ast.Expression, index: int, what: str, size: int, declared: Span) -> None:
+        self.elaboration.report.add(
+            IndexOutOfRange(span=expression.span, index=index, what=what, size=size, declared=declared)
+        )
+
+    def _excuse(self, reference: ast.Reference) -> None:
+        symbol = self.program.bindings.get(reference)
+        if reference.member is not None:
+            known = isinstance(self.program.members.get(reference), PortSymbol)
+            self.excused.add((reference.name.text, reference.member.text if known else None))
+        elif isinstance(symbol, PortSymbol) and symbol.name in self.shape.ports:
+            for element in self.shape.ports[symbol.name].elements:
+                self.shape.port_spans.setdefault(element_name(*element), reference.span)

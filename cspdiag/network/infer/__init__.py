@@ -1,0 +1,1 @@
+"""What the text leaves open: kinds of channels, sample periods, reading ends."""

@@ -1,0 +1,120 @@
+"""Which ways an alternative or a condition can take at all: what is always ready, never holds, or comes too late."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from cspdiag.base.record import record, replaced
+from cspdiag.network.infer.contexts import Placed
+from cspdiag.network.infer.waiting import constant_in, is_always_ready, known_duration, sample_period
+from cspdiag.network.ir.actions import AfterEvent, Branch, Choice, Event, InputEvent, ReadyEvent, Target
+from cspdiag.network.ir.expression_walk import walk
+from cspdiag.network.ir.expressions import Expression, UnaryOperation, VariableValue
+from cspdiag.network.ir.walk import parts
+from cspdiag.network.relations import end_key
+from cspdiag.network.shapes import Key
+
+
+@record
+class Overtaken:
+    """A time-out of ``waits`` nanoseconds, and the guard ``by`` that is ready within ``period`` of them: a sample of ``port``, another time-out, or at once."""
+
+    branch: Branch
+    waits: int
+    by: Branch
+    port: Key | None
+    period: int
+
+
+def decided(placed: Placed, condition: Expression | None) -> bool | None:
+    """Whether a condition always holds, or never; None where that depends on more than constants."""
+    if condition is None:
+        return True
+    value = constant_in(placed, condition)
+    return value if isinstance(value, bool) else None
+
+
+def overtaken(placed: Placed, choice: Choice) -> Iterator[Overtaken]:
+    """The time-outs beside samples of an input, another time-out, or a branch that is always ready, which come before them."""
+    soonest: tuple[int, Branch, Key | None] | None = None
+    for branch in choice.branches:
+        found = _ready_within(placed, branch) if decided(placed, branch.condition) else None
+        if found is not None and (soonest is None or found[0] < soonest[0]):
+            soonest = found[0], branch, found[1]
+    if soonest is None:
+        return
+    period, other, port = soonest
+    for branch in choice.branches:
+        waits = known_duration(placed, branch.event.duration) if isinstance(branch.event, AfterEvent) else 0
+        is_behind = choice.prioritized and other.span.start < branch.span.start
+        if branch is not other and (waits > period or (period and waits == period and is_behind)):
+            yield Overtaken(branch, waits, other, port, period)
+
+
+def _ready_within(placed: Placed, branch: Branch) -> tuple[int, Key | None] | None:
+    """Within how many nanoseconds a guard is ready for certain, and the input of which it is a sample."""
+    event = branch.event
+    if is_always_ready(placed, event):
+        return 0, None
+    if isinstance(event, ReadyEvent | InputEvent):
+        key = end_key(event.source)
+        period = sample_period(placed, key)
+        return (period, key) if period else None
+    waits = known_duration(placed, event.duration) if isinstance(event, AfterEvent) else 0
+    return (waits, None) if waits else None
+
+
+def possible_branches(placed: Placed, choice: Choice) -> tuple[Branch, ...]:
+    """The branches that can be chosen."""
+    late = {found.branch.span for found in overtaken(placed, choice)}
+    possible: list[Branch] = []
+    for branch in choice.branches:
+        holds = decided(placed, branch.condition)
+        if holds is False or branch.span in late:
+            continue
+        possible.append(branch)
+        if holds and choice.prioritized and is_always_ready(placed, branch.event):
+            break
+    return tuple(possible)
+
+
+def ways_of_samples(placed: Placed, choice: Choice) -> tuple[Choice, ...]:
+    """An alternative as it is where the condition of its samples holds, and where it does not and others are waited for; itself where there is no such one.
+
+    Of other conditions, only those are known to hold then that always do, or are the contrary. The samples are read before and after only where
+    the condition changes both ways: some variable of it is written with the samples and without them.
+    """
+    of_samples = {branch.condition for branch in choice.branches if _is_sample(placed, branch.event)}
+    conditions = [condition for condition in of_samples if decided(placed, condition) is None]
+    if len(conditions) != 1:
+        return (choice,)
+    condition = conditions[0]
+    assert condition is not None
+    holds = [replaced(one, condition=None) if one.condition == condition else one for one in choice.branches]
+    others = [
+        one for one in choice.branches if decided(placed, one.condition) or _are_contrary(one.condition, condition)
+    ]
+    ways = [replaced(choice, branches=tuple(holds))]
+    changed = _written(one for one in choice.branches if one.condition == condition) & _written(others)
+    if not any(isinstance(part, VariableValue) and part.channel in changed for part in walk(condition)):
+        return (choice,)
+    # Where one of the other samples comes, or something is ready, there is no waiting that the first way has not.
+    if others and not any(_is_sample(placed, one.event) for one in others):
+        ways.append(replaced(choice, branches=tuple(others)))
+    return tuple(ways)
+
+
+def _is_sample(placed: Placed, event: Event) -> bool:
+    return isinstance(event, ReadyEvent | InputEvent) and bool(sample_period(placed, end_key(event.source)))
+
+
+def _written(branches: Iterable[Branch]) -> set[str]:
+    """The variables that are written in branches, and by their guards."""
+    return {part.channel for branch in branches for part in parts(branch) if isinstance(part, Target)}
+
+
+def _are_contrary(one: Expression | None, other: Expression | None) -> bool:
+    return any(
+        isinstance(a, UnaryOperation) and a.operator == "not" and a.operand == b
+        for a, b in ((one, other), (other, one))
+    )

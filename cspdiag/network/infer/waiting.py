@@ -1,0 +1,199 @@
+"""Which communications may wait, in a context: for checks of guards and of loops."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import assert_never
+
+from cspdiag.network.elaborate.constant_value import constant_value
+from cspdiag.network.infer.contexts import NetKind, Placed, port_facts
+from cspdiag.network.infer.ends import all_actions
+from cspdiag.network.ir.actions import (
+    Action,
+    AfterEvent,
+    AssignValue,
+    CatchException,
+    Choice,
+    CountedLoop,
+    Event,
+    Group,
+    IfElse,
+    InputEvent,
+    InterruptOn,
+    OptimizedStep,
+    OutputEvent,
+    ParallelSteps,
+    RaiseException,
+    ReadValue,
+    ReadyEvent,
+    Repeat,
+    ResetInstance,
+    RunInstance,
+    SequentialSteps,
+    SkipEvent,
+    SkipStep,
+    StopStep,
+    WaitStep,
+    WhileLoop,
+    WriteValue,
+)
+from cspdiag.network.ir.expressions import Expression, ParameterValue, Value, VariableValue
+from cspdiag.network.ir.ranges import Range, value_range
+from cspdiag.network.relations import end_key
+from cspdiag.network.shapes import UNKNOWN_PERIOD, InstanceShape, Key, attached_key
+from cspdiag.syntax import ast
+
+_NEVER_READ_WAITS: frozenset[NetKind] = frozenset({"var", "constant"})
+_NEVER_WRITE_WAITS: frozenset[NetKind] = frozenset({"var", "sampled", "event", "discard", "overwrite"})
+
+
+def read_may_wait(placed: Placed, key: Key) -> bool:
+    """Whether reading a port or channel may have to wait for a value."""
+    return placed.facts[key][0] not in _NEVER_READ_WAITS
+
+
+def write_may_wait(placed: Placed, key: Key) -> bool:
+    """Whether writing a port or channel may have to wait for a reader."""
+    return placed.facts[key][0] not in _NEVER_WRITE_WAITS
+
+
+def is_open(placed: Placed, key: Key) -> bool:
+    """Whether nothing is known about what is behind a port or channel."""
+    return placed.facts[key][0] == "open"
+
+
+def sample_period(placed: Placed, key: Key) -> int:
+    """The period of a sampled input in nanoseconds; 0 for what is none, or where it is not known."""
+    kind, period = placed.facts[key]
+    return period if kind == "sampled" and period is not None and period != UNKNOWN_PERIOD else 0
+
+
+def constant_in(placed: Placed, expression: Expression) -> Value | None:
+    """The value of an expression of constants and of the parameters of a process; None where it depends on more."""
+    values = {node.name.text: value for node, value in placed.shape.values.items() if isinstance(node, ast.Parameter)}
+    return constant_value(expression, lambda name: values.get(name.name))
+
+
+def known_duration(placed: Placed, expression: Expression) -> int:
+    """The nanoseconds of a delay; 0 where they are not known here."""
+    value = constant_in(placed, expression)
+    return value if isinstance(value, int) and value > 0 else 0
+
+
+def is_over_at_once(placed: Placed, duration: Expression) -> bool:
+    """Whether a delay of no or a negative duration stands there, in every instance: it takes no time. A negative constant is refused already."""
+
+    def known(name: ParameterValue | VariableValue) -> Range | None:
+        return placed.parameters.get(name.name) if isinstance(name, ParameterValue) else None
+
+    constant = constant_value(duration, lambda _: None)
+    if isinstance(constant, int):
+        return constant == 0
+    found = constant_in(placed, duration)
+    return found <= 0 if isinstance(found, int) else value_range(duration, known)[1] <= 0
+
+
+def is_always_ready(placed: Placed, event: Event) -> bool:
+    """Whether a guard is ready whenever it counts."""
+    match event:
+        case SkipEvent():
+            return True
+        case ReadyEvent() | InputEvent():
+            key = end_key(event.source)
+            return not is_open(placed, key) and not read_may_wait(placed, key)
+        case OutputEvent():
+            key = end_key(event.sink)
+            return not is_open(placed, key) and not write_may_wait(placed, key)
+        case AfterEvent():
+            return is_over_at_once(placed, event.duration)
+        case _:
+            assert_never(event)
+
+
+def inputs_of(instance: InstanceShape) -> Iterator[Key | None]:
+    """What each input of an instance is attached to."""
+    for element, attached in instance.attachments.items():
+        if instance.shape.ports[element[0]].direction == "in":
+            yield attached_key(attached)
+
+
+class Waiting:
+    """Whether every run of a process in a context may wait somewhere; the contexts of instances come first."""
+
+    def __init__(self) -> None:
+        self._known: dict[Placed, bool] = {}
+
+    def process(self, placed: Placed) -> bool:
+        """Whether a run of the process waits, or may."""
+        known = self._known.get(placed)
+        if known is None:
+            body = placed.shape.body
+            known = self._known[placed] = body is None or self.action(placed, body)
+        return known
+
+    def action(self, placed: Placed, action: Action) -> bool:
+        """Whether a run of the action waits, or may: a way that never waits counts only where nothing decides against it."""
+        match action:
+            case RunInstance():
+                return self._run(placed, placed.shape.instances[action.instance])
+            case ReadValue():
+                return read_may_wait(placed, end_key(action.source))
+            case WriteValue():
+                return write_may_wait(placed, end_key(action.sink))
+            case WaitStep():
+                return not is_over_at_once(placed, action.duration)
+            case StopStep() | RaiseException():
+                return True
+            case AssignValue() | SkipStep() | ResetInstance():
+                return False
+            case SequentialSteps() | ParallelSteps():
+                return any(self.action(placed, step) for step in action.steps)
+            case Choice():
+                return self._choice(placed, action)
+            case Repeat() | WhileLoop() | CountedLoop() | Group():
+                return self.action(placed, action.body)
+            case IfElse():
+                return self.action(placed, action.then) or self.action(placed, action.otherwise)
+            case CatchException():
+                return self.action(placed, action.body)
+            case InterruptOn():
+                return self._interrupt(placed, action)
+            case OptimizedStep():
+                raise AssertionError("made by the optimizer, later")
+            case _:
+                assert_never(action)
+
+    def _choice(self, placed: Placed, choice: Choice) -> bool:
+        """One that has a branch ``skip -> P`` goes that way for ever; beside other guards that are always ready the others have a turn."""
+        skips = [branch for branch in choice.branches if isinstance(branch.event, SkipEvent)]
+        if any(branch.condition is None and not self.action(placed, branch.body) for branch in skips):
+            return False
+        if any(branch.condition is None and is_always_ready(placed, branch.event) for branch in choice.branches):
+            return any(self.action(placed, branch.body) for branch in choice.branches)
+        return True
+
+    def _interrupt(self, placed: Placed, interrupt: InterruptOn) -> bool:
+        """A guard that is ready at once cancels the body before it waits, unless it fails before that."""
+        branch = interrupt.branch
+        is_cancelled = branch.condition is None and is_always_ready(placed, branch.event)
+        if not is_cancelled or self._may_raise(placed, interrupt.body):
+            return self.action(placed, interrupt.body)
+        return self.action(placed, branch.body)
+
+    def _may_raise(self, placed: Placed, action: Action) -> bool:
+        """Whether an exception of the program may end an action."""
+        instances = placed.shape.instances
+        return any(
+            isinstance(part, RaiseException)
+            or (isinstance(part, RunInstance) and not instances[part.instance].shape.is_submodel)
+            for part in all_actions(action)
+        )
+
+    def _run(self, placed: Placed, instance: InstanceShape) -> bool:
+        if not instance.shape.is_submodel:
+            return self.process(placed.inside[instance.name])
+        facts = port_facts(placed.facts, instance)
+        return any(
+            facts[key][0] not in (_NEVER_READ_WAITS if port.direction == "in" else _NEVER_WRITE_WAITS)
+            for port, _, key in instance.shape.port_elements()
+        )

@@ -1,0 +1,332 @@
+"""The network representation: small, closed, explicit.
+
+A program is a set of classes and a tree of instances. A class is a definition in one shape: two instances of a definition share a class when they
+differ only in the values of constants; where array sizes or the structure below differ they have classes of their own.
+Kinds of channels, sample periods, priorities and reader ends are decided, replicators are unrolled (but for ``CountedLoop``), defaults are filled in.
+Names stay those of the text; an element of an array is called ``cell[3]``.
+
+Every backend, analysis and picture reads this and nothing else.
+"""
+
+from __future__ import annotations
+
+from typing import Literal, TypeAlias
+
+from cspdiag.base import Span
+from cspdiag.base.record import record
+from cspdiag.model.types import EnumType, StructType, Type
+from cspdiag.network.ir.actions import Action, End
+from cspdiag.network.ir.expressions import Expression, Value
+
+ChannelKind: TypeAlias = Literal["var", "sync", "broadcast", "any", "buffer", "overwrite"]
+Direction: TypeAlias = Literal["in", "out"]
+MediumKind: TypeAlias = Literal[
+    "var", "sync", "broadcast", "any", "buffer", "overwrite",
+    "sampled", "event", "latched", "direct", "constant", "discard",
+]  # fmt: skip
+
+
+@record(kw_only=True)
+class Declared:
+    """Something with a name, a doc comment and a place."""
+
+    name: str
+    doc: str | None = None
+    span: Span
+
+
+@record(kw_only=True)
+class ClassParameter(Declared):
+    """A constant that an instance is given.
+
+    ``derived`` tells what the compiler added: the sample period (name ``sample``, type double, in seconds), coefficients of discretized
+    operators, and constants passed on to instances inside.
+    """
+
+    type: Type
+    derived: bool = False
+
+
+@record(kw_only=True)
+class NamedConstant(Declared):
+    """A ``const`` of the text."""
+
+    type: Type
+    value: Value
+
+
+@record
+class Medium:
+    """What a port is connected to, once classes are specialized by it.
+
+    ``kind`` is that of the channel, or for ports that reach the outside ``sampled`` and ``event`` (inputs), ``latched`` (a sampled output),
+    ``direct`` (an event output, or an immediate one), or ``constant`` and ``discard``. ``guarded_reads`` and ``guarded_writes``
+    tell whether any alternative or interrupt has a guard on that side of the channel, anywhere.
+    """
+
+    kind: MediumKind
+    guarded_reads: bool = False
+    guarded_writes: bool = False
+
+
+@record(kw_only=True)
+class Port(Declared):
+    """A port of a class; ``size`` is the length of an array of ports; ``period`` is for documentation.
+
+    ``media`` has the medium of the port, or of each element of the array, once the class is specialized.
+    """
+
+    direction: Direction
+    type: Type
+    size: int | None = None
+    period: Expression | None = None
+    media: tuple[Medium, ...] = ()
+
+
+@record(kw_only=True)
+class LocalChannel(Declared):
+    """A channel that a process class owns; a variable of the text is one of kind ``var``.
+
+    ``initial`` belongs to ``var``, ``capacity`` to ``buffer`` and ``overwrite``, ``ends`` (the number of reading ends) to ``broadcast``.
+    ``guarded_reads`` and ``guarded_writes`` are as in ``Medium``, and known once classes are specialized.
+    """
+
+    type: Type
+    kind: ChannelKind
+    initial: Expression | None = None
+    capacity: int | None = None
+    ends: int = 1
+    guarded_reads: bool = False
+    guarded_writes: bool = False
+
+
+@record
+class ConstantEnd:
+    """An input that was left to its default: reading gives this value at once."""
+
+    value: Expression
+
+
+@record
+class DiscardEnd:
+    """``_``: takes everything at once."""
+
+
+Attachment: TypeAlias = End | ConstantEnd | DiscardEnd
+
+
+@record(kw_only=True)
+class Connection:
+    """What a port of an instance is attached to, in terms of the enclosing class."""
+
+    port: str
+    index: int | None
+    attachment: Attachment
+
+
+@record(kw_only=True)
+class InstanceOf(Declared):
+    """An instance inside a process class.
+
+    ``array`` and ``index`` are set for elements of an array of instances: ``cell[3]`` has array ``cell`` and index 3.
+    ``arguments`` are expressions over the parameters of the enclosing class, in the order of the class's parameters.
+    """
+
+    class_name: str
+    array: str | None = None
+    index: int | None = None
+    arguments: tuple[tuple[str, Expression], ...] = ()
+    connections: tuple[Connection, ...] = ()
+
+
+@record(kw_only=True)
+class ExternalBody:
+    """A body in another language: ``target`` is ``module.py:Class`` or a C file; ``span`` is where it was named."""
+
+    language: str
+    target: str
+    span: Span
+
+
+@record(kw_only=True)
+class SubmodelState(Declared):
+    """A state; ``continuous`` ones have a derivative, the others a next value."""
+
+    type: Type
+    initial: Expression
+    continuous: bool
+
+
+@record(kw_only=True)
+class SubmodelEquation(Declared):
+    """``name = value``; ``name`` is an output or a local. Nested submodels are inlined: ``pid.error`` is a local."""
+
+    type: Type
+    value: Expression
+
+
+@record
+class CreatedInstance:
+    """An instance, in the order of creation."""
+
+    instance: str
+
+
+@record
+class CreatedChoice:
+    """An alternative, in the order of creation."""
+
+    choice: str
+
+
+@record(kw_only=True)
+class ProcessClass(Declared):
+    """A process: ports, what it owns, and its composition. With ``external`` it owns nothing and ``body`` is None.
+
+    The passes of ``network.optimize`` fill in ``constants`` (of parameters only, evaluated once in order) and ``states``, those of control laws that
+    were inlined, and ``creation``: reading ends, instances and the names of alternatives in the order in which they come to be without those passes,
+    which decides who is served first where several wait for one event.
+    """
+
+    definition: str
+    parameters: tuple[ClassParameter, ...] = ()
+    ports: tuple[Port, ...] = ()
+    channels: tuple[LocalChannel, ...] = ()
+    instances: tuple[InstanceOf, ...] = ()
+    body: Action | None = None
+    external: ExternalBody | None = None
+    wcet: int | None = None
+    constants: tuple[SubmodelEquation, ...] = ()
+    states: tuple[SubmodelState, ...] = ()
+    creation: tuple[End | CreatedInstance | CreatedChoice, ...] = ()
+
+
+@record(kw_only=True)
+class ExternalCall(Declared):
+    """A nested external submodel (its instance is ``name``): all ``outputs`` are had by one call with all ``inputs``."""
+
+    external: ExternalBody
+    definition: str
+    arguments: tuple[tuple[str, Expression], ...]
+    inputs: tuple[tuple[str, Expression], ...]
+    outputs: tuple[tuple[str, str, Type], ...]
+    """Port, local name (``pan.encoder``), type."""
+
+
+@record(kw_only=True)
+class SubmodelClass(Declared):
+    """A control law, flattened and sorted.
+
+    One run: the ``equations`` are evaluated in order from the inputs and the present states; the outputs are had; then every discrete
+    state takes its ``next`` value at once, and the continuous ones are integrated over the sample with the inputs held:
+    ``derivatives`` are evaluated after ``derivative_equations`` (the part of the equations that they need).
+    ``constants`` depend on parameters only and are evaluated once, in order.
+    """
+
+    definition: str
+    parameters: tuple[ClassParameter, ...] = ()
+    ports: tuple[Port, ...] = ()
+    constants: tuple[SubmodelEquation, ...] = ()
+    states: tuple[SubmodelState, ...] = ()
+    equations: tuple[SubmodelEquation | ExternalCall, ...] = ()
+    next_values: tuple[tuple[str, Expression], ...] = ()
+    derivative_equations: tuple[SubmodelEquation, ...] = ()
+    derivatives: tuple[tuple[str, Expression], ...] = ()
+    method: Literal["rk4", "euler"] = "rk4"
+    step: int | None = None
+    """The longest sub-step of the integration in nanoseconds; None for the whole sample."""
+    external: ExternalBody | None = None
+    wcet: int | None = None
+
+
+@record(kw_only=True)
+class ExternalPort(Declared):
+    """A port of the outermost process, with values: ``period`` in nanoseconds, None for an event port."""
+
+    direction: Direction
+    type: Type
+    index: int | None = None
+    period: int | None = None
+    immediate: bool = False
+    safe: Value | None = None
+    default: Value | None = None
+    kind: ChannelKind = "sync"
+    """For an event input that several processes read: ``broadcast`` or ``any``."""
+
+
+@record(kw_only=True)
+class DriverInstance(Declared):
+    """A device in an environment; ``connections`` are (driver port, external port of the program)."""
+
+    definition: str
+    external: ExternalBody
+    arguments: tuple[tuple[str, Value], ...]
+    connections: tuple[tuple[str, str], ...]
+
+
+@record(kw_only=True)
+class Environment(Declared):
+    """The plant and the operator as one flattened system, and the drivers.
+
+    ``system`` has the program's outputs as inputs and its inputs as outputs, under the names of the program's ports; it has no
+    parameters. ``step`` is the grid in nanoseconds on which it is evaluated besides the ticks.
+    """
+
+    system: SubmodelClass | None
+    drivers: tuple[DriverInstance, ...]
+    step: int
+    on_miss: Literal["timeout", "count"] = "timeout"
+
+
+@record(kw_only=True)
+class Instantiation:
+    """An instance by its path from the outermost process (``Jiwy.horizontal.alignL``), with the values of its parameters."""
+
+    path: str
+    class_name: str
+    arguments: tuple[tuple[str, Value], ...]
+
+
+@record(kw_only=True)
+class Net:
+    """A channel with everyone who takes part: paths of the leaf processes (``Jiwy.horizontal.alignL.velocity``) and their ports.
+
+    ``path`` is the channel's hierarchical name, or the external port's.
+    """
+
+    path: str
+    kind: ChannelKind
+    type: Type
+    external: Direction | None
+    period: int | None
+    writers: tuple[tuple[str, str], ...]
+    readers: tuple[tuple[str, str], ...]
+    span: Span
+
+
+@record(kw_only=True)
+class Network:
+    """A whole program. ``classes`` come in an order in which each is preceded by the classes of its instances."""
+
+    name: str
+    source: str
+    top: str
+    """Class name of the outermost process, which is also the first part of every path."""
+    arguments: tuple[tuple[str, Value], ...]
+    constants: tuple[NamedConstant, ...]
+    enums: tuple[EnumType, ...]
+    structs: tuple[StructType, ...]
+    exceptions: tuple[str, ...]
+    classes: tuple[ProcessClass | SubmodelClass, ...]
+    external_ports: tuple[ExternalPort, ...]
+    environments: tuple[Environment, ...]
+    instances: tuple[Instantiation, ...]
+    nets: tuple[Net, ...]
+    doc: str | None = None
+
+    def class_named(self, name: str) -> ProcessClass | SubmodelClass:
+        """The class of that name; KeyError if there is none."""
+        for entry in self.classes:
+            if entry.name == name:
+                return entry
+        raise KeyError(name)

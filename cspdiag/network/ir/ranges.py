@@ -1,0 +1,138 @@
+"""Between which bounds the whole numbers and the times of expressions lie, by the arithmetic of intervals: which of them may leave the range of their type."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import TypeAlias
+
+from cspdiag.model.types import EnumType, IntType, Type
+from cspdiag.network.ir.expressions import (
+    ArrayElements,
+    BinaryOperation,
+    ConditionalValue,
+    Expression,
+    FieldValue,
+    FunctionCall,
+    LiteralValue,
+    ParameterValue,
+    StructValue,
+    UnaryOperation,
+    VariableValue,
+)
+from cspdiag.network.ir.walk import parts
+
+Range: TypeAlias = tuple[int, int]
+"""The least and the greatest value."""
+
+Lookup: TypeAlias = "Callable[[ParameterValue | VariableValue], Range | None]"
+"""What a parameter or a variable may be; None where that is any value of its type."""
+
+_WORD = IntType()
+
+
+def of_instances(name: ParameterValue | VariableValue) -> Range | None:
+    """What the instances of a class give a parameter, once all are known; of variables nothing is known."""
+    return name.range if isinstance(name, ParameterValue) else None
+
+
+def needs_check(expression: Expression) -> bool:
+    """Whether a whole-number operation may overflow: only one whose operands have ranges that exclude it needs no check.
+
+    That an operation is over parameters and indices alone does not say that it stays in range. What is known before the run is a fault
+    of the run, where it stands and if it is reached.
+    """
+    low, high = _result(expression)
+    bounds = limits_of(expression.type)
+    return low < bounds[0] or high > bounds[1]
+
+
+def exceeds(expression: Expression) -> tuple[bool, bool]:
+    """Whether a whole-number operation may leave the range of its type below, and above."""
+    low, high = _result(expression)
+    bounds = limits_of(expression.type)
+    return low < bounds[0], high > bounds[1]
+
+
+def cannot_fault(expression: Expression) -> bool:
+    """Whether evaluating the expression computes nothing, so that it does not matter when it is evaluated."""
+    stored = LiteralValue | ParameterValue | VariableValue | FieldValue | StructValue | ArrayElements
+    return all(isinstance(part, stored) for part in parts(expression))
+
+
+def value_range(expression: Expression, known: Lookup = of_instances) -> Range:
+    """The least and the greatest value that a whole number or a time can have, if it does not fault."""
+    low, high = _result(expression, known)
+    bounds = limits_of(expression.type)
+    return max(low, bounds[0]), min(high, bounds[1])
+
+
+def limits_of(type_: Type) -> Range:
+    """The least and the greatest value of a type of whole numbers; those of ``int`` for others."""
+    match type_:
+        case IntType():
+            return type_.minimum, type_.maximum
+        case EnumType(literals=literals):
+            return 0, len(literals) - 1
+    return _WORD.minimum, _WORD.maximum
+
+
+def joined(several: Iterable[Range]) -> Range:
+    """What may be in any of some ranges, of which there is at least one."""
+    lows, highs = zip(*several, strict=True)
+    return min(lows), max(highs)
+
+
+def _result(expression: Expression, known: Lookup = of_instances) -> Range:
+    """The values an operation can have before it is checked."""
+    match expression:
+        case LiteralValue(value=int(value)):
+            return value, value
+        case ParameterValue() | VariableValue():
+            return known(expression) or limits_of(expression.type)
+        case UnaryOperation(operator="-", operand=operand):
+            low, high = value_range(operand, known)
+            return -high, -low
+        case BinaryOperation(operator=operator, left=left, right=right):
+            return _operation(operator, value_range(left, known), value_range(right, known), limits_of(expression.type))
+        case ConditionalValue(then=then, otherwise=otherwise):
+            return joined((value_range(then, known), value_range(otherwise, known)))
+        case FunctionCall(function="abs", arguments=(operand,)):
+            low, high = value_range(operand, known)
+            return 0 if low <= 0 <= high else min(abs(low), abs(high)), max(abs(low), abs(high))
+        case FunctionCall(function="min" | "max" as function, arguments=arguments):
+            choose = min if function == "min" else max
+            lows, highs = zip(*(value_range(argument, known) for argument in arguments), strict=True)
+            return choose(lows), choose(highs)
+    return limits_of(expression.type)
+
+
+def _operation(operator: str, left: Range, right: Range, bounds: Range) -> Range:
+    match operator:
+        case "+":
+            return left[0] + right[0], left[1] + right[1]
+        case "-":
+            return left[0] - right[1], left[1] - right[0]
+        case "*":
+            products = [a * b for a in left for b in right]
+            return min(products), max(products)
+        case "/":
+            return _quotient(left, right)
+        case "%":
+            largest = max(abs(right[0]), abs(right[1]), 1) - 1
+            return max(-largest, min(left[0], 0)), min(largest, max(left[1], 0))
+        case "^" if left[0] == left[1] and right[0] == right[1] and 0 <= right[0] < 64:
+            return left[0] ** right[0], left[0] ** right[0]
+        case "^":
+            return bounds[0] - 1, bounds[1] + 1
+    return bounds
+
+
+def _quotient(left: Range, right: Range) -> Range:
+    """Truncated toward zero; by zero it is a fault. On each side of zero, the least and the greatest are by one of the bounds."""
+    divisors = [
+        (low, high) for low, high in ((right[0], min(right[1], -1)), (max(right[0], 1), right[1])) if low <= high
+    ]
+    if not divisors:
+        return 0, 0
+    quotients = [abs(a) // abs(b) * (1 if (a < 0) == (b < 0) else -1) for a in left for pair in divisors for b in pair]
+    return min(quotients), max(quotients)

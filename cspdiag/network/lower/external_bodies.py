@@ -1,0 +1,89 @@
+"""Bodies in other languages: which there are, and whether their names make sense. Whether files exist is for who reads files to say."""
+
+from __future__ import annotations
+
+import re
+from keyword import iskeyword
+
+from cspdiag.base import Report
+from cspdiag.base.record import record
+from cspdiag.model.program import Program
+from cspdiag.network.diagnostics.external import DriverWithoutBody, MalformedTarget, MixedBody, UnsupportedLanguage
+from cspdiag.network.ir.network import ExternalBody
+from cspdiag.network.submodels.inline import external_body
+from cspdiag.syntax import ast
+
+_NAME = r"[A-Za-z_][A-Za-z0-9_]*"
+_FOLDERS = r"(?:[^:*?\"<>|\x00-\x1f]*/)?"
+_TARGETS = {
+    # A file, or an installed module: the latter's name is written into generated code as it is.
+    "python": re.compile(rf"(?P<file>{_FOLDERS}[^:*?\"<>|\x00-\x1f/]+\.py|{_NAME}(?:[./]{_NAME})*):(?P<name>{_NAME})"),
+    # A file that is copied under its own name, which stands in makefiles.
+    "c": re.compile(rf"(?P<file>{_FOLDERS}[A-Za-z0-9_][A-Za-z0-9_.+-]*\.c)"),
+}
+Owner = ast.ProcessDefinition | ast.SubmodelDefinition | ast.DriverDefinition
+
+
+@record
+class NamedBody:
+    """The external body of a definition. ``file`` is the file or, without an ending, the module that was named; ``name`` the class in it."""
+
+    definition: str
+    body: ExternalBody
+    file: str
+    name: str | None
+
+
+def external_bodies(program: Program) -> list[NamedBody]:
+    """All external bodies that are named as they should, in the order of the definitions."""
+    found: list[NamedBody] = []
+    for definition in program.definitions.values():
+        if not isinstance(definition, Owner) or definition.external is None:
+            continue
+        pattern = _TARGETS.get(definition.external.language.text)
+        match = _parts(pattern, definition.external.target) if pattern else None
+        if match:
+            parts = match.groupdict()
+            found.append(
+                NamedBody(definition.name.text, external_body(definition.external), parts["file"], parts.get("name"))
+            )
+    return found
+
+
+def _parts(pattern: re.Pattern[str], target: str) -> re.Match[str] | None:
+    """The parts of what names a body, if it can be one: a word of Python names neither a module nor a class."""
+    found = pattern.fullmatch(target)
+    if found is None:
+        return None
+    file, name = found["file"], found.groupdict().get("name", "")
+    module = [] if file.endswith((".py", ".c")) else re.split("[./]", file)
+    return None if any(map(iskeyword, (*module, name))) else found
+
+
+def check(program: Program, report: Report) -> None:
+    """Report bodies in languages that cannot be called, malformed names, and drivers without a body."""
+    for definition in program.definitions.values():
+        if not isinstance(definition, Owner) or definition in program.poisoned:
+            continue
+        external = definition.external
+        if external is None:
+            if isinstance(definition, ast.DriverDefinition):
+                report.add(DriverWithoutBody(definition.name.span, definition.name.text))
+            continue
+        kind = {ast.ProcessDefinition: "process", ast.SubmodelDefinition: "submodel"}.get(type(definition), "driver")
+        language = external.language.text
+        pattern = _TARGETS.get(language)
+        if pattern is None or (kind == "driver" and language != "python"):
+            report.add(UnsupportedLanguage(external.language.span, language, kind))
+        elif not _parts(pattern, external.target):
+            report.add(MalformedTarget(external.target_span, language, external.target))
+        if _has_own_body(definition):
+            report.add(MixedBody(external.span, definition.name.text))
+
+
+def _has_own_body(definition: Owner) -> bool:
+    if isinstance(definition, ast.SubmodelDefinition):
+        return bool(definition.items)
+    return isinstance(definition, ast.ProcessDefinition) and not (
+        definition.communication is None and definition.composition is None
+    )

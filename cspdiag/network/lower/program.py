@@ -1,0 +1,270 @@
+"""From the typed model to the network: the whole way for ``compile``, and everything that can be found wrong for ``check``."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterable, Mapping
+from keyword import iskeyword
+
+from cspdiag.base import Report
+from cspdiag.base.spelling import Speller
+from cspdiag.model.program import Program, Value
+from cspdiag.network.analyse import Analysis
+from cspdiag.network.checks.release import check_release
+from cspdiag.network.elaborate.definitions import arguments_of
+from cspdiag.network.elaborate.definitions_to_shapes import parameter_value
+from cspdiag.network.elaborate.vocabulary import Vocabulary
+from cspdiag.network.infer.contexts import Surroundings
+from cspdiag.network.infer.parameter_ranges import with_ranges
+from cspdiag.network.instances import walk_instances
+from cspdiag.network.ir.network import Network
+from cspdiag.network.lower import environments, external_bodies
+from cspdiag.network.lower.classes import Classes, by_name
+from cspdiag.network.lower.environments import lower_environment
+from cspdiag.network.lower.external_ports import external_ports
+from cspdiag.network.lower.setting_paths import of_root, refuse_missing
+from cspdiag.network.occurrences import Occurrences, instance_names
+from cspdiag.network.submodels import classes as submodels
+from cspdiag.syntax import ast
+
+
+class SelectionError(ValueError):
+    """There is no process to compile, or not all that it takes; the message is one line."""
+
+
+def check(program: Program, report: Report) -> Analysis:
+    """Report everything that is wrong with the processes, submodels and environments of a program.
+
+    Returns what ``lower`` need not find out again.
+    """
+    analysis = analysed(program, report)
+    check_release(program, report)
+    submodels.check(program, report, analysis.law_samples(), analysis.laws)
+    external_bodies.check(program, report)
+    for environment in _environments(program):
+        environments.check(program, environment, report)
+    return analysis
+
+
+def analysed(program: Program, report: Report) -> Analysis:
+    """What is known about the processes of a program, and a report of what is wrong with them.
+
+    Every environment's process is looked at with its arguments, every process that nobody instantiates by itself.
+    """
+    analysis = Analysis(program, report)
+    main = set(program.main.items)
+    environment_of: set[ast.ProcessDefinition] = set()
+    for environment in _environments(program):
+        process = _process_of(program, environment)
+        if process is not None and process not in analysis.definitions.recursive:
+            environment_of.add(process)
+            values = _arguments(analysis, process, environment.arguments, {})
+            analysis.add_root(process, environment.arguments, _by_name(values), {})
+    for definition in analysis.definitions.roots():
+        if definition not in environment_of:
+            values = _arguments(analysis, definition, (), {})
+            surroundings: Surroundings = "environment" if definition in main else "unknown"
+            if definition in main and analysis.definitions.is_specification(definition):
+                surroundings = "specification"
+            analysis.add_root(definition, (), _by_name(values), {}, surroundings)
+    analysis.run()
+    return analysis
+
+
+def lower(
+    program: Program,
+    top: str | None,
+    environment: str | None,
+    overrides: Mapping[str, Value],
+    report: Report,
+    *,
+    surroundings: Surroundings = "environment",
+    checked: Analysis | None = None,
+    alone: bool = False,
+) -> Network | None:
+    """The network of an outermost process; None where something is wrong that was reported.
+
+    ``top``: its name, by default that of the process of the environment, which is by default the first of the text; without any
+    environment the last process that nobody instantiates and that is no specification of another. ``overrides``: values of parameters by the path of the instance,
+    as ``of_root`` takes them. ``surroundings``: what its ports meet. ``alone``: without other environments than the chosen one.
+    ``checked`` is what ``check`` has found out about the same program, with the same report. Raises SelectionError where there is no such process,
+    or a parameter of it has no value, and NoSuchElementError for an override of an element that an array does not have.
+    """
+    analysis = Analysis(program, report) if checked is None or overrides else checked
+    process, wanted = selection(program, analysis, top, environment, alone=alone)
+    arguments = wanted[0].arguments if wanted else ()
+    own = of_root(overrides, process)
+    values = _arguments(analysis, process, arguments, own)
+    for parameter in process.parameters:
+        if parameter not in values:
+            raise SelectionError(
+                f"the outermost process `{process.name.text}` has no value for its parameter `{parameter.name.text}`: "
+                f"give it a default, set it, or write an environment for `{process.name.text}(...)`"
+            )
+    is_known = analysis is checked and surroundings == "environment"
+    root = analysis.known_root(process, _by_name(values)) if is_known else None
+    if root is None:
+        analysis = Analysis(program, report)
+        shape = analysis.add_root(process, arguments, _by_name(values), own, surroundings)
+        (placed,) = analysis.run()
+        if report.has_errors:
+            return None
+    else:
+        shape, placed = root
+    occurrences = Occurrences(program, analysis.elaboration, report)
+    outermost = occurrences.outermost(placed, values)
+    if not occurrences.flatten():
+        return None
+    classes = Classes(program, analysis.definitions, analysis.relations, report)
+    classes.make(occurrences.found)
+    ports = external_ports(program, shape, analysis.asked[shape], report)
+    instances, nets = walk_instances(outermost, classes, ports)
+    if own:
+        refuse_missing(program, process, own, instance_names(outermost))
+    # An environment computes with the parameters of its process too, which have bare names.
+    bare = {path: value for path, value in own.items() if "." not in path}
+    below = ((item, {**of_root(overrides, item), **bare}) for item in wanted)
+    lowered = tuple(
+        found
+        for item, values in below
+        if (found := lower_environment(program, item, ports, values, report)) is not None
+    )
+    if report.has_errors:
+        return None
+    vocabulary = Vocabulary(program, (*classes.made.values(), *ports, *lowered))
+    return Network(
+        name=_package_name(program, process),
+        source=program.main.source.name,
+        top=classes.class_of[outermost],
+        doc=process.doc,
+        arguments=by_name(values),
+        constants=vocabulary.constants(),
+        enums=vocabulary.enums(),
+        structs=vocabulary.structs(),
+        exceptions=vocabulary.exceptions(),
+        classes=with_ranges(classes.made.values(), instances),
+        external_ports=ports,
+        environments=lowered,
+        instances=instances,
+        nets=nets,
+    )
+
+
+def selection(
+    program: Program, analysis: Analysis, top: str | None, environment: str | None, *, alone: bool = False
+) -> tuple[ast.ProcessDefinition, tuple[ast.EnvironmentDefinition, ...]]:
+    """The outermost process and its environments, the chosen one first; see ``lower``.
+
+    Others, where none was asked for by name, are those that give the process the same arguments. Raises SelectionError.
+    """
+    chosen = _chosen_environment(program, top, environment)
+    if environment is not None and chosen is None:
+        known = [item.name.text for item in _environments(program)]
+        raise SelectionError(
+            f"there is no environment `{environment}`{f' for `{top}`' if top else ''}{suggestion(environment, known)}"
+        )
+    process = _top(program, analysis, top, chosen)
+    if chosen is None or alone or environment is not None:
+        return process, (chosen,) if chosen is not None else ()
+    others = (e for e in _environments(program) if e is not chosen and _alike(program, process, e, chosen))
+    return process, (chosen, *others)
+
+
+def _environments(program: Program) -> list[ast.EnvironmentDefinition]:
+    return [d for d in program.definitions.values() if isinstance(d, ast.EnvironmentDefinition)]
+
+
+def _process_of(program: Program, environment: ast.EnvironmentDefinition) -> ast.ProcessDefinition | None:
+    found = program.bindings.get(environment.process)
+    return found if isinstance(found, ast.ProcessDefinition) else None
+
+
+def _chosen_environment(program: Program, top: str | None, environment: str | None) -> ast.EnvironmentDefinition | None:
+    for candidate in _environments(program):
+        fits_top = top is None or candidate.process.text == top
+        if fits_top and environment in (None, candidate.name.text):
+            return candidate
+    return None
+
+
+def _top(
+    program: Program,
+    analysis: Analysis,
+    top: str | None,
+    environment: ast.EnvironmentDefinition | None,
+) -> ast.ProcessDefinition:
+    if top is not None:
+        found = program.definitions.get(top)
+    elif environment is not None:
+        found = _process_of(program, environment)
+    else:
+        found = analysis.definitions.outermost()
+    if isinstance(found, ast.ProcessDefinition) and found not in analysis.definitions.recursive:
+        return found
+    if top is not None:
+        processes = [name for name, item in program.definitions.items() if isinstance(item, ast.ProcessDefinition)]
+        raise SelectionError(f"there is no process `{top}`{suggestion(top, processes)}")
+    raise SelectionError(f"{program.main.source.name} has no process to compile")
+
+
+def suggestion(name: str, known: Iterable[str]) -> str:
+    """What may have been meant; where nothing is near, what there is."""
+    names = sorted(known)
+    near = Speller().nearest(name, names)
+    if near:
+        return f" (did you mean `{near}`?)"
+    listed = ", ".join(f"`{each}`" for each in names[:_MOST_NAMES])
+    return f" (there is {listed}{', ...' if len(names) > _MOST_NAMES else ''})" if names else ""
+
+
+_MOST_NAMES = 8
+
+
+def _arguments(
+    analysis: Analysis,
+    process: ast.ProcessDefinition,
+    arguments: tuple[ast.Argument, ...],
+    overrides: Mapping[str, Value],
+) -> dict[ast.Node, Value]:
+    """Values of the parameters of an outermost process, as far as they have one."""
+    given = dict(arguments_of(process.parameters, arguments))
+    found: dict[ast.Node, Value] = {}
+    for parameter in process.parameters:
+        value = overrides.get(parameter.name.text)
+        expression = given.get(parameter, parameter.default)
+        if value is None and expression is not None:
+            value = parameter_value(analysis.elaboration, parameter, expression, found)
+        if value is not None:
+            found[parameter] = value
+    return found
+
+
+def _by_name(values: Mapping[ast.Node, Value]) -> dict[str, Value]:
+    return dict(by_name(values))
+
+
+def _alike(
+    program: Program,
+    process: ast.ProcessDefinition,
+    one: ast.EnvironmentDefinition,
+    other: ast.EnvironmentDefinition,
+) -> bool:
+    same = len(one.arguments) == len(other.arguments) and all(
+        ast.same_tree(a, b) for a, b in zip(one.arguments, other.arguments, strict=True)
+    )
+    return same and _process_of(program, one) is process
+
+
+def _package_name(program: Program, process: ast.ProcessDefinition) -> str:
+    """The name of the file without its folder and ending, made a name; that of the process where there is no file."""
+    stem = program.main.source.name.replace("\\", "/").rsplit("/", 1)[-1].removesuffix(".csp")
+    name = "".join(c if c.isalnum() and c.isascii() else "_" for c in stem).strip("_")
+    if not name or name[0].isdigit():
+        name = process.name.text
+    name = name.lower()
+    return f"{name}_" if is_taken_by_python(name) else name
+
+
+def is_taken_by_python(name: str) -> bool:
+    """Whether no package can have this name: a word of Python, or a module of its library, which would be found in place of the package or the other way about."""
+    return iskeyword(name) or name in sys.stdlib_module_names

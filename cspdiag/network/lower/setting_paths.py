@@ -1,0 +1,192 @@
+"""Paths to parameters of instances, as settings write them: ``follow.law.kp``, ``philosopher[3].id``.
+
+A path begins inside an outermost process or an environment. What is asked here goes by the text alone; how many elements an
+array has is known only when the program is elaborated.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import deque
+from collections.abc import Iterable, Iterator, Mapping
+from typing import TypeAlias
+
+from cspdiag.base.record import record
+from cspdiag.model.program import Program, Value
+from cspdiag.model.symbols import described
+from cspdiag.syntax import ast
+
+Root: TypeAlias = ast.ProcessDefinition | ast.EnvironmentDefinition
+_Parametrized: TypeAlias = ast.ProcessDefinition | ast.SubmodelDefinition | ast.DriverDefinition
+
+_STEP = re.compile(r"(?P<name>[A-Za-z_][A-Za-z0-9_]*)(?P<indexes>(?:\[[^\[\].]*\])*)")
+
+
+def in_root(root: Root, path: str) -> str:
+    """The path of a parameter as a key that means this root only, where others may have the same path."""
+    return f"{root.name.text}:{path}"
+
+
+def of_root(values: Mapping[str, Value], root: Root) -> dict[str, Value]:
+    """Values by plain paths: those for every root, and those for this one."""
+    parted = ((path.rpartition(":"), value) for path, value in values.items())
+    return {path: value for (owner, _, path), value in parted if owner in {"", root.name.text}}
+
+
+class NoSuchElementError(LookupError):
+    """A path names an element that an array of instances does not have; the message is one line."""
+
+
+@record
+class Step:
+    """A name on a path, with its indexes as written: ``cell[0][1]``."""
+
+    name: str
+    indexes: tuple[str, ...]
+
+    def __str__(self) -> str:
+        return self.name + "".join(f"[{index}]" for index in self.indexes)
+
+
+@record
+class Dead:
+    """Where a path leads nowhere: after how many steps, and, where that is more than an unknown name, why."""
+
+    depth: int
+    reason: str = ""
+
+
+def steps_of(path: str) -> tuple[Step, ...] | None:
+    """The steps of a path, numbers as one writes them; None for what is no path at all."""
+    found = [_STEP.fullmatch(part.strip()) for part in path.split(".")]
+    if not all(found):
+        return None
+    return tuple(
+        Step(name=match["name"], indexes=tuple(map(_plain, re.findall(r"\[([^\]]*)\]", match["indexes"]))))
+        for match in found
+        if match is not None
+    )
+
+
+def _plain(index: str) -> str:
+    index = index.strip()
+    return str(int(index)) if index.isascii() and index.isdecimal() and len(index) < 20 else index
+
+
+def parameter_at(program: Program, root: Root, steps: tuple[Step, ...]) -> ast.Parameter | Dead:
+    """The parameter at the end of a path from a root, or where the path ends before."""
+    definition: ast.Node = root
+    for depth, step in enumerate(steps[:-1]):
+        found = next((item for item in _instances(definition) if item[0].name.text == step.name), None)
+        if found is None:
+            if _own_parameter(definition, step.name) is not None:
+                return Dead(depth, f"{step.name!r} is a parameter, and is set as a whole")
+            return Dead(depth)
+        instance, dimensions = found
+        wrong = _wrong_indexes(steps, depth, dimensions)
+        if wrong:
+            return Dead(depth, wrong)
+        inside = program.definitions.get(instance.definition.text)
+        if not isinstance(inside, _Parametrized):
+            return Dead(depth)
+        definition = inside
+    last = steps[-1]
+    parameter = _own_parameter(definition, last.name)
+    if parameter is None:
+        return Dead(len(steps) - 1, _other_kind(program, definition, steps))
+    if last.indexes:
+        return Dead(len(steps) - 1, f"{last.name!r} is a parameter, and is set as a whole")
+    return parameter
+
+
+def _other_kind(program: Program, definition: ast.Node, steps: tuple[Step, ...]) -> str:
+    """That a path ends at something which is no parameter, and what can be set there; empty where it is nothing known."""
+    scope = program.scopes.get(definition)
+    named = None if scope is None else scope.ports.get(steps[-1].name) or scope.names.get(steps[-1].name)
+    if named is None:
+        return ""
+    around = ".".join(map(str, steps[:-1]))
+    inside = definition
+    if isinstance(named, ast.Instance):
+        around = ".".join(map(str, steps))
+        inside = program.definitions.get(named.definition.text) or definition
+        what = f"`{around}` is {described(named)}"
+    else:
+        what = f"`{steps[-1].name}` is {described(named)}{f' of `{around}`' if around else ''}"
+    own = inside.parameters if isinstance(inside, _Parametrized) else ()
+    names = ", ".join(f"{around}.{parameter.name.text}" if around else parameter.name.text for parameter in own)
+    return f"{what}; parameters there: {names or 'none'}"
+
+
+def refuse_missing(program: Program, root: Root, paths: Iterable[str], instances: Iterable[str]) -> None:
+    """Raise NoSuchElementError for a path that names an element which an array below a root does not have.
+
+    ``instances`` are the paths of all instances below the root, elements by their numbers.
+    """
+    known = dict.fromkeys(instances)
+    for path in paths:
+        steps = steps_of(path)
+        if steps is None or not isinstance(parameter_at(program, root, steps), ast.Parameter):
+            continue
+        for depth in range(1, len(steps)):
+            instance = ".".join(map(str, steps[:depth]))
+            if instance not in known:
+                array = ".".join(map(str, (*steps[: depth - 1], Step(steps[depth - 1].name, ()))))
+                elements = [name for name in known if name.startswith(f"{array}[") and "." not in name[len(array) :]]
+                has = f"{elements[0]} to {elements[-1]}" if len(elements) > 1 else (elements or ["no element"])[0]
+                raise NoSuchElementError(f"there is no parameter {path!r} (`{array}` has {has})")
+
+
+def _own_parameter(definition: ast.Node, name: str) -> ast.Parameter | None:
+    if not isinstance(definition, _Parametrized):
+        return None
+    return next((parameter for parameter in definition.parameters if parameter.name.text == name), None)
+
+
+def _wrong_indexes(steps: tuple[Step, ...], depth: int, dimensions: int) -> str:
+    step = steps[depth]
+    if len(step.indexes) == dimensions and all(index.isascii() and index.isdecimal() for index in step.indexes):
+        return ""
+    right = Step(step.name, ("0",) * dimensions)
+    whole = ".".join(map(str, (*steps[:depth], right, *steps[depth + 1 :])))
+    if not dimensions:
+        return f"{step.name!r} is one instance and no array: {whole!r}"
+    if not step.indexes:
+        return f"{step.name!r} is an array of instances, each with its own: {whole!r}"
+    if len(step.indexes) != dimensions:
+        return f"an element of {step.name!r} has {dimensions} {'index' if dimensions == 1 else 'indexes'}: {whole!r}"
+    return f"the elements of {step.name!r} are numbered: {whole!r}"
+
+
+def paths_of(program: Program, root: Root) -> Iterator[tuple[Step, ...]]:
+    """Paths to all parameters of instances, the outermost instances first; of an array to those of its first element."""
+    pending: deque[tuple[tuple[Step, ...], ast.Node]] = deque([((), root)])
+    while pending:
+        prefix, definition = pending.popleft()
+        if isinstance(definition, _Parametrized):
+            yield from ((*prefix, Step(parameter.name.text, ())) for parameter in definition.parameters)
+        for instance, dimensions in _instances(definition):
+            found = program.definitions.get(instance.definition.text)
+            if isinstance(found, _Parametrized):
+                pending.append(((*prefix, Step(instance.name.text, ("0",) * dimensions)), found))
+
+
+def _instances(definition: ast.Node) -> Iterator[tuple[ast.Instance, int]]:
+    """The instances declared in a definition, and how many indexes name one of them."""
+    match definition:
+        case ast.EnvironmentDefinition():
+            yield from _declared(definition.declarations, 0)
+        case ast.ProcessDefinition(communication=ast.Communication() as block):
+            yield from _declared(block.declarations, 0)
+        case ast.SubmodelDefinition():
+            yield from _declared(definition.items, 0)
+        case _:
+            pass
+
+
+def _declared(items: Iterable[ast.Node], depth: int) -> Iterator[tuple[ast.Instance, int]]:
+    for item in items:
+        if isinstance(item, ast.Instance):
+            yield item, depth + (item.size is not None)
+        elif isinstance(item, ast.RepeatedDeclarations):
+            yield from _declared(item.declarations, depth + 1)

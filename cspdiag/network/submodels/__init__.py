@@ -1,0 +1,1 @@
+"""Submodels as flat, sorted and discretized systems of equations."""

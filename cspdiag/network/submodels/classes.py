@@ -1,0 +1,221 @@
+"""Submodels become classes of the network: flat, sorted, and discrete where they were linear operators."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import NamedTuple
+
+from cspdiag.base import Report
+from cspdiag.base.record import node, replaced
+from cspdiag.model.program import BuiltinSymbol, Program
+from cspdiag.network.diagnostics.usage import InputDiscarded
+from cspdiag.network.elaborate.expression import lower_expression
+from cspdiag.network.ir.expressions import Value
+from cspdiag.network.ir.network import ClassParameter, Direction, Port, SubmodelClass
+from cspdiag.network.submodels.draft import SECONDS, Draft
+from cspdiag.network.submodels.inline import Inlining, external_body
+from cspdiag.network.submodels.operators import PARAMETERS
+from cspdiag.network.submodels.signals import Surroundings
+from cspdiag.network.submodels.system import complete, evaluation_order
+from cspdiag.network.syntax_walk import declarations, declared_in, nodes
+from cspdiag.syntax import ast
+
+
+class LawUse(NamedTuple):
+    """An instance of a submodel: what is known of the values of its parameters, of its period in nanoseconds, and of parameters inside it, by path, from outside."""
+
+    definition: ast.SubmodelDefinition
+    arguments: Mapping[str, Value]
+    sample: int | None
+    overrides: Mapping[str, Value]
+
+
+@node
+class Flattened:
+    """A class with symbolic parameters, the values of its derived parameters for one instance, and the names in it."""
+
+    cls: SubmodelClass
+    derived: dict[str, Value]
+    names: frozenset[str]
+
+
+def flatten(
+    program: Program,
+    definition: ast.SubmodelDefinition,
+    arguments: Mapping[str, Value],
+    sample: int | None,
+    report: Report,
+    *,
+    environment: bool = False,
+    overrides: Mapping[str, Value] | None = None,
+) -> Flattened | None:
+    """The class of an instance with these arguments that runs every ``sample`` nanoseconds.
+
+    The arguments decide only sizes and the values in ``derived``: two instances whose classes are equal share one. None
+    where something is wrong that was reported. ``environment`` tells that there is a ``time``. ``overrides`` are values of
+    parameters of the instances inside, by path.
+    """
+    draft = Draft(owner=definition.name.span, sample=sample, arguments=arguments, overrides=overrides)
+    inlining = _inlined(program, draft, definition, environment, report)
+    result: SubmodelClass | None = SubmodelClass(
+        name=definition.name.text,
+        definition=definition.name.text,
+        doc=definition.doc,
+        span=definition.name.span,
+        ports=_ports(inlining),
+        external=external_body(definition.external) if definition.external else None,
+        wcet=_nanoseconds(inlining, definition.wcet),
+        parameters=tuple(draft.parameters.values()),
+    )
+    if definition.external is None and result is not None:
+        result = complete(result, draft, report)
+    if result is None or not draft.complete:
+        return None
+    return Flattened(cls=result, derived=draft.derived, names=frozenset(draft.names))
+
+
+def _inlined(
+    program: Program, draft: Draft, definition: ast.SubmodelDefinition, environment: bool, report: Report
+) -> Inlining:
+    """The outermost submodel of a draft, with everything in it."""
+    inlining = Inlining(program, draft, definition, report, Surroundings(path=(), environment=environment))
+    for parameter in definition.parameters:
+        name = parameter.name.text
+        kind = inlining.declared(parameter.type, program.types.get(parameter, SECONDS))
+        draft.parameters[name] = ClassParameter(name=name, doc=parameter.doc, span=parameter.name.span, type=kind)
+        draft.names.add(name)
+    inlining.run()
+    return inlining
+
+
+def _ports(inlining: Inlining) -> tuple[Port, ...]:
+    """The ports in text order. The elements of an array are ports of their own, for a body in another language the array is one."""
+    ports = []
+    for symbol in inlining.scope.ports.values():
+        direction: Direction = symbol.declaration.direction
+        period = symbol.declaration.period
+        size = len(inlining.elements(symbol)) if symbol.port.dimensions else None
+        port = Port(
+            name=symbol.name,
+            doc=symbol.declaration.doc,
+            span=symbol.port.span,
+            direction=direction,
+            type=inlining.declared(symbol.declaration.type, symbol.type),
+            size=size,
+            period=lower_expression(inlining.program, period, inlining.context) if period else None,
+        )
+        if size is None or inlining.definition.external is not None:
+            ports.append(port)
+        else:
+            ports += [replaced(port, name=f"{symbol.name}[{index}]", size=None) for index in range(size)]
+    return tuple(ports)
+
+
+def _nanoseconds(inlining: Inlining, duration: ast.Expression | None) -> int | None:
+    value = inlining.draft.value_of(inlining.constant(duration)) if duration else None
+    return value if isinstance(value, int) else None
+
+
+_NEED_SAMPLE = frozenset(PARAMETERS) - {"pre", "delay"}
+
+
+def needs_sample(program: Program, definition: ast.SubmodelDefinition) -> bool:
+    """Whether the submodel or one inside it uses its sample period."""
+    pending, met = [definition], {definition}
+    while pending:
+        for part in nodes(*pending.pop().items):
+            match part:
+                case ast.Derivative() if part not in program.poisoned:
+                    return True
+                case ast.Name():
+                    symbol = program.bindings.get(part)
+                    if isinstance(symbol, BuiltinSymbol) and symbol.name == "sample":
+                        return True
+                case ast.Call() if part.function.text in _NEED_SAMPLE:
+                    return True
+                case ast.Instance():
+                    inner = program.bindings.get(part.definition)
+                    if isinstance(inner, ast.SubmodelDefinition) and inner not in met:
+                        met.add(inner)
+                        pending.append(inner)
+                case _:
+                    pass
+    return False
+
+
+def check(
+    program: Program,
+    report: Report,
+    samples: Iterable[tuple[ast.SubmodelDefinition, int]] = (),
+    laws: Iterable[LawUse] = (),
+) -> None:
+    """Look for loops and impossible operators in every submodel that runs in a process and every one of the text that runs nowhere.
+
+    What is inside others is checked with them. ``samples`` are submodels with a sample period at which they run, as far as known,
+    ``laws`` instances with what is known of the values of their parameters.
+    """
+    in_processes, elsewhere = _uses(program)
+    known: dict[tuple[ast.SubmodelDefinition, int | None], list[LawUse]] = {}
+    for use in laws:
+        if len(use.arguments) == len(use.definition.parameters):
+            known.setdefault((use.definition, use.sample), []).append(use)
+    periods: dict[ast.SubmodelDefinition, list[int | None]] = {}
+    for definition, period in samples:
+        periods.setdefault(definition, []).append(period)
+    for definition in in_processes:
+        for sample in periods.get(definition, [None]):
+            for use in known.get((definition, sample), [LawUse(definition, {}, sample, {})]):
+                if not _check(program, use, report):
+                    break
+        _check_inputs(program, definition, report)
+    libraries = {item for tree in program.trees if tree.source.name.startswith("std/") for item in tree.items}
+    for candidate in program.definitions.values():
+        is_used = candidate in in_processes or candidate in elsewhere or candidate in libraries
+        if isinstance(candidate, ast.SubmodelDefinition) and not is_used:
+            _check(program, LawUse(candidate, {}, None, {}), report, environment=True)
+
+
+def _check_inputs(program: Program, definition: ast.SubmodelDefinition, report: Report) -> None:
+    """Warn of inputs that no equation uses: the law takes their values and discards them."""
+    if definition.external is not None or definition in program.poisoned:
+        return
+    used = {
+        program.bindings.get(part) for part in nodes(*definition.items) if isinstance(part, ast.Name | ast.Reference)
+    }
+    for symbol in program.scopes[definition].ports.values():
+        if symbol.declaration.direction == "in" and symbol not in used:
+            report.add(InputDiscarded(span=symbol.port.span, port=symbol.name, submodel=definition.name.text))
+
+
+def _check(program: Program, use: LawUse, report: Report, *, environment: bool = False) -> bool:
+    """Look at an instance, or at a definition by itself; whether another instance might be different."""
+    definition, arguments, sample, overrides = use
+    is_concrete = len(arguments) == len(definition.parameters) and not environment
+    draft = Draft(
+        owner=definition.name.span, sample=sample, arguments=arguments, concrete=is_concrete, overrides=overrides
+    )
+    _inlined(program, draft, definition, environment, report)
+    evaluation_order(draft, report)
+    return draft.depends
+
+
+def _uses(program: Program) -> tuple[dict[ast.SubmodelDefinition, None], set[object]]:
+    """The submodels that run in processes, and those inside submodels and environments."""
+    in_processes: dict[ast.SubmodelDefinition, None] = {}
+    elsewhere: set[object] = set()
+    for definition in program.definitions.values():
+        match definition:
+            case ast.ProcessDefinition():
+                for item in declared_in(definition):
+                    found = program.bindings.get(item.definition) if isinstance(item, ast.Instance) else None
+                    if isinstance(found, ast.SubmodelDefinition):
+                        in_processes[found] = None
+            case ast.EnvironmentDefinition():
+                inner = declarations(definition.declarations)
+                elsewhere.update(program.bindings.get(i.definition) for i in inner if isinstance(i, ast.Instance))
+            case ast.SubmodelDefinition():
+                items = (item for item in definition.items if isinstance(item, ast.Instance))
+                elsewhere.update(program.bindings.get(item.definition) for item in items)
+            case _:
+                pass
+    return in_processes, elsewhere

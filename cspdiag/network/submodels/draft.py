@@ -1,0 +1,139 @@
+"""A system of equations while it is put together out of submodels."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from cspdiag.base import Span
+from cspdiag.base.record import node
+from cspdiag.model.types import RealType, Type
+from cspdiag.model.units import SECOND
+from cspdiag.network.elaborate.constant_value import constant_value
+from cspdiag.network.ir.expressions import Expression, LiteralValue, ParameterValue, SignalValue, Value
+from cspdiag.network.ir.network import ClassParameter, ExternalCall, SubmodelEquation, SubmodelState
+from cspdiag.network.submodels.discretize import Method
+
+SECONDS = RealType(unit=SECOND)
+
+
+@node
+class LinearOperator:
+    """A transfer function or a state space whose coefficients are to be computed for the sample period.
+
+    ``matrices`` are (numerator, denominator) or (A, B, C, D); ``coefficients`` the names and types of the parameters that
+    discretization gives values to, in the order in which it gives them.
+    """
+
+    matrices: tuple[Expression, ...]
+    method: Method
+    coefficients: tuple[tuple[str, Type], ...]
+    span: Span
+
+
+class Draft:
+    """What is known of a system so far. Names are unique over parameters, inputs, equations and states.
+
+    ``owner`` is the place of what the compiler adds; ``sample`` the period in nanoseconds, if it is known; ``arguments`` the values of the
+    parameters. ``concrete``: the arguments are all known, as for an instance; else this is a check of a definition by itself. ``closed``:
+    nothing is left to be given by an instance, so that derived parameters are constants (an environment). ``overrides``: values of
+    parameters of nested instances from outside, by path (``pan.inertia``).
+    """
+
+    def __init__(
+        self,
+        *,
+        owner: Span,
+        sample: int | None,
+        arguments: Mapping[str, Value],
+        concrete: bool = True,
+        closed: bool = False,
+        overrides: Mapping[str, Value] | None = None,
+    ) -> None:
+        self.owner = owner
+        self.sample = sample
+        self.arguments = arguments
+        self.concrete = concrete
+        self.closed = closed
+        self.overrides = overrides or {}
+        self.names: set[str] = set()
+        self.parameters: dict[str, ClassParameter] = {}
+        self.derived: dict[str, Value] = {}
+        self.equations: dict[str, SubmodelEquation | ExternalCall] = {}
+        self.states: dict[str, SubmodelState] = {}
+        self.next_values: dict[str, Expression] = {}
+        self.derivatives: dict[str, Expression] = {}
+        self.linear_operators: list[LinearOperator] = []
+        self.held: set[str] = set()
+        """Outputs of discrete operators, which keep their value over the sub-steps of an integration."""
+        self.written: dict[str, str] = {}
+        """How the operators that the compiler names are written in the text."""
+        self.kept: set[str] = set()
+        """Signals of a closed system that are kept although nothing needs them."""
+        self.methods: list[str] = []
+        self.steps: list[int] = []
+        self.complete = True
+        """Whether every definition met was without reported errors."""
+        self.depends = False
+        """Whether something was computed that other values of the parameters make different: what it begins with, or a size."""
+        self._values: dict[str, Value | None] = {}
+
+    def unique(self, name: str) -> str:
+        """``name``, or with a number behind it if it is taken; it is taken from now on."""
+        chosen, number = name, 2
+        while chosen in self.names:
+            chosen, number = f"{name}_{number}", number + 1
+        self.names.add(chosen)
+        return chosen
+
+    def equation(
+        self, name: str, value: Expression, span: Span, doc: str | None = None, kind: Type | None = None
+    ) -> None:
+        """Define a signal; ``kind`` is its type where that is not the type of ``value``."""
+        self.equations[name] = SubmodelEquation(name=name, type=kind or value.type, value=value, span=span, doc=doc)
+
+    def signal(self, name: str, kind: Type, span: Span | None = None) -> SignalValue:
+        """The value of a signal."""
+        return SignalValue(type=kind, name=name, span=span)
+
+    def sample_period(self) -> Expression:
+        """The sample period in seconds, which from now on is needed."""
+        value = None if self.sample is None else self.sample / 1_000_000_000
+        return self.derived_parameter("sample", SECONDS, value)
+
+    def derived_parameter(self, name: str, kind: Type, value: Value | None) -> Expression:
+        """A parameter that the compiler gives a value, now or (``value`` None) later."""
+        if self.closed:
+            if name not in self.equations:
+                self.equation(name, LiteralValue(type=kind, value=0.0 if value is None else value), self.owner)
+            return self.signal(name, kind)
+        if name not in self.parameters:
+            self.parameters[name] = ClassParameter(name=name, type=kind, derived=True, span=self.owner)
+            if value is not None:
+                self.derived[name] = value
+        return ParameterValue(type=kind, name=name)
+
+    def give(self, name: str, kind: Type, value: Value) -> None:
+        """Give a derived parameter its value."""
+        if self.closed:
+            self.equation(name, LiteralValue(type=kind, value=value), self.owner)
+        else:
+            self.derived[name] = value
+
+    def value_of(self, expression: Expression) -> Value | None:
+        """The value of a constant expression, None while it is not known."""
+        return constant_value(expression, self._lookup)
+
+    def _lookup(self, name: ParameterValue | SignalValue) -> Value | None:
+        if isinstance(name, ParameterValue):
+            return self.arguments.get(name.name, self.derived.get(name.name))
+        if name.name in self._values:
+            return self._values[name.name]
+        equation = self.equations.get(name.name)
+        if not isinstance(equation, SubmodelEquation):
+            return None
+        # Whoever meets the name again on the way to its value is in a loop, which is reported elsewhere.
+        self._values[name.name] = None
+        value = self._values[name.name] = self.value_of(equation.value)
+        if value is None:
+            del self._values[name.name]
+        return value

@@ -1,0 +1,235 @@
+"""A draft becomes a system: sorted, constants apart, discretized, the part that the integration needs picked out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from cspdiag.base import Report
+from cspdiag.base.record import replaced
+from cspdiag.network.diagnostics.operators import UnstableDiscretization, WrongShape
+from cspdiag.network.diagnostics.submodels import AlgebraicLoop
+from cspdiag.network.elaborate.finite import assured_law, within_domains
+from cspdiag.network.ir.expression_walk import signals_read, walk
+from cspdiag.network.ir.expressions import Expression, PresentTime, SignalValue, Value
+from cspdiag.network.ir.faults import may_fault
+from cspdiag.network.ir.network import ExternalCall, SubmodelClass, SubmodelEquation
+from cspdiag.network.submodels.discretize import Method, spectral_radius, statespace_increments, transfer_coefficients
+from cspdiag.network.submodels.draft import Draft, LinearOperator
+from cspdiag.network.submodels.equation_order import Item, ordered, provides, reads
+from cspdiag.network.submodels.vector_states import split_vector_states
+
+
+def evaluation_order(draft: Draft, report: Report) -> tuple[Item, ...] | None:
+    """The equations of a draft, each after those that it reads; None where loops prevent that, which are reported."""
+    order = ordered(list(draft.equations.values()))
+    for loop in order.loops:
+        report.add(_shown(loop, draft))
+    return None if order.loops else order.items
+
+
+def complete(system: SubmodelClass, draft: Draft, report: Report) -> SubmodelClass | None:
+    """``system`` with the equations of the draft; its ports and names are those it has.
+
+    None where there are algebraic loops or coefficients that make no sense, which are reported.
+    """
+    outputs = {
+        port.name if port.size is None else f"{port.name}[{index}]"
+        for port in system.ports
+        for index in range(1 if port.size is None else port.size)
+        if port.direction == "out"
+    }
+    split_vector_states(draft)
+    items = evaluation_order(draft, report)
+    if items is None or not draft.complete:
+        return None
+    _discretize(draft, report)
+    # Discretization gives values to constants of a closed system.
+    items = tuple(draft.equations[item.name] for item in items)
+    constants, equations = _constants_apart(draft, items, outputs)
+    kept = _alive(draft, constants, equations, outputs)
+    constants = tuple(item for item in constants if item.name in kept)
+    plain = tuple(item for item in equations if not kept.isdisjoint(provides(item)))
+    untested = [item.name for item in constants if draft.value_of(item.value) is None]
+    equations, following = assured_law(plain, draft.next_values, outputs, untested)
+    moving = [replaced(item, value=within_domains(item.value)) for item in _while_integrating(draft, plain)]
+    slopes = {name: within_domains(value) for name, value in draft.derivatives.items()}
+    equations, next_values = _computed_first(draft, equations, following)
+    return replaced(
+        system,
+        parameters=tuple(draft.parameters.values()),
+        constants=constants,
+        states=tuple(draft.states.values()),
+        equations=equations,
+        next_values=next_values,
+        derivative_equations=tuple(moving),
+        derivatives=tuple((name, slopes[name]) for name in draft.states if name in slopes),
+        method="euler" if draft.methods and set(draft.methods) == {"euler"} else "rk4",
+        step=min(draft.steps, default=None),
+    )
+
+
+def _computed_first(
+    draft: Draft, equations: tuple[Item, ...], following: Mapping[str, Expression]
+) -> tuple[tuple[Item, ...], tuple[tuple[str, Expression], ...]]:
+    """Next values that may fault, or read what integration moves, become equations of their own: computed before any state has changed."""
+    computed: list[Item] = list(equations)
+    next_values: list[tuple[str, Expression]] = []
+    for name, state in draft.states.items():
+        value = following.get(name)
+        if value is None:
+            continue
+        is_late = may_fault(value) or not draft.derivatives.keys().isdisjoint(signals_read(value))
+        if is_late and not draft.closed:
+            local = draft.unique(f"{name}_next")
+            computed.append(SubmodelEquation(name=local, type=state.type, value=value, span=state.span))
+            value = SignalValue(type=state.type, name=local)
+        next_values.append((name, value))
+    return tuple(computed), tuple(next_values)
+
+
+def _shown(loop: tuple[Item, ...], draft: Draft) -> AlgebraicLoop:
+    """A loop, told from the outermost of its equations on; what the compiler named is shown as it was written."""
+    start = min(range(len(loop)), key=lambda index: loop[index].name.count("."))
+    turned = loop[start:] + loop[:start]
+    places = tuple((draft.written.get(item.name, item.name), item.span) for item in turned)
+    return AlgebraicLoop(turned[0].span, places, in_environment=draft.closed)
+
+
+def _constants_apart(
+    draft: Draft, items: tuple[Item, ...], outputs: set[str]
+) -> tuple[tuple[SubmodelEquation, ...], tuple[Item, ...]]:
+    """Equations over parameters only, and the others.
+
+    An output is written at every sample, even if it never changes; and what faults does so in each run of the law, not before the first.
+    """
+    constants: list[SubmodelEquation] = []
+    known: set[str] = set()
+    equations: list[Item] = []
+    for item in items:
+        if (
+            isinstance(item, SubmodelEquation)
+            and item.name not in outputs
+            and known.issuperset(reads(item))
+            and not _reads_time(item.value)
+            and not _faults(draft, item.value)
+        ):
+            constants.append(item)
+            known.add(item.name)
+        else:
+            equations.append(item)
+    return tuple(constants), tuple(equations)
+
+
+def _faults(draft: Draft, expression: Expression) -> bool:
+    """Whether the evaluation of an expression over parameters ends in a fault."""
+    return may_fault(within_domains(expression)) and draft.value_of(expression) is None
+
+
+def _reads_time(expression: Expression) -> bool:
+    return any(isinstance(part, PresentTime) for part in walk(expression))
+
+
+def _alive(
+    draft: Draft, constants: tuple[SubmodelEquation, ...], equations: tuple[Item, ...], outputs: set[str]
+) -> set[str]:
+    """Signals that the outputs and states need, and those of the submodel itself (without a dot in their names) that cannot fault.
+
+    What nothing needs is not computed, or may as well not be.
+    """
+    alive = set(outputs)
+    for expression in (*draft.next_values.values(), *draft.derivatives.values()):
+        alive.update(signals_read(expression))
+    for state in draft.states.values():
+        alive.update(signals_read(state.initial))
+    sound = _sound(draft, (*constants, *equations))
+    for item in reversed((*constants, *equations)):
+        names = provides(item)
+        own = draft.kept if draft.closed else {name for name in names if "." not in name and name in sound}
+        if not alive.isdisjoint(names) or not own.isdisjoint(names):
+            alive.update(names)
+            alive.update(reads(item))
+    return alive
+
+
+def _sound(draft: Draft, items: tuple[Item, ...]) -> set[str]:
+    """The signals that can be computed, with everything that they need, without a fault."""
+    faulty: set[str] = set()
+    for item in items:
+        values = [item.value] if isinstance(item, SubmodelEquation) else [value for _, value in item.inputs]
+        if not faulty.isdisjoint(reads(item)) or any(_faults(draft, value) for value in values):
+            faulty.update(provides(item))
+    return {name for item in items for name in provides(item)} - faulty
+
+
+def _while_integrating(draft: Draft, equations: tuple[Item, ...]) -> tuple[SubmodelEquation, ...]:
+    """The equations that derivatives need again in every sub-step.
+
+    They depend on continuous states or on the time; outputs of discrete operators and of external calls are held over the sample.
+    """
+    varying = set(draft.derivatives)
+    again: list[SubmodelEquation] = []
+    for item in equations:
+        if isinstance(item, ExternalCall) or item.name in draft.held:
+            continue
+        if not varying.isdisjoint(reads(item)) or _reads_time(item.value):
+            varying.add(item.name)
+            again.append(item)
+    needed = {name for expression in draft.derivatives.values() for name in signals_read(expression)}
+    for item in reversed(again):
+        if item.name in needed:
+            needed.update(reads(item))
+    return tuple(item for item in again if item.name in needed)
+
+
+def _discretize(draft: Draft, report: Report) -> None:
+    """Give the coefficients of transfer functions and state spaces their values."""
+    for operator in draft.linear_operators:
+        if draft.sample is None:
+            continue
+        matrices = [draft.value_of(matrix) for matrix in operator.matrices]
+        values = _coefficients(draft, operator, matrices, draft.sample / 1_000_000_000, report)
+        if values is None:
+            draft.complete = False
+            continue
+        for (name, kind), value in zip(operator.coefficients, values, strict=True):
+            draft.give(name, kind, value)
+
+
+def _coefficients(
+    draft: Draft, operator: LinearOperator, matrices: list[Value | None], sample: float, report: Report
+) -> list[Value] | None:
+    method: Method = operator.method
+    try:
+        if len(matrices) == 4:
+            a, b, c, d = (_rows(matrix) for matrix in matrices)
+            return list(statespace_increments(a, b, c, d, method, sample))
+        numerator, denominator = (_row(matrix) for matrix in matrices)
+        if denominator[0] == 0:
+            report.add(WrongShape(operator.span, "the first coefficient of the denominator is zero"))
+            return None
+        above, below = transfer_coefficients(numerator, denominator, method, sample)
+    except (ValueError, ArithmeticError):
+        report.add(WrongShape(operator.span, "these coefficients have no discretization at this sample period"))
+        return None
+    if method == "euler":
+        _warn_if_unstable(operator, denominator, sample, report)
+    coefficients: list[Value] = [*above, *below]
+    return coefficients[len(coefficients) - len(operator.coefficients) :]
+
+
+def _row(value: Value | None) -> list[float]:
+    if not isinstance(value, tuple):
+        raise ValueError
+    return [float(element) for element in value if isinstance(element, int | float)]
+
+
+def _rows(value: Value | None) -> list[list[float]]:
+    if not isinstance(value, tuple):
+        raise ValueError
+    return [_row(row) for row in value]
+
+
+def _warn_if_unstable(operator: LinearOperator, denominator: list[float], sample: float, report: Report) -> None:
+    stable, radius = spectral_radius(denominator, sample)
+    if stable and radius > 1:
+        report.add(UnstableDiscretization(operator.span, f"{sample * 1000:g} ms", radius))

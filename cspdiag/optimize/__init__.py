@@ -1,0 +1,97 @@
+"""Passes over the network, each a pure function; together they are ``-O1``.
+
+What a process communicates, when, and how it ends stay the same after each of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from cspdiag.base.record import node
+from cspdiag.network.ir.network import Network
+from cspdiag.optimize.bookkeeping import drop_bookkeeping
+from cspdiag.optimize.constants import fold_constants
+from cspdiag.optimize.dead.steps import remove_dead_parts
+from cspdiag.optimize.flatten.processes import flatten
+from cspdiag.optimize.fuse.program import explain_fusion, fuse
+from cspdiag.optimize.inline_laws import inline_laws
+from cspdiag.optimize.specialize import specialize
+from cspdiag.optimize.variables import variables
+from cspdiag.syntax.parse.nesting import room_to_recurse
+
+__all__ = ["PASSES", "Pass", "explain_fusion", "lower_for_targets", "optimize", "pass_named"]
+
+
+@node
+class Pass:
+    """A step of optimization; ``description`` is one line for people."""
+
+    name: str
+    description: str
+    apply: Callable[[Network], Network]
+
+
+PASSES: tuple[Pass, ...] = (
+    Pass(
+        name="specialize",
+        description="A class for each way in which its ports are connected; alternatives get names.",
+        apply=specialize,
+    ),
+    Pass(
+        name="variables",
+        description="Communication over `var` channels becomes assignment.",
+        apply=variables,
+    ),
+    Pass(
+        name="inline_laws",
+        description="Control laws are computed by the process that runs them, with their states beside its variables.",
+        apply=inline_laws,
+    ),
+    Pass(
+        name="flatten",
+        description="Processes that run in sequence are one process with the process around them.",
+        apply=flatten,
+    ),
+    Pass(
+        name="constants",
+        description="Parameters that all instances of a class agree on, and what follows from them, are put in their places.",
+        apply=fold_constants,
+    ),
+    Pass(
+        name="dead",
+        description="What has no effect is removed: steps, handlers, equations, states, variables, ports, channels, classes.",
+        apply=remove_dead_parts,
+    ),
+    Pass(
+        name="bookkeeping",
+        description="Alternatives that need no memory take the first guard, parallels that need no priorities keep none.",
+        apply=drop_bookkeeping,
+    ),
+    Pass(
+        name="fuse",
+        description="A program whose schedule is known becomes one process: what happens first, and a loop of what happens again and again.",
+        apply=fuse,
+    ),
+)
+"""In their order; a pass may rely on those before it."""
+
+
+def pass_named(name: str) -> Pass:
+    """The pass of that name; KeyError if there is none."""
+    for entry in PASSES:
+        if entry.name == name:
+            return entry
+    raise KeyError(name)
+
+
+@room_to_recurse()
+def optimize(network: Network, passes: Sequence[Pass] = PASSES) -> Network:
+    """The network after the passes, in the order given."""
+    for entry in passes:
+        network = entry.apply(network)
+    return network
+
+
+def lower_for_targets(network: Network) -> Network:
+    """The network after what every compiled target needs: media of ports, names of alternatives, order of creation."""
+    return optimize(network, (pass_named("specialize"),))

@@ -1,0 +1,126 @@
+"""Drops the books that fairness and priority keep, where they cannot make a difference.
+
+A fair alternative (``[]``) chooses among the guards that are ready the first after the one that it chose last, and before it has chosen any, the first in
+text order. One that chooses at most once, or has one branch, is served as well by taking the first (``[]>``), and needs no memory.
+
+A prioritized parallel (``||>``) differs from a plain one only where processes of different priority are ready together. Branches enter the
+ready queue in text order, which is the order of their priorities. If at most one of them can ever wait, and nothing else runs beside the parallel, the
+others run once, in that order, and then there is nobody left to have a higher priority than.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+
+from cspdiag.base.record import replaced
+from cspdiag.network.ir.actions import (
+    Action,
+    AssignValue,
+    CatchException,
+    Choice,
+    CountedLoop,
+    Group,
+    IfElse,
+    ParallelSteps,
+    RaiseException,
+    Repeat,
+    ReportCommunication,
+    ResetStates,
+    RunInstance,
+    RunLaw,
+    SequentialSteps,
+    SkipStep,
+    WhileLoop,
+)
+from cspdiag.network.ir.network import Network, ProcessClass
+from cspdiag.network.ir.walk import parts
+from cspdiag.optimize.changes import changed, mapped, rebuilt, with_inner_actions
+
+
+def drop_bookkeeping(network: Network) -> Network:
+    """The network with alternatives that need no memory, and parallels that need no priorities, marked as such."""
+    once = classes_run_once(network)
+    classes = []
+    for entry in network.classes:
+        if isinstance(entry, ProcessClass) and entry.body is not None:
+            body = _without_memory(entry.body, entry.name in once)
+            if entry.name == network.top:
+                body = _without_priorities(body)
+            entry = changed(entry, body=rebuilt(body, _alone))
+        classes.append(entry)
+    return replaced(network, classes=tuple(classes))
+
+
+def classes_run_once(network: Network) -> set[str]:
+    """The process classes each of whose instances is run at most once in a run of the program."""
+    once = {entry.name for entry in network.classes if isinstance(entry, ProcessClass)}
+    for entry in reversed(network.classes):
+        if not isinstance(entry, ProcessClass) or entry.body is None:
+            continue
+        runs = Counter(part.instance for part in parts(entry.body) if isinstance(part, RunInstance))
+        repeated = {part.instance for part in _in_loops(entry.body) if isinstance(part, RunInstance)}
+        for instance in entry.instances:
+            if entry.name not in once or runs[instance.name] > 1 or instance.name in repeated:
+                once.discard(instance.class_name)
+    return once
+
+
+def _in_loops(body: Action) -> list[object]:
+    """Everything that stands in a loop."""
+    found: list[object] = []
+    for part in parts(body):
+        if isinstance(part, Repeat | WhileLoop | CountedLoop):
+            found.extend(parts(part.body))
+    return found
+
+
+def _without_memory(body: Action, runs_once: bool) -> Action:
+    names = Counter(part.name for part in parts(body) if isinstance(part, Choice))
+    repeated = {id(part) for part in _in_loops(body)}
+
+    def change(action: Action) -> Action:
+        if isinstance(action, Choice) and not action.prioritized:
+            chooses_once = runs_once and id(action) not in repeated and names[action.name] == 1
+            if chooses_once or len(action.branches) == 1:
+                action = replaced(action, prioritized=True)
+        return with_inner_actions(action, change)
+
+    return change(body)
+
+
+def _alone(action: Action) -> Action:
+    if isinstance(action, ParallelSteps) and len(action.steps) == 1:
+        return changed(action, prioritized=False)
+    return action
+
+
+def _without_priorities(action: Action) -> Action:
+    """The same for the outermost parallels of a composition."""
+    match action:
+        case ParallelSteps(prioritized=True, steps=steps) if sum(map(_can_wait, steps)) <= 1:
+            return replaced(action, prioritized=False)
+        case SequentialSteps():
+            return changed(action, steps=mapped(action.steps, _without_priorities))
+        case Repeat() | WhileLoop() | CountedLoop() | Group():
+            return changed(action, body=_without_priorities(action.body))
+        case CatchException():
+            return changed(action, body=_without_priorities(action.body), handler=_without_priorities(action.handler))
+        case _:
+            return action
+
+
+def _can_wait(action: Action) -> bool:
+    """Whether it may do anything but compute."""
+    match action:
+        case AssignValue() | SkipStep() | RunLaw() | ResetStates() | ReportCommunication() | RaiseException():
+            return False
+        case SequentialSteps():
+            return any(map(_can_wait, action.steps))
+        case IfElse():
+            return _can_wait(action.then) or _can_wait(action.otherwise)
+        case Repeat() | WhileLoop() | CountedLoop() | Group():
+            return _can_wait(action.body)
+        case CatchException():
+            return _can_wait(action.body) or _can_wait(action.handler)
+        case _:
+            return True

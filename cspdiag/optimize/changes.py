@@ -1,0 +1,140 @@
+"""Actions built anew with something inside them changed; what does not change stays the same object."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import TypeVar, assert_never
+
+from cspdiag.base.record import field_names, is_record, replaced
+from cspdiag.network.ir.actions import (
+    Action,
+    AssignValue,
+    Branch,
+    CatchException,
+    Choice,
+    CountedLoop,
+    Group,
+    IfElse,
+    InterruptOn,
+    ParallelSteps,
+    ProcessScope,
+    RaiseException,
+    ReadInputs,
+    ReadValue,
+    Repeat,
+    ReportCommunication,
+    ResetInstance,
+    ResetStates,
+    RunInstance,
+    RunLaw,
+    SequentialSteps,
+    SkipStep,
+    StopStep,
+    WaitStep,
+    WhileLoop,
+    WriteOutputs,
+    WriteValue,
+)
+
+T = TypeVar("T")
+
+_NOT_LOOKED_AT = frozenset({"span", "type", "doc"})
+
+
+def with_inner_actions(action: Action, change: Callable[[Action], Action]) -> Action:
+    """The action with each action directly inside it changed, in text order."""
+    match action:
+        case SequentialSteps() | ParallelSteps():
+            return changed(action, steps=mapped(action.steps, change))
+        case Choice():
+            return changed(action, branches=mapped(action.branches, lambda branch: _branch(branch, change)))
+        case Repeat() | WhileLoop() | CountedLoop() | Group() | ProcessScope():
+            return changed(action, body=change(action.body))
+        case IfElse():
+            return changed(action, then=change(action.then), otherwise=change(action.otherwise))
+        case CatchException():
+            return changed(action, body=change(action.body), handler=change(action.handler))
+        case InterruptOn():
+            return changed(action, body=change(action.body), branch=_branch(action.branch, change))
+        case (
+            RunInstance()
+            | ReadValue()
+            | WriteValue()
+            | AssignValue()
+            | SkipStep()
+            | StopStep()
+            | WaitStep()
+            | ResetInstance()
+            | RaiseException()
+            | ReadInputs()
+            | WriteOutputs()
+            | RunLaw()
+            | ResetStates()
+            | ReportCommunication()
+        ):
+            return action
+        case _:
+            assert_never(action)
+
+
+def _branch(branch: Branch, change: Callable[[Action], Action]) -> Branch:
+    return changed(branch, body=change(branch.body))
+
+
+def rebuilt(action: Action, change: Callable[[Action], Action]) -> Action:
+    """The action with every action in it changed, those inside first; sequences that come to stand in sequences are opened."""
+    inside = with_inner_actions(action, lambda inner: rebuilt(inner, change))
+    if inside is not action and isinstance(inside, SequentialSteps):
+        inside = in_sequence(inside.steps, inside)
+    return change(inside)
+
+
+def in_sequence(steps: Iterable[Action], like: Action) -> Action:
+    """The steps one after another, sequences among them opened and skips left out; at the place of ``like``."""
+    flat: list[Action] = []
+    for step in steps:
+        if isinstance(step, SequentialSteps):
+            flat.extend(step.steps)
+        elif not isinstance(step, SkipStep):
+            flat.append(step)
+    if not flat:
+        return SkipStep(span=like.span)
+    return flat[0] if len(flat) == 1 else SequentialSteps(span=like.span, steps=tuple(flat))
+
+
+def with_parts(item: T, change: Callable[[object], object | None]) -> T:
+    """A record, or a tuple of them, with the parts replaced for which ``change`` gives something; those are not looked into."""
+
+    def inner(part: object) -> object:
+        if isinstance(part, tuple):
+            items = [inner(element) for element in part]
+            same = all(old is new for old, new in zip(part, items, strict=True))
+            return part if same else tuple(items)
+        if not is_record(part):
+            return part
+        replacement = change(part)
+        if replacement is not None:
+            return replacement
+        changes = {}
+        for name in field_names(part):
+            if name not in _NOT_LOOKED_AT:
+                old = getattr(part, name)
+                new = inner(old)
+                if new is not old:
+                    changes[name] = new
+        return replaced(part, **changes) if changes else part
+
+    return inner(item)  # type: ignore[return-value]
+
+
+def changed(item: T, **fields: object) -> T:
+    """A record with these fields; the same object where they are what they were."""
+    if all(getattr(item, name) is value for name, value in fields.items()):
+        return item
+    return replaced(item, **fields)
+
+
+def mapped(items: tuple[T, ...], change: Callable[[T], T]) -> tuple[T, ...]:
+    """The items changed; the same tuple where none is."""
+    results = tuple(map(change, items))
+    return items if all(old is new for old, new in zip(items, results, strict=True)) else results

@@ -1,0 +1,308 @@
+"""Constants at the places where they are used: parameters that all instances of a class agree on, variables that nobody writes, and what follows.
+
+Only process classes are looked into; the names of the parameters of bodies in other languages, and of control laws, are theirs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any, TypeAlias, TypeGuard
+
+from cspdiag.base.record import replaced
+from cspdiag.network.ir.actions import (
+    Action,
+    AssignValue,
+    Branch,
+    ChannelEnd,
+    Choice,
+    IfElse,
+    InputEvent,
+    InputRead,
+    InterruptOn,
+    OutputEvent,
+    OutputWrite,
+    PortEnd,
+    ReadValue,
+    Repeat,
+    RunLaw,
+    SequentialSteps,
+    SkipStep,
+    WhileLoop,
+    WriteValue,
+)
+from cspdiag.network.ir.everywhere import rewritten
+from cspdiag.network.ir.expressions import (
+    Expression,
+    LiteralValue,
+    ParameterValue,
+    SignalValue,
+    Typed,
+    Value,
+    VariableValue,
+)
+from cspdiag.network.ir.network import InstanceOf, Instantiation, Network, ProcessClass, SubmodelClass, SubmodelEquation
+from cspdiag.network.ir.walk import parts
+from cspdiag.optimize.changes import changed, in_sequence
+from cspdiag.optimize.folding import folded, is_literal
+
+Literals: TypeAlias = "dict[str, LiteralValue]"
+Known: TypeAlias = "LiteralValue | ParameterValue | SignalValue"
+Outputs: TypeAlias = "Mapping[str, set[str]]"
+"""The outputs of each class."""
+
+
+def fold_constants(network: Network) -> Network:
+    """The network with constants in place of what is constant, parameters that have become needless removed, and decided conditions gone."""
+    classes = {entry.name: entry for entry in network.classes}
+    given: dict[str, Literals | None] = {network.top: _arguments_of_top(network)}
+    outputs = {name: {port.name for port in entry.ports if port.direction == "out"} for name, entry in classes.items()}
+    results: dict[str, ProcessClass | SubmodelClass] = {}
+    for entry in reversed(network.classes):
+        if isinstance(entry, ProcessClass) and entry.external is None:
+            folded_class = _class(entry, given.get(entry.name) or {}, outputs)
+            for instance in folded_class.instances:
+                _meet(given, instance)
+            results[entry.name] = folded_class
+        else:
+            results[entry.name] = entry
+    removed = {
+        name: frozenset(given.get(name) or {})
+        for name, entry in classes.items()
+        if isinstance(entry, ProcessClass) and entry.external is None
+    }
+    return replaced(
+        network,
+        classes=tuple(_without_parameters(results[entry.name], removed) for entry in network.classes),
+        arguments=tuple(item for item in network.arguments if item[0] not in removed[network.top]),
+        instances=tuple(_without_arguments(item, removed) for item in network.instances),
+    )
+
+
+def _arguments_of_top(network: Network) -> Literals:
+    parameters = {parameter.name: parameter for parameter in network.class_named(network.top).parameters}
+    return {
+        name: LiteralValue(type=parameters[name].type, span=parameters[name].span, value=value)
+        for name, value in network.arguments
+    }
+
+
+def _meet(given: dict[str, Literals | None], instance: InstanceOf) -> None:
+    """One more instance of a class: only what it agrees on with the others stays known."""
+    found = {name: value for name, value in instance.arguments if isinstance(value, LiteralValue)}
+    known = given.get(instance.class_name)
+    if known is None:
+        given[instance.class_name] = found
+        return
+    for name in list(known):
+        if name not in found or not _same(known[name].value, found[name].value):
+            del known[name]
+
+
+def _same(one: Value, other: Value) -> bool:
+    """Equal to the last bit: -0.0 is not 0.0, and True is not 1."""
+    return repr(one) == repr(other)
+
+
+def _class(entry: ProcessClass, parameters: Literals, outputs: Outputs) -> ProcessClass:
+    """The class with what is known put in place, as often as that makes more known."""
+    broadcasts = _broadcast_places(entry)
+    while True:
+        known = dict(parameters)
+        signals = _known_signals(entry)
+        constants = {item.name for item in entry.constants if item.name in signals}
+        variables = _constant_variables(entry, outputs)
+        fold = _folding(known, signals, variables)
+        result = replaced(
+            entry,
+            constants=tuple(rewritten(item, fold) for item in entry.constants if item.name not in constants),
+            states=tuple(rewritten(item, fold) for item in entry.states),
+            channels=tuple(rewritten(item, fold) for item in entry.channels),
+            instances=tuple(rewritten(item, fold) for item in entry.instances),
+            ports=tuple(rewritten(item, fold) for item in entry.ports),
+            body=None if entry.body is None else rewritten(entry.body, _both(fold, broadcasts)),
+        )
+        if result == entry:
+            return result
+        entry = result
+
+
+def _known_signals(entry: ProcessClass) -> dict[str, Known]:
+    """Constants of the class with a literal value, and signals of laws that are always one literal, or always another signal.
+
+    A signal that is the present value of a state is not one of them: the state changes before the outputs are written.
+    """
+    found: dict[str, Expression | None] = {constant.name: constant.value for constant in entry.constants}
+    states = {state.name for state in entry.states}
+    for part in parts(entry.body):
+        if isinstance(part, RunLaw):
+            for equation in (*part.equations, *part.derivative_equations):
+                if isinstance(equation, SubmodelEquation):
+                    same = repr(found.setdefault(equation.name, equation.value)) == repr(equation.value)
+                    found[equation.name] = equation.value if same else None
+        elif isinstance(part, InputRead):
+            found[part.name] = None
+
+    known = {name: value for name, value in found.items() if _is_known(value, states)}
+    return {name: _behind(value, known) for name, value in known.items()}
+
+
+def _behind(value: Known, known: Mapping[str, Known]) -> Known:
+    """What a signal that stands for another one stands for in the end: the one between may be gone before it is looked at again."""
+    while isinstance(value, SignalValue) and value.name in known:
+        value = known[value.name]
+    return value
+
+
+def _is_known(value: Expression | None, states: set[str]) -> TypeGuard[Known]:
+    return isinstance(value, LiteralValue | ParameterValue) or (
+        isinstance(value, SignalValue) and value.name not in states
+    )
+
+
+def _constant_variables(entry: ProcessClass, outputs: Outputs) -> Literals:
+    """Variables that keep their initial value."""
+    known = {
+        channel.name: channel.initial
+        for channel in entry.channels
+        if channel.kind == "var" and isinstance(channel.initial, LiteralValue)
+    }
+    if known:
+        for name in _written(entry, outputs):
+            known.pop(name, None)
+    return known
+
+
+def _written(entry: ProcessClass, outputs: Outputs) -> set[str]:
+    """Channels that the class or an instance in it may write."""
+    found = set()
+    for part in parts(entry.body):
+        match part:
+            case AssignValue(target=target) | ReadValue(target=target) | InputEvent(target=target):
+                found.add(target.channel)
+            case WriteValue(sink=ChannelEnd() as sink) | OutputEvent(sink=ChannelEnd() as sink):
+                found.add(sink.channel)
+            case OutputWrite(sink=ChannelEnd() as sink):
+                found.add(sink.channel)
+            case _:
+                pass
+    for instance in entry.instances:
+        written = outputs[instance.class_name]
+        for connection in instance.connections:
+            if isinstance(connection.attachment, ChannelEnd) and connection.port in written:
+                found.add(connection.attachment.channel)
+    return found
+
+
+def _folding(
+    parameters: Mapping[str, Known], signals: Mapping[str, Known], variables: Mapping[str, Known]
+) -> Callable[[Any], Any]:
+    names: dict[type, tuple[str, Mapping[str, Known]]] = {
+        ParameterValue: ("name", parameters),
+        SignalValue: ("name", signals),
+        VariableValue: ("channel", variables),
+    }
+
+    def fold(item: Any) -> Any:
+        kind = names.get(type(item))
+        if kind is not None:
+            attribute, known = kind
+            value = known.get(getattr(item, attribute))
+            return item if value is None else replaced(value, type=item.type, span=item.span)
+        return folded(item) if isinstance(item, Typed) else item  # type: ignore[arg-type]
+
+    return fold
+
+
+def _both(fold: Callable[[Any], Any], broadcasts: frozenset[str]) -> Callable[[Any], Any]:
+    def change(item: Any) -> Any:
+        result = _decided(fold(item))
+        if result is not item and not _ends(item, broadcasts) <= _ends(result, broadcasts):
+            return fold(item)
+        return result
+
+    return change
+
+
+def _decided(item: Any) -> Any:
+    """An action without conditions that are always true or always false."""
+    match item:
+        case IfElse(condition=LiteralValue(value=bool(value))):
+            return item.then if value else item.otherwise
+        case WhileLoop(condition=LiteralValue(value=False)):
+            return SkipStep(span=item.span)
+        case WhileLoop(condition=LiteralValue(value=True)):
+            return Repeat(span=item.span, body=item.body, until=None)
+        case Repeat(until=LiteralValue(value=True)):
+            return item.body
+        case Repeat(until=LiteralValue(value=False)):
+            return changed(item, until=None)
+        case InterruptOn(branch=Branch(condition=LiteralValue(value=False))):
+            return item.body
+        case InterruptOn(branch=Branch(condition=LiteralValue(value=True)) as branch):
+            return changed(item, branch=changed(branch, condition=None))
+        case Choice():
+            return _choice(item)
+        case SequentialSteps():
+            return in_sequence(item.steps, item) if any(map(_opens, item.steps)) else item
+        case _:
+            return item
+
+
+def _opens(step: Action) -> bool:
+    return isinstance(step, SequentialSteps | SkipStep)
+
+
+def _choice(choice: Choice) -> Choice:
+    """Without branches that can never be chosen.
+
+    One branch that stays keeps a condition: an alternative without one would be a plain reader or writer, which is served before alternatives.
+    """
+    branches = [branch for branch in choice.branches if not is_literal(branch.condition, False)]
+    if not branches:
+        return choice
+    if len(branches) > 1:
+        branches = [changed(b, condition=None) if is_literal(b.condition, True) else b for b in branches]
+    elif len(choice.branches) > 1 and branches[0].condition is None:
+        return choice
+    same = all(new is old for new, old in zip(branches, choice.branches, strict=False))
+    return choice if same and len(branches) == len(choice.branches) else replaced(choice, branches=tuple(branches))
+
+
+def _broadcast_places(entry: ProcessClass) -> frozenset[str]:
+    """Ports and channels whose writer waits for every reading end, read or not; a class that is not specialized may have any port connected so."""
+    ports = [p.name for p in entry.ports if not p.media or any(medium.kind == "broadcast" for medium in p.media)]
+    return frozenset([*ports, *(channel.name for channel in entry.channels if channel.kind == "broadcast")])
+
+
+def _ends(item: Any, places: frozenset[str]) -> frozenset[Any]:
+    """The ends of these places that an action uses."""
+    if not places:
+        return frozenset()
+    ends = [part for part in parts(item) if isinstance(part, PortEnd | ChannelEnd)]
+    return frozenset(end for end in ends if (end.port if isinstance(end, PortEnd) else end.channel) in places)
+
+
+def _without_parameters(
+    entry: ProcessClass | SubmodelClass, removed: Mapping[str, frozenset[str]]
+) -> ProcessClass | SubmodelClass:
+    if isinstance(entry, SubmodelClass) or entry.external is not None:
+        return entry
+    own = removed[entry.name]
+    return replaced(
+        entry,
+        parameters=tuple(parameter for parameter in entry.parameters if parameter.name not in own),
+        instances=tuple(
+            changed(
+                instance,
+                arguments=tuple(
+                    item for item in instance.arguments if item[0] not in removed.get(instance.class_name, ())
+                ),
+            )
+            for instance in entry.instances
+        ),
+    )
+
+
+def _without_arguments(instance: Instantiation, removed: Mapping[str, frozenset[str]]) -> Instantiation:
+    names = removed.get(instance.class_name, frozenset())
+    return replaced(instance, arguments=tuple(item for item in instance.arguments if item[0] not in names))

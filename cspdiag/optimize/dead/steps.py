@@ -1,0 +1,286 @@
+"""Removes what has no effect: steps that are never reached, handlers of what is never raised, and everything that nobody uses any more.
+
+What could fault stays, although its value is not used, and so do the reading ends of a ``broadcast``: its writer waits for them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any, TypeAlias
+
+from cspdiag.base.record import replaced
+from cspdiag.network.checks.unwritten import may_be_unwritten
+from cspdiag.network.ir.actions import (
+    Action,
+    CatchException,
+    ChannelEnd,
+    Choice,
+    CountedLoop,
+    InputEvent,
+    InputRead,
+    PortEnd,
+    ProcessScope,
+    RaiseException,
+    ReadInputs,
+    ReadValue,
+    ReadyEvent,
+    Repeat,
+    ResetInstance,
+    RunInstance,
+    SequentialSteps,
+    StopStep,
+    Target,
+)
+from cspdiag.network.ir.everywhere import rewritten
+from cspdiag.network.ir.expressions import ParameterValue, VariableValue
+from cspdiag.network.ir.network import (
+    CreatedChoice,
+    CreatedInstance,
+    ExternalCall,
+    Instantiation,
+    Network,
+    Port,
+    ProcessClass,
+    SubmodelClass,
+)
+from cspdiag.network.ir.walk import parts
+from cspdiag.optimize.changes import changed, in_sequence, mapped
+from cspdiag.optimize.dead.values import without_dead_values
+from cspdiag.optimize.reachable import reachable
+
+Class: TypeAlias = "ProcessClass | SubmodelClass"
+Raised: TypeAlias = "dict[str, frozenset[str] | None]"
+"""The declared exceptions that an instance of each class may raise; None: any."""
+
+
+def remove_dead_parts(network: Network) -> Network:
+    """The network without steps, handlers, equations, states, variables, ports, channels, instances, parameters and classes that have no effect."""
+    raised: Raised = {}
+    unwritten = may_be_unwritten(network)
+    results: dict[str, Class] = {}
+    for entry in network.classes:
+        if isinstance(entry, ProcessClass) and entry.body is not None:
+            reached = _reached(entry, raised)
+            raised[entry.name] = _Raising(reached, raised).by(reached.body)
+            live = _without_unused_instances(without_dead_values(reached, unwritten[entry.name]), results)
+            results[entry.name] = _without_unused_parts(live, results, keep_ports=entry.name == network.top)
+        else:
+            raised[entry.name] = None if entry.external is not None else frozenset()
+            results[entry.name] = entry
+    return _without_arguments(reachable(replaced(network, classes=tuple(results.values()))))
+
+
+def _reached(entry: ProcessClass, raised: Raised) -> ProcessClass:
+    """The class without steps that are never reached and handlers of what is never raised."""
+    waited_for = places_waited_for(entry)
+    raising = _Raising(entry, raised)
+
+    def change(item: Any) -> Any:
+        match item:
+            case SequentialSteps():
+                return _until_the_last(item, waited_for)
+            case CatchException() if not raising.may(item.body, item.exception):
+                return item if ends_of(item.handler, waited_for) else item.body
+            case _:
+                return item
+
+    return replaced(entry, body=rewritten(entry.body, change))
+
+
+def places_waited_for(entry: ProcessClass) -> frozenset[str]:
+    """Ports and channels whose writer waits for every reading end, read or not; where media are not known, that may be any port."""
+    ports = [p.name for p in entry.ports if not p.media or any(medium.kind == "broadcast" for medium in p.media)]
+    return frozenset([*ports, *(channel.name for channel in entry.channels if channel.kind == "broadcast")])
+
+
+def ends_of(item: Any, places: frozenset[str]) -> frozenset[Any]:
+    """The ends of these ports and channels in an action."""
+    if not places:
+        return frozenset()
+    ends = [part for part in parts(item) if isinstance(part, PortEnd | ChannelEnd)]
+    return frozenset(end for end in ends if (end.port if isinstance(end, PortEnd) else end.channel) in places)
+
+
+def never_ends(action: Action) -> bool:
+    """Whether what stands after the action in sequence is never reached."""
+    match action:
+        case StopStep() | RaiseException() | Repeat(until=None):
+            return True
+        case SequentialSteps(steps=steps):
+            return never_ends(steps[-1])
+        case CountedLoop(body=body):
+            return never_ends(body)
+        case _:
+            return False
+
+
+def _until_the_last(sequence: SequentialSteps, waited_for: frozenset[str]) -> Action:
+    for number, step in enumerate(sequence.steps[:-1], start=1):
+        if never_ends(step):
+            rest = sequence.steps[number:]
+            if any(isinstance(part, RunInstance) for part in parts(rest)) or ends_of(rest, waited_for):
+                break
+            return in_sequence(sequence.steps[:number], sequence)
+    return sequence
+
+
+class _Raising:
+    """What compositions of a class may raise."""
+
+    def __init__(self, entry: ProcessClass, raised: Raised) -> None:
+        self._classes = {instance.name: instance.class_name for instance in entry.instances}
+        self._raised = raised
+        self._sampled = {p.name for p in entry.ports if not p.media or any(m.kind == "sampled" for m in p.media)}
+
+    def by(self, body: Action | None) -> frozenset[str] | None:
+        """The declared exceptions that a composition or what it runs may raise; None: any."""
+        found: set[str] = set()
+        for part in parts(body):
+            inside: frozenset[str] | None = frozenset()
+            match part:
+                case RaiseException():
+                    inside = frozenset({part.exception})
+                case RunInstance():
+                    inside = self._raised[self._classes[part.instance]]
+                case ExternalCall():
+                    inside = None
+                case _:
+                    pass
+            if inside is None:
+                return None
+            found |= inside
+        return frozenset(found)
+
+    def may(self, body: Action, exception: str) -> bool:
+        """Whether it may raise an exception; any step may fault."""
+        if exception == "Fault" or (exception == "Timeout" and any(map(self._samples, parts(body)))):
+            return True
+        found = self.by(body)
+        return found is None or exception in found
+
+    def _samples(self, part: Any) -> bool:
+        """Whether it may read a sampled input."""
+        match part:
+            case RunInstance():
+                return True
+            case ReadValue(source=end) | ReadyEvent(source=end) | InputEvent(source=end) | InputRead(source=end):
+                return isinstance(end, PortEnd) and end.port in self._sampled
+            case _:
+                return False
+
+
+def _without_unused_instances(entry: ProcessClass, classes: Mapping[str, Class]) -> ProcessClass:
+    run = {part.instance for part in parts(entry.body) if isinstance(part, RunInstance | ResetInstance)}
+    kept = [item for item in entry.instances if item.name in run or _is_waited_for(classes[item.class_name])]
+    return entry if len(kept) == len(entry.instances) else replaced(entry, instances=tuple(kept))
+
+
+def _is_waited_for(entry: Class) -> bool:
+    """Whether an instance matters although it is not run."""
+    return isinstance(entry, ProcessClass) and bool(places_waited_for(entry))
+
+
+def _without_unused_parts(entry: ProcessClass, classes: Mapping[str, Class], keep_ports: bool) -> ProcessClass:
+    """Without ports, channels, parameters, and places in the order of creation, that nothing in the class mentions."""
+
+    def connected(instance: Any) -> Any:
+        inner = classes[instance.class_name]
+        ports = {port.name for port in inner.ports}
+        names = {parameter.name for parameter in inner.parameters}
+        return changed(
+            instance,
+            connections=_kept(instance.connections, lambda connection: connection.port in ports),
+            arguments=_kept(instance.arguments, lambda argument: argument[0] in names),
+        )
+
+    entry = changed(entry, instances=mapped(entry.instances, connected))
+    mentioned = _mentioned(entry)
+    if not keep_ports:
+        entry = changed(entry, ports=_kept(entry.ports, lambda port: port.name in mentioned.ports))
+    entry = changed(entry, channels=_kept(entry.channels, lambda channel: channel.name in mentioned.channels))
+    entry = changed(
+        entry,
+        parameters=_kept(entry.parameters, lambda parameter: parameter.name in mentioned.parameters),
+        ports=mapped(entry.ports, lambda port: _with_known_period(port, mentioned.parameters)),
+    )
+    return changed(entry, creation=_creation(entry))
+
+
+def _kept(items: tuple[Any, ...], keep: Callable[[Any], bool]) -> tuple[Any, ...]:
+    kept = tuple(filter(keep, items))
+    return items if len(kept) == len(items) else kept
+
+
+class _Mentioned:
+    def __init__(self) -> None:
+        self.ports: set[str] = set()
+        self.channels: set[str] = set()
+        self.parameters: set[str] = set()
+
+
+def _mentioned(entry: ProcessClass) -> _Mentioned:
+    found = _Mentioned()
+    for part in parts((entry.body, entry.constants, entry.states, entry.channels, entry.instances)):
+        match part:
+            case PortEnd():
+                found.ports.add(part.port)
+            case ChannelEnd() | Target() | VariableValue():
+                found.channels.add(part.channel)
+            case ParameterValue():
+                found.parameters.add(part.name)
+            case _:
+                pass
+    return found
+
+
+def _with_known_period(port: Port, parameters: set[str]) -> Port:
+    """The period of a port is for people: it does not keep a parameter alive."""
+    needed = {part.name for part in parts(port.period) if isinstance(part, ParameterValue)}
+    return port if needed <= parameters else replaced(port, period=None)
+
+
+def _creation(entry: ProcessClass) -> tuple[Any, ...]:
+    ends: set[Any] = set()
+    choices: set[str] = set()
+    for part in parts(entry.body):
+        match part:
+            case ReadValue() | ReadyEvent() | InputEvent():
+                ends.add(part.source)
+            case ReadInputs():
+                ends.update(read.source for read in part.reads)
+            case ProcessScope():
+                ends.update(part.ends)
+            case Choice():
+                choices.add(part.name)
+            case _:
+                pass
+    ends.update(connection.attachment for instance in entry.instances for connection in instance.connections)
+    waited_for = places_waited_for(entry)
+    ends.update(end for end in entry.creation if ends_of(end, waited_for))
+    instances = {instance.name for instance in entry.instances}
+
+    def still_is(item: Any) -> bool:
+        match item:
+            case CreatedInstance():
+                return item.instance in instances
+            case CreatedChoice():
+                return item.choice in choices
+            case _:
+                return item in ends
+
+    return _kept(entry.creation, still_is)
+
+
+def _without_arguments(network: Network) -> Network:
+    """Without values for parameters that have gone."""
+    names_of = {entry.name: {parameter.name for parameter in entry.parameters} for entry in network.classes}
+
+    def cut(item: Instantiation) -> Instantiation:
+        return changed(item, arguments=_kept(item.arguments, lambda entry: entry[0] in names_of[item.class_name]))
+
+    top = names_of[network.top]
+    return replaced(
+        network,
+        arguments=_kept(network.arguments, lambda argument: argument[0] in top),
+        instances=mapped(network.instances, cut),
+    )

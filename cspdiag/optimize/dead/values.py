@@ -1,0 +1,173 @@
+"""Removes equations, states and assignments of a process whose values nobody uses.
+
+A value is used if a communication, a condition, a delay or a value that is used needs it, or if computing it can fault: a fault is an effect.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import Any, TypeAlias
+
+from cspdiag.base.record import field_names, is_record, replaced
+from cspdiag.network.ir.actions import AssignValue, ChannelEnd, ResetStates, RunLaw, SequentialSteps, SkipStep
+from cspdiag.network.ir.everywhere import rewritten
+from cspdiag.network.ir.expressions import Expression, SignalValue, Typed, VariableValue
+from cspdiag.network.ir.faults import may_fault
+from cspdiag.network.ir.network import ExternalCall, ProcessClass, SubmodelEquation
+from cspdiag.network.ir.walk import parts
+from cspdiag.optimize.changes import changed, in_sequence
+
+Name: TypeAlias = "tuple[type[SignalValue] | type[VariableValue], str]"
+
+
+def without_dead_values(entry: ProcessClass, unwritten: frozenset[str]) -> ProcessClass:
+    """The class without them; variables that are left without any use stay, for the caller to find.
+
+    ``unwritten`` are the variables that may be read before they are written, which is a fault.
+    """
+    values = _Values(entry, unwritten)
+    used = values.used
+    own = {state.name for state in entry.states}
+
+    def change(item: Any) -> Any:
+        match item:
+            case RunLaw():
+                return _live_part(item, values)
+            case AssignValue() if (VariableValue, item.target.channel) not in used and not values.has_effect(item):
+                return SkipStep(span=item.span)
+            case ResetStates():
+                states = tuple(name for name in item.states if name not in own or (SignalValue, name) in used)
+                return changed(item, states=states) if states else SkipStep(span=item.span)
+            case SequentialSteps() if any(isinstance(step, SkipStep) for step in item.steps):
+                return in_sequence(item.steps, item)
+            case _:
+                return item
+
+    return replaced(
+        entry,
+        body=rewritten(entry.body, change),
+        constants=tuple(c for c in entry.constants if (SignalValue, c.name) in used or values.may_fault(c.value)),
+        states=tuple(s for s in entry.states if (SignalValue, s.name) in used or values.may_fault(s.initial)),
+    )
+
+
+def _live_part(law: RunLaw, values: _Values) -> RunLaw | SkipStep:
+    def is_live(name: str, value: Expression) -> bool:
+        return (SignalValue, name) in values.used or values.may_fault(value)
+
+    integrates = values.integrates(law)
+    live = replaced(
+        law,
+        equations=tuple(e for e in law.equations if isinstance(e, ExternalCall) or is_live(e.name, e.value)),
+        next_values=tuple(item for item in law.next_values if is_live(*item)),
+        derivative_equations=law.derivative_equations if integrates else (),
+        derivatives=law.derivatives if integrates else (),
+    )
+    if not (live.equations or live.next_values or live.derivatives):
+        return SkipStep(span=law.span)
+    return live
+
+
+class _Values:
+    """The signals and variables of a class that are ``used``, found by going on from what has an effect until nothing is added."""
+
+    def __init__(self, entry: ProcessClass, unwritten: frozenset[str]) -> None:
+        self.used: set[Name] = set()
+        self._unwritten = unwritten
+        self._needs: dict[Name, list[Any]] = {}
+        self._integrated: set[str] = set()
+        for constant in entry.constants:
+            self._need(constant.name, constant.value)
+        for state in entry.states:
+            self._need(state.name, state.initial)
+        for part in parts(entry.body):
+            if isinstance(part, RunLaw):
+                self._note_law(part)
+            elif isinstance(part, AssignValue):
+                self._needs.setdefault((VariableValue, part.target.channel), []).append(part)
+        pending = [*self._effects((entry.body, entry.channels, entry.instances))]
+        pending += [item.value for item in entry.constants if self.may_fault(item.value)]
+        pending += [item.initial for item in entry.states if self.may_fault(item.initial)]
+        while pending:
+            for name in _names(pending.pop()):
+                if name not in self.used:
+                    self.used.add(name)
+                    pending.extend(self._needs.get(name, ()))
+        for part in parts(entry.body):
+            if isinstance(part, RunLaw) and self.integrates(part):
+                self.used.update((SignalValue, name) for name, _ in part.derivatives)
+
+    def _need(self, name: str, value: Any) -> None:
+        self._needs.setdefault((SignalValue, name), []).append(value)
+
+    def _note_law(self, law: RunLaw) -> None:
+        for equation in law.equations:
+            if isinstance(equation, SubmodelEquation):
+                self._need(equation.name, equation.value)
+        for name, value in law.next_values:
+            self._need(name, value)
+        for name, _ in law.derivatives:
+            self._need(name, (law.derivative_equations, law.derivatives))
+
+    def may_fault(self, expression: Expression) -> bool:
+        """Whether computing the expression may fault, also because a variable was not written."""
+        variables = (part.channel for part in parts(expression) if isinstance(part, VariableValue))
+        return may_fault(expression) or any(name in self._unwritten for name in variables)
+
+    def has_effect(self, item: AssignValue) -> bool:
+        """Whether an assignment may fault."""
+        return bool(item.target.indexes) or self.may_fault(item.value)
+
+    def integrates(self, law: RunLaw) -> bool:
+        """Whether the continuous states of a law matter, which are integrated together."""
+        values = [*(item.value for item in law.derivative_equations), *(value for _, value in law.derivatives)]
+        return any((SignalValue, name) in self.used for name, _ in law.derivatives) or any(map(self.may_fault, values))
+
+    def _effects(self, item: Any) -> Iterator[Any]:
+        """What is needed whatever happens; values that are only kept are not, unless computing them may fault."""
+        if isinstance(item, tuple):
+            for entry in item:
+                yield from self._effects(entry)
+        elif isinstance(item, RunLaw):
+            yield from self._effects_of_law(item)
+        elif isinstance(item, AssignValue):
+            if self.has_effect(item):
+                yield item
+        elif isinstance(item, Typed | ChannelEnd):
+            yield item
+        elif is_record(item):
+            for name in field_names(item):
+                if name not in ("span", "type"):
+                    inner = getattr(item, name)
+                    if isinstance(inner, tuple) or is_record(inner):
+                        yield from self._effects(inner)
+
+    def _effects_of_law(self, law: RunLaw) -> Iterable[Any]:
+        for equation in law.equations:
+            if isinstance(equation, ExternalCall):
+                yield equation
+            elif self.may_fault(equation.value):
+                yield equation.value
+        for name, value in law.next_values:
+            if self.may_fault(value):
+                yield SignalValue(type=value.type, name=name)
+        if self.integrates(law):
+            yield law.derivative_equations
+            yield law.derivatives
+            yield from (SignalValue(type=d.type, name=name) for name, d in law.derivatives)
+        if law.sample is not None:
+            yield law.sample
+
+
+def _names(item: Any) -> Iterator[Name]:
+    """The signals and variables that something reads; an end of a variable counts as well, and so does one that is assigned an element."""
+    for part in parts(item):
+        match part:
+            case SignalValue():
+                yield SignalValue, part.name
+            case VariableValue():
+                yield VariableValue, part.channel
+            case ChannelEnd():
+                yield VariableValue, part.channel
+            case _:
+                pass

@@ -1,0 +1,256 @@
+"""An instance of a process taken into the class around it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TypeVar
+
+from cspdiag.base.record import replaced
+from cspdiag.network.ir.actions import (
+    ChannelEnd,
+    Choice,
+    End,
+    InputRead,
+    PortEnd,
+    ProcessScope,
+    ReadInputs,
+    ReportCommunication,
+    ResetInstance,
+    ResetStates,
+    RunInstance,
+    RunLaw,
+    Target,
+    WriteOutputs,
+)
+from cspdiag.network.ir.expressions import Expression
+from cspdiag.network.ir.network import (
+    Attachment,
+    Connection,
+    ConstantEnd,
+    CreatedChoice,
+    CreatedInstance,
+    DiscardEnd,
+    ExternalCall,
+    InstanceOf,
+    LocalChannel,
+    MediumKind,
+    ProcessClass,
+    SubmodelClass,
+    SubmodelEquation,
+)
+from cspdiag.network.ir.walk import parts
+from cspdiag.optimize.changes import with_parts
+from cspdiag.optimize.creation import OF_A_READER
+from cspdiag.optimize.flatten.naming import parameter_constants, renamed, renamed_equation, renamed_part
+
+T = TypeVar("T")
+
+
+class EndNumbers:
+    """Numbers for ends that a class gets besides its own."""
+
+    def __init__(self, entry: ProcessClass) -> None:
+        self._used: dict[End, int] = {}
+        for part in (*entry.creation, *parts(entry.body)):
+            if isinstance(part, PortEnd | ChannelEnd):
+                place = replaced(part, end=0)
+                self._used[place] = max(self._used.get(place, 0), part.end + 1)
+
+    def new(self, place: End) -> End:
+        """One more end of a port or channel."""
+        place = replaced(place, end=0)
+        number = self._used.get(place, 0)
+        self._used[place] = number + 1
+        return replaced(place, end=number)
+
+
+class MovedUp:
+    """What an instance of ``inner`` becomes in the class ``outer``: all its names get the prefix of the instance's name.
+
+    A port stands for what it is connected to. One that is left to its default, or discarded, becomes a variable.
+    """
+
+    def __init__(
+        self,
+        instance: InstanceOf,
+        inner: ProcessClass,
+        outer: ProcessClass,
+        numbers: EndNumbers,
+        classes: Mapping[str, ProcessClass | SubmodelClass],
+    ) -> None:
+        assert inner.body is not None
+        self.instance = instance
+        self.inner = inner
+        self.prefix = instance.name
+        self._classes = classes
+        self._arguments = dict(instance.arguments)
+        self._values, given = parameter_constants(instance, inner.parameters)
+        self._attachments = {(c.port, c.index): c.attachment for c in instance.connections}
+        self._inputs = {port.name for port in inner.ports if port.direction == "in"}
+        self._media = {port.name: port.media for port in inner.ports}
+        self._ends: dict[End, End] = {}
+        for part in inner.creation:
+            if isinstance(part, PortEnd) and self._keeps(part):
+                place = self._attachments[part.port, part.index]
+                assert isinstance(place, PortEnd | ChannelEnd)
+                self._ends[part] = numbers.new(place)
+        self.constants = (*given, *map(self._equation, inner.constants))
+        self.states = tuple(
+            replaced(state, name=self._name(state.name), initial=self._moved(state.initial)) for state in inner.states
+        )
+        self.channels = (*self._unconnected(), *map(self._channel, inner.channels))
+        self.instances = tuple(map(self._instance, inner.instances))
+        self.creation = tuple(map(self._created, inner.creation))
+        self._body = inner.body
+        self.size = sum(1 for _ in parts((self.channels, self.instances, self.constants)))
+        """Records besides the body, in which expressions may have grown."""
+
+    def scope(self, action: RunInstance) -> ProcessScope:
+        """What stands where the instance was run."""
+        inside = {end for part in parts(self._body) if isinstance(part, ProcessScope) for end in part.ends}
+        own = [end for end in self._ends if self._medium(end) == "sampled" and end not in inside]
+        return ProcessScope(
+            span=action.span,
+            instance=self.prefix,
+            class_name=self.inner.definition,
+            ends=tuple(self._ends[end] for end in own),
+            body=self._moved(self._body),
+            doc=self.inner.doc,
+        )
+
+    def _name(self, name: str) -> str:
+        return f"{self.prefix}.{name}"
+
+    def _medium(self, end: End) -> MediumKind | None:
+        return self._media[end.port][end.index or 0].kind if isinstance(end, PortEnd) else None
+
+    def _keeps(self, end: PortEnd) -> bool:
+        return end.port in self._inputs and self._medium(end) in OF_A_READER
+
+    def _end(self, end: End) -> End:
+        """The end in terms of the outer class."""
+        if isinstance(end, ChannelEnd):
+            return replaced(end, channel=self._name(end.channel))
+        known = self._ends.get(end)
+        if known is not None:
+            return known
+        match self._attachments[end.port, end.index]:
+            case PortEnd() | ChannelEnd() as place:
+                return place
+            case ConstantEnd() | DiscardEnd():
+                return ChannelEnd(self._name(_element(end)))
+
+    def _unconnected(self) -> list[LocalChannel]:
+        """Variables for ports without a connection."""
+        found = []
+        for port in self.inner.ports:
+            for index in [None] if port.size is None else range(port.size):
+                attachment = self._attachments[port.name, index]
+                if isinstance(attachment, ConstantEnd | DiscardEnd):
+                    variable = LocalChannel(
+                        name=self._name(_element(PortEnd(port.name, index))),
+                        doc=port.doc,
+                        span=port.span,
+                        type=port.type,
+                        kind="var",
+                        initial=attachment.value if isinstance(attachment, ConstantEnd) else None,
+                    )
+                    found.append(variable)
+        return found
+
+    def _channel(self, channel: LocalChannel) -> LocalChannel:
+        initial = None if channel.initial is None else self._at_creation(channel.initial)
+        return replaced(channel, name=self._name(channel.name), initial=initial)
+
+    def _at_creation(self, value: Expression) -> Expression:
+        """An expression of parameters in terms of the parameters of the outer class alone."""
+        return renamed(value, self.prefix, self._arguments)
+
+    def _instance(self, instance: InstanceOf) -> InstanceOf:
+        return replaced(
+            instance,
+            name=self._name(instance.name),
+            array=None if instance.array is None else self._name(instance.array),
+            arguments=tuple((name, self._at_creation(value)) for name, value in instance.arguments),
+            connections=tuple(self._connection(connection, instance) for connection in instance.connections),
+        )
+
+    def _connection(self, connection: Connection, instance: InstanceOf) -> Connection:
+        attachment: Attachment = connection.attachment
+        match attachment:
+            case ConstantEnd(value=value):
+                attachment = ConstantEnd(self._at_creation(value))
+            case PortEnd(port=port, index=index) if isinstance(self._classes[instance.class_name], ProcessClass):
+                attachment = self._attachments[port, index]
+            case PortEnd() | ChannelEnd():
+                attachment = self._end(attachment)
+            case DiscardEnd():
+                pass
+        return replaced(connection, attachment=attachment)
+
+    def _created(self, part: End | CreatedInstance | CreatedChoice) -> End | CreatedInstance | CreatedChoice:
+        match part:
+            case CreatedInstance(instance=name):
+                return CreatedInstance(self._name(name))
+            case CreatedChoice(choice=name):
+                return CreatedChoice(self._name(name))
+            case PortEnd() | ChannelEnd():
+                return self._end(part)
+
+    def _equation(self, equation: SubmodelEquation) -> SubmodelEquation:
+        moved = renamed_equation(equation, self.prefix, self._values)
+        assert isinstance(moved, SubmodelEquation)
+        return moved
+
+    def _any_equation(self, equation: SubmodelEquation | ExternalCall) -> SubmodelEquation | ExternalCall:
+        return renamed_equation(equation, self.prefix, self._values)
+
+    def _by_name(self, values: tuple[tuple[str, Expression], ...]) -> tuple[tuple[str, Expression], ...]:
+        return tuple((self._name(name), self._moved(value)) for name, value in values)
+
+    def _moved(self, item: T) -> T:
+        """An action or expression in terms of the outer class."""
+        return with_parts(item, self._replacement)
+
+    def _replacement(self, part: object) -> object | None:
+        match part:
+            case PortEnd() | ChannelEnd():
+                return self._end(part)
+            case Target(channel=channel, indexes=indexes):
+                return Target(self._name(channel), self._moved(indexes))
+            case RunInstance(instance=name) | ResetInstance(instance=name):
+                return replaced(part, instance=self._name(name))
+            case ResetStates(states=states):
+                return replaced(part, states=tuple(map(self._name, states)))
+            case Choice(name=name, branches=branches):
+                return replaced(part, name=self._name(name), branches=self._moved(branches))
+            case ReportCommunication(channel=channel, value=value):
+                return replaced(part, channel=self._name(channel), value=self._moved(value))
+            case ProcessScope():
+                ends, body = self._moved(part.ends), self._moved(part.body)
+                return replaced(part, instance=self._name(part.instance), ends=ends, body=body)
+            case ReadInputs(law=law, reads=reads):
+                return replaced(part, law=self._name(law), reads=self._moved(reads))
+            case InputRead(source=source, name=name):
+                return replaced(part, source=self._end(source), name=self._name(name))
+            case WriteOutputs(law=law, writes=writes):
+                return replaced(part, law=self._name(law), writes=self._moved(writes))
+            case RunLaw():
+                return self._law(part)
+            case _:
+                return renamed_part(part, self.prefix, self._values)
+
+    def _law(self, law: RunLaw) -> RunLaw:
+        return replaced(
+            law,
+            law=self._name(law.law),
+            equations=tuple(map(self._any_equation, law.equations)),
+            next_values=self._by_name(law.next_values),
+            derivative_equations=tuple(map(self._equation, law.derivative_equations)),
+            derivatives=self._by_name(law.derivatives),
+            sample=None if law.sample is None else self._moved(law.sample),
+        )
+
+
+def _element(end: PortEnd) -> str:
+    return end.port if end.index is None else f"{end.port}[{end.index}]"

@@ -1,0 +1,77 @@
+"""Parts of a class that move into the class around it: names get the instance's prefix, parameters the values that it gives."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TypeVar
+
+from cspdiag.base import Span
+from cspdiag.base.record import replaced
+from cspdiag.network.ir.expressions import Expression, LiteralValue, ParameterValue, SignalValue, VariableValue
+from cspdiag.network.ir.network import ClassParameter, ExternalCall, InstanceOf, SubmodelEquation
+from cspdiag.optimize.changes import with_parts
+
+T = TypeVar("T")
+
+
+def parameter_constants(
+    instance: InstanceOf, parameters: tuple[ClassParameter, ...]
+) -> tuple[dict[str, Expression], tuple[SubmodelEquation, ...]]:
+    """What stands for each parameter of an instance, and the constants of the enclosing class that this takes.
+
+    Literals and parameters of the enclosing class stand for themselves; anything else is computed once, as the constant ``servo.sample``.
+    """
+    spans = {parameter.name: parameter for parameter in parameters}
+    values: dict[str, Expression] = {}
+    constants = []
+    for name, value in instance.arguments:
+        if isinstance(value, LiteralValue | ParameterValue):
+            values[name] = value
+        else:
+            constant = _constant(f"{instance.name}.{name}", value, instance.span, spans[name].doc)
+            constants.append(constant)
+            values[name] = SignalValue(type=value.type, name=constant.name)
+    return values, tuple(constants)
+
+
+def _constant(name: str, value: Expression, span: Span, doc: str | None) -> SubmodelEquation:
+    return SubmodelEquation(name=name, doc=doc, span=span, type=value.type, value=value)
+
+
+def renamed(item: T, prefix: str, values: Mapping[str, Expression], signals: Mapping[str, Expression] = {}) -> T:
+    """Expressions, alone or in records or tuples, with the prefix before their signals and variables and ``values`` for parameters.
+
+    ``signals`` stand for signals of these names. Names of equations and channels that are not in expressions stay as they are.
+    """
+
+    return with_parts(item, lambda part: renamed_part(part, prefix, values, signals))
+
+
+def renamed_part(
+    part: object, prefix: str, values: Mapping[str, Expression], signals: Mapping[str, Expression] = {}
+) -> Expression | None:
+    """As ``renamed``, for a value that has a name; None for anything else."""
+    match part:
+        case ParameterValue(name=name):
+            return values[name]
+        case SignalValue(name=name):
+            return signals[name] if name in signals else replaced(part, name=f"{prefix}.{name}")
+        case VariableValue(channel=channel):
+            return replaced(part, channel=f"{prefix}.{channel}")
+        case _:
+            return None
+
+
+def renamed_equation(
+    equation: SubmodelEquation | ExternalCall,
+    prefix: str,
+    values: Mapping[str, Expression],
+    signals: Mapping[str, Expression] = {},
+) -> SubmodelEquation | ExternalCall:
+    """An equation, with its own name too."""
+    inner = renamed(equation, prefix, values, signals)
+    name = f"{prefix}.{equation.name}"
+    if isinstance(inner, ExternalCall):
+        outputs = tuple((port, f"{prefix}.{local}", kind) for port, local, kind in inner.outputs)
+        return replaced(inner, name=name, outputs=outputs)
+    return replaced(inner, name=name)

@@ -1,0 +1,1 @@
+"""Fuses a program whose schedule is known at compile time into one process."""

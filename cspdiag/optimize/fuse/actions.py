@@ -1,0 +1,212 @@
+"""The composition of the one process that does what a schedule says."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+from cspdiag.base.record import replaced
+from cspdiag.model.types import BOOL, INT, TIME, Type
+from cspdiag.network.ir.actions import (
+    Action,
+    AssignValue,
+    Branch,
+    Choice,
+    End,
+    IfElse,
+    ProcessScope,
+    ReadyEvent,
+    Repeat,
+    SkipStep,
+    Target,
+    WaitStep,
+    WhileLoop,
+)
+from cspdiag.network.ir.expressions import BinaryOperation, Expression, LiteralValue, UnaryOperation, VariableValue
+from cspdiag.network.ir.network import LocalChannel
+from cspdiag.network.lower.distinct_names import DistinctNames
+from cspdiag.optimize.changes import in_sequence
+from cspdiag.optimize.fuse.code import Raise
+from cspdiag.optimize.fuse.follow import Ends, Loops
+from cspdiag.optimize.fuse.record import Step, Turn
+from cspdiag.optimize.fuse.rolling import rolled
+from cspdiag.optimize.fuse.schedule import Path
+
+
+class Composition:
+    """Writes it as ``body``; ``place`` is where what nobody wrote stands. ``variables`` are those that it needs besides.
+
+    ``followed`` has the positions of samples before which it begins to follow inputs: the ends, beginning with the one that has the sample.
+    ``closing``: the ends of processes that end are closed.
+    """
+
+    def __init__(
+        self,
+        path: Path,
+        place: Action,
+        taken: Iterable[str],
+        followed: Mapping[int, tuple[End, ...]],
+        *,
+        closing: bool,
+    ) -> None:
+        self._place = place
+        self._names = DistinctNames((*taken, *path.made))
+        self._followed = followed
+        self._closing = closing
+        self._loop = path.outcome.position if isinstance(path.outcome, Loops) else None
+        self.alternatives: list[str] = []
+        """The names of those that it makes."""
+        self._counters: dict[str, LiteralValue] = {}
+        self._ended: str | None = None
+        self.body = self._from(path, 0, 0)
+        made: list[tuple[str, Type, Expression | None]] = [(name, kind, None) for name, kind in path.made.items()]
+        made += [(name, initial.type, initial) for name, initial in self._counters.items()]
+        self.variables = tuple(
+            LocalChannel(name=name, span=place.span, type=kind, kind="var", initial=initial)
+            for name, kind, initial in made
+        )
+
+    @property
+    def counters(self) -> frozenset[str]:
+        """The variables that count turns, or tell that the program ends."""
+        return frozenset(self._counters)
+
+    def _counter(self, name: str, initial: LiteralValue) -> str:
+        unique = self._names.fresh(name, lambda number: f"{name}_{number}")
+        self._counters[unique] = initial
+        return unique
+
+    def _turn(self) -> str:
+        return self._counter("turn", LiteralValue(type=INT, value=0))
+
+    def _from(self, path: Path, first: int, now: int) -> Action:
+        """What happens from the position ``first`` on, from the instant ``now``."""
+        match path.outcome:
+            case Ends(failure=failure):
+                end: list[Action] = []
+                if failure is not None:
+                    end.append(_raised(failure))
+                return self._straight(path, first, len(path.happenings), now, path.now, end)
+            case Loops():
+                return self._looping(path, first, now, path.outcome)
+
+    def _looping(self, path: Path, first: int, now: int, loops: Loops) -> Action:
+        start, end = loops.position, len(path.happenings)
+        leaving = [p for p in range(start, end) if isinstance(path.happenings[p], Turn) and _ends_well(path.exits[p])]
+        until = None if self._waits_itself(path, start, loops.since) else loops.since
+        again = None if until is None else path.now
+        if len(leaving) == 1:
+            return self._leaving(path, first, now, loops, leaving[0])
+        if leaving:
+            self._ended = self._ended or self._counter("ended", LiteralValue(type=BOOL, value=False))
+        body = self._straight(path, start, end, loops.since, again, [], in_loop=True)
+        ended: Expression | None = None
+        if leaving:
+            assert self._ended is not None
+            ended = VariableValue(type=BOOL, channel=self._ended)
+        loop = Repeat(span=self._place.span, body=body, until=ended)
+        return self._straight(path, first, start, now, until, [*self._samples_before(path, start), loop])
+
+    def _leaving(self, path: Path, first: int, now: int, loops: Loops, leave: int) -> Action:
+        """A loop with one way out, which becomes its condition."""
+        start, end = loops.position, len(path.happenings)
+        turn = path.happenings[leave]
+        assert isinstance(turn, Turn)
+        waits_itself = self._waits_itself(path, start, loops.since)
+        first_part = self._straight(path, start, leave, loops.since, turn.time, [])
+        second_part = self._straight(path, leave + 1, end, turn.time, None if waits_itself else path.now, [])
+        condition = turn.condition if turn.holds else opposite(turn.condition)
+        body = in_sequence([second_part, first_part], self._place)
+        after = self._from(path.exits[leave], leave + 1, turn.time)
+        until = None if waits_itself else loops.since
+        before = self._samples_before(path, start)
+        span = self._place.span
+        if isinstance(second_part, SkipStep):
+            again: Action = Repeat(span=span, body=first_part, until=opposite(condition))
+            return self._straight(path, first, start, now, until, [*before, again, after])
+        again = WhileLoop(span=span, condition=condition, body=body)
+        return self._straight(path, first, start, now, until, [*before, first_part, again, after])
+
+    def _samples_before(self, path: Path, loop: int) -> list[Action]:
+        """Where the first sample is what a loop begins with, it is waited for before the loop."""
+        return [self._begin(loop)] if loop in self._followed else []
+
+    def _waits_itself(self, path: Path, position: int, now: int) -> bool:
+        """Whether what comes first waits for a sample that comes just then."""
+        first = path.happenings[position] if position < len(path.happenings) else None
+        return isinstance(first, Step) and first.fresh and first.time == now
+
+    def _straight(
+        self, path: Path, first: int, last: int, now: int, until: int | None, end: list[Action], in_loop: bool = False
+    ) -> Action:
+        """What happens between two positions, a wait until an instant, and what then follows."""
+        steps: list[Action] = []
+        for position in range(first, last):
+            happening = path.happenings[position]
+            if not self._closing and isinstance(happening, Step) and isinstance(happening.action, ProcessScope):
+                continue
+            if happening.time > now and not (isinstance(happening, Step) and happening.fresh):
+                steps.append(self._wait(happening.time - now))
+            now = happening.time
+            if isinstance(happening, Step):
+                if position in self._followed and position != self._loop:
+                    steps.append(self._begin(position))
+                steps.append(happening.action)
+                continue
+            other = path.exits[position]
+            instead = self._from(other, position + 1, now)
+            condition = opposite(happening.condition) if happening.holds else happening.condition
+            span = happening.condition.span or self._place.span
+            if not _ends_well(other):
+                otherwise: Action = SkipStep(span=span)
+                steps.append(IfElse(span=span, condition=condition, then=instead, otherwise=otherwise))
+                continue
+            if in_loop:
+                assert self._ended is not None
+                value = LiteralValue(type=BOOL, value=True)
+                ended = AssignValue(span=span, target=Target(self._ended), value=value)
+                instead = in_sequence([instead, ended], self._place)
+            otherwise = self._straight(path, position + 1, last, now, until, end, in_loop)
+            if isinstance(instead, SkipStep):
+                condition, instead, otherwise = opposite(condition), otherwise, instead
+            steps.append(IfElse(span=span, condition=condition, then=instead, otherwise=otherwise))
+            return in_sequence(rolled(steps, self._turn), self._place)
+        if until is not None and until > now:
+            steps.append(self._wait(until - now))
+        return in_sequence([*rolled(steps, self._turn), *end], self._place)
+
+    def _begin(self, position: int) -> Action:
+        """Waits for a sample, and so begins to follow other inputs with it."""
+        span = self._place.span
+        skip = SkipStep(span=span)
+        branches = (
+            Branch(span=span, condition=None, event=ReadyEvent(span=span, source=end), body=skip)
+            for end in self._followed[position]
+        )
+        name = "samples" if not self.alternatives else f"samples_{len(self.alternatives) + 1}"
+        self.alternatives.append(name)
+        return Choice(span=span, branches=tuple(branches), prioritized=True, name=name)
+
+    def _wait(self, duration: int) -> Action:
+        return WaitStep(span=self._place.span, duration=LiteralValue(type=TIME, value=duration))
+
+
+def _raised(failure: Raise) -> Action:
+    """Where it was raised, by the process that raised it."""
+    return failure.action if failure.process is None else replaced(failure.process, ends=(), body=failure.action)
+
+
+def _ends_well(path: Path) -> bool:
+    return isinstance(path.outcome, Ends) and path.outcome.failure is None
+
+
+def opposite(condition: Expression) -> Expression:
+    """A condition that holds where this one does not."""
+    match condition:
+        case BinaryOperation(operator="=="):
+            return replaced(condition, operator="!=")
+        case BinaryOperation(operator="!="):
+            return replaced(condition, operator="==")
+        case UnaryOperation(operator="not"):
+            return condition.operand
+        case _:
+            return UnaryOperation(type=BOOL, span=condition.span, operator="not", operand=condition)

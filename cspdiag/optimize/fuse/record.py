@@ -1,0 +1,225 @@
+"""What happens in a program that is followed at compile time, written down as actions of one process."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from cspdiag.base import Span
+from cspdiag.base.record import replaced
+from cspdiag.model.types import Type
+from cspdiag.network.ir.actions import (
+    Action,
+    AssignValue,
+    ChannelEnd,
+    ProcessScope,
+    ReadValue,
+    ReportCommunication,
+    Target,
+    WriteValue,
+)
+from cspdiag.network.ir.expressions import Expression, LiteralValue, ParameterValue, SignalValue, VariableValue
+from cspdiag.network.ir.network import ProcessClass
+from cspdiag.network.ir.walk import parts
+from cspdiag.optimize.folding import folded_with
+from cspdiag.optimize.fuse.code import NotStaticError
+from cspdiag.optimize.fuse.media import Offer
+
+MOST_INSTRUCTIONS = 30_000
+
+
+@dataclass(frozen=True)
+class Step:
+    """Something that is done at an instant; ``fresh``: it takes a sample that came at this instant, and so waits for it."""
+
+    time: int
+    action: Action
+    fresh: bool = False
+
+
+@dataclass(frozen=True)
+class Turn:
+    """A condition that is looked at, with the outcome that is followed."""
+
+    time: int
+    condition: Expression
+    holds: bool
+
+
+Happening: TypeAlias = Step | Turn
+
+
+class Recorder:
+    """Writes down what happens, and knows the variables that ``counting`` names as far as they are constant."""
+
+    def __init__(self, entry: ProcessClass, counting: frozenset[str]) -> None:
+        self.now = 0
+        self.happenings: list[Happening] = []
+        self.made: dict[str, Type] = {}
+        """Variables that the recorder needs, by name."""
+        self._names: dict[tuple[str, tuple[int, ...] | None], str] = {}
+        self._types = {channel.name: channel.type for channel in entry.channels}
+        variables = [channel for channel in entry.channels if channel.kind == "var"]
+        self._counting = counting
+        self._known = {
+            channel.name: channel.initial
+            for channel in variables
+            if channel.name in counting and isinstance(channel.initial, LiteralValue)
+        }
+        self._written = {channel.name for channel in variables if channel.initial is not None}
+        self._later: dict[object, list[Action]] = {}
+        self._instructions = 0
+
+    def count_instruction(self) -> None:
+        """Raises NotStaticError where following takes too long."""
+        self._instructions += 1
+        if self._instructions > MOST_INSTRUCTIONS:
+            raise NotStaticError("it takes too long until it repeats")
+
+    def knowledge(self) -> object:
+        """What the future depends on."""
+        known = tuple(sorted((name, repr(value.value)) for name, value in self._known.items()))
+        return known, frozenset(self._written), frozenset(self._later)
+
+    def folded(self, expression: Expression) -> Expression:
+        """The expression, or its value where that is known."""
+        return folded_with(expression, self._known)
+
+    def process_ended(self, process: ProcessScope) -> None:
+        """A process that had ends has ended; without what it did, it closes them."""
+        self._do(process)
+
+    def turn(self, condition: Expression, holds: bool) -> None:
+        """A condition is looked at."""
+        self.happenings.append(Turn(self.now, condition, holds))
+
+    def _do(self, action: Action, *, fresh: bool = False) -> None:
+        self.happenings.append(Step(self.now, action, fresh))
+
+    def compute_action(self, action: Action) -> None:
+        """Something is computed, or written to the environment."""
+        if isinstance(action, AssignValue) and not action.target.indexes:
+            value = self.folded(action.value)
+            known = isinstance(value, LiteralValue) and action.target.channel in self._counting
+            self._do(replaced(action, value=value) if known else action)
+            self._assigned(action.target.channel, value)
+            return
+        self._do(action)
+        for part in parts(action):
+            if isinstance(part, AssignValue):
+                self._assigned(part.target.channel, None, surely=False)
+            elif isinstance(part, WriteValue) and isinstance(part.sink, ChannelEnd):
+                self._assigned(part.sink.channel, None, surely=False)
+
+    def _assigned(self, name: str, value: Expression | None, *, surely: bool = True) -> None:
+        if surely:
+            self._written.add(name)
+        if name in self._counting and isinstance(value, LiteralValue):
+            self._known[name] = value
+        else:
+            self._known.pop(name, None)
+
+    def _variable(self, name: str, kind: Type, offer: Offer | None = None) -> str:
+        """A variable besides those of the program; one for each place that offers."""
+        key = (name, None if offer is None else (*offer.task.key, offer.task.position, offer.number))
+        if key not in self._names:
+            number = 1
+            unique = name
+            while unique in self._types or unique in self.made:
+                number += 1
+                unique = f"{name}_{number}"
+            self._names[key] = unique
+            self.made[unique] = kind
+        return self._names[key]
+
+    def _assign(self, span: Span, target: Target, value: Expression) -> None:
+        self._do(AssignValue(span=span, target=target, value=value))
+        self._assigned(target.channel, self.folded(value))
+
+    def communicate(self, channel: str, value: Expression, offer: Offer) -> None:
+        """A value passes to the target of an offer."""
+        stored = self._store(channel, offer, value)
+        self._do(ReportCommunication(span=offer.span, channel=channel, value=stored))
+
+    def give(self, offer: Offer, value: Expression) -> None:
+        """A value that was kept comes to the target of an offer."""
+        self._store(offer.medium.name, offer, value)
+
+    def _store(self, channel: str, offer: Offer, value: Expression) -> Expression:
+        """Where an element of an array is read, its index is computed when the reader goes on."""
+        target = offer.target
+        assert target is not None
+        if not target.indexes:
+            self._assign(offer.span, target, value)
+            return VariableValue(type=self._types[target.channel], channel=target.channel)
+        name = self._variable(f"{channel}.taken", self._types[channel], offer)
+        self._assign(offer.span, Target(name), value)
+        taken = VariableValue(type=self._types[channel], channel=name)
+        self._later.setdefault(offer.task.key, []).append(AssignValue(span=offer.span, target=target, value=taken))
+        return taken
+
+    def forget(self, task: object) -> None:
+        """A task has ended."""
+        self._later.pop(task, None)
+
+    def resumed(self, task: object) -> None:
+        """A task goes on after a communication."""
+        for action in self._later.pop(task, ()):
+            self.compute_action(action)
+
+    def keep(self, offer: Offer, slot: int) -> Expression:
+        """The value of a writer enters a buffer; gives what stands for it."""
+        channel = offer.medium.name
+        kind = self._types[channel]
+        assert offer.value is not None
+        name = self._variable(f"{channel}.value_{slot}", kind)
+        self._assign(offer.span, Target(name), offer.value)
+        kept = VariableValue(type=kind, channel=name)
+        self._do(ReportCommunication(span=offer.span, channel=channel, value=kept))
+        return kept
+
+    def sample(self, offer: Offer, fresh: bool) -> None:
+        """A sample is taken; ``fresh`` tells that it came at this instant."""
+        assert offer.target is not None
+        self._do(ReadValue(span=offer.span, source=offer.end, target=offer.target), fresh=fresh)
+        self._assigned(offer.target.channel, None, surely=not offer.target.indexes)
+
+    def at_once(self, offer: Offer) -> None:
+        """A variable is read, or it or an output is written."""
+        if offer.value is None:
+            assert isinstance(offer.end, ChannelEnd)
+            assert offer.target is not None
+            value = VariableValue(type=self._types[offer.end.channel], channel=offer.end.channel)
+            self.compute_action(AssignValue(span=offer.span, target=offer.target, value=value))
+        elif isinstance(offer.end, ChannelEnd):
+            self._assign(offer.span, Target(offer.end.channel), offer.value)
+        else:
+            self._do(WriteValue(span=offer.span, sink=offer.end, value=offer.value))
+
+    def compute(self, offer: Offer) -> None:
+        """The value of a writer that goes on to wait is computed, unless it is the same later."""
+        value = offer.value
+        assert value is not None
+        match value:
+            case LiteralValue() | ParameterValue():
+                return
+            case VariableValue(channel=channel) if channel in self._written:
+                return
+        self._compute(offer, value)
+
+    def compute_beside(self, offer: Offer) -> None:
+        """The value of one of several offers is computed before any of them is made, unless computing it cannot fail."""
+        value = offer.value
+        assert value is not None
+        match value:
+            case LiteralValue() | ParameterValue() | SignalValue():
+                return
+            case VariableValue(channel=channel) if channel in self._written:
+                return
+        self._compute(offer, value)
+
+    def _compute(self, offer: Offer, value: Expression) -> None:
+        kind = value.type
+        name = self._variable(f"{offer.medium.name}.offered", kind, offer)
+        self._assign(offer.span, Target(name), value)
+        offer.value = VariableValue(type=kind, channel=name)

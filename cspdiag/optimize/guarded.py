@@ -1,0 +1,73 @@
+"""Which ports and channels some alternative or interrupt guards, by class."""
+
+from __future__ import annotations
+
+from typing import TypeAlias
+
+from cspdiag.base.record import record
+from cspdiag.network.ir.actions import Choice, End, InputEvent, InterruptOn, OutputEvent, PortEnd, ReadyEvent
+from cspdiag.network.ir.network import ConstantEnd, DiscardEnd, Network, ProcessClass, SubmodelClass
+from cspdiag.network.ir.walk import parts
+
+Place: TypeAlias = "tuple[str, int | None] | str"
+"""A port with its index in an array, or the name of a channel."""
+
+
+@record
+class Guards:
+    """The places of a class that are guarded, by the class itself or by an instance inside."""
+
+    reads: frozenset[Place]
+    writes: frozenset[Place]
+
+
+def place_of(end: End) -> Place:
+    """The port or channel of an end."""
+    return (end.port, end.index) if isinstance(end, PortEnd) else end.channel
+
+
+def guards_by_class(network: Network) -> dict[str, Guards]:
+    """The guarded places of every process class; every port of a process written by hand counts as guarded."""
+    found: dict[str, Guards] = {}
+    for entry in network.classes:
+        if isinstance(entry, SubmodelClass):
+            found[entry.name] = Guards(frozenset(), frozenset())
+        elif entry.external is not None:
+            found[entry.name] = _all_ports(entry)
+        else:
+            found[entry.name] = _guards(entry, found)
+    return found
+
+
+def _all_ports(entry: ProcessClass) -> Guards:
+    places: dict[str, set[Place]] = {"in": set(), "out": set()}
+    for port in entry.ports:
+        indexes = [None] if port.size is None else range(port.size)
+        places[port.direction].update((port.name, index) for index in indexes)
+    return Guards(frozenset(places["in"]), frozenset(places["out"]))
+
+
+def _guards(entry: ProcessClass, known: dict[str, Guards]) -> Guards:
+    reads: set[Place] = set()
+    writes: set[Place] = set()
+    for part in parts(entry.body):
+        if isinstance(part, Choice | InterruptOn):
+            for branch in part.branches if isinstance(part, Choice) else (part.branch,):
+                match branch.event:
+                    case InputEvent(source=source) | ReadyEvent(source=source):
+                        reads.add(place_of(source))
+                    case OutputEvent(sink=sink):
+                        writes.add(place_of(sink))
+                    case _:
+                        pass
+    for instance in entry.instances:
+        inside = known[instance.class_name]
+        if inside.reads or inside.writes:
+            for connection in instance.connections:
+                if not isinstance(connection.attachment, ConstantEnd | DiscardEnd):
+                    port = (connection.port, connection.index)
+                    if port in inside.reads:
+                        reads.add(place_of(connection.attachment))
+                    if port in inside.writes:
+                        writes.add(place_of(connection.attachment))
+    return Guards(frozenset(reads), frozenset(writes))

@@ -1,0 +1,266 @@
+"""Control laws computed in the process that runs them: no call, no communication but with others, the states beside its variables."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from cspdiag.base.record import replaced
+from cspdiag.network.ir.actions import (
+    Action,
+    AssignValue,
+    CatchException,
+    ChannelEnd,
+    InputRead,
+    InterruptOn,
+    OutputWrite,
+    PortEnd,
+    ReadInputs,
+    ResetInstance,
+    ResetStates,
+    RunInstance,
+    RunLaw,
+    Target,
+    WriteOutputs,
+)
+from cspdiag.network.ir.expressions import Expression, LiteralValue, ParameterValue, SignalValue, VariableValue
+from cspdiag.network.ir.network import (
+    Attachment,
+    ConstantEnd,
+    CreatedInstance,
+    DiscardEnd,
+    ExternalCall,
+    InstanceOf,
+    LocalChannel,
+    MediumKind,
+    Network,
+    Port,
+    ProcessClass,
+    SubmodelClass,
+    SubmodelEquation,
+    SubmodelState,
+)
+from cspdiag.network.ir.walk import parts
+from cspdiag.optimize.changes import in_sequence, rebuilt
+from cspdiag.optimize.flatten.naming import parameter_constants, renamed, renamed_equation
+from cspdiag.optimize.reachable import reachable
+
+_AT_ONCE = frozenset({"var", "constant"})
+
+
+def inline_laws(network: Network) -> Network:
+    """The network with every submodel but those written by hand, or with a part in C, computed by the process around it.
+
+    A run becomes ``ReadInputs``, ``RunLaw`` and ``WriteOutputs``. Reads and writes are points of cancellation also where none is left; such empty ones
+    stay in programs in which a process can see that another was cancelled.
+    """
+    laws = {
+        entry.name: entry for entry in network.classes if isinstance(entry, SubmodelClass) and not _is_by_hand(entry)
+    }
+    seen = any(
+        isinstance(part, InterruptOn | CatchException)
+        for entry in network.classes
+        if isinstance(entry, ProcessClass)
+        for part in parts(entry.body)
+    ) or any(isinstance(entry, ProcessClass) and entry.external for entry in network.classes)
+    classes = [
+        _Inlining(entry, laws, seen).result() if isinstance(entry, ProcessClass) else entry for entry in network.classes
+    ]
+    return reachable(replaced(network, classes=tuple(classes)))
+
+
+def _is_by_hand(law: SubmodelClass) -> bool:
+    """Whether a law has a struct of its own in C, written by hand, and with it what surrounds that."""
+    calls = (entry for entry in law.equations if isinstance(entry, ExternalCall))
+    return law.external is not None or any(call.external.language == "c" for call in calls)
+
+
+class _Inlining:
+    """Takes the laws of one process class in; ``seen`` tells whether cancellation can be seen."""
+
+    def __init__(self, entry: ProcessClass, laws: Mapping[str, SubmodelClass], seen: bool) -> None:
+        self.entry = entry
+        self.laws = {
+            i.name: _Inlined(i, laws[i.class_name], entry, seen) for i in entry.instances if i.class_name in laws
+        }
+
+    def result(self) -> ProcessClass:
+        entry = self.entry
+        if not self.laws:
+            return entry
+        assert entry.body is not None
+        inlined = self.laws.values()
+        return replaced(
+            entry,
+            body=rebuilt(entry.body, self._inlined),
+            instances=tuple(instance for instance in entry.instances if instance.name not in self.laws),
+            constants=(*entry.constants, *(constant for law in inlined for constant in law.constants)),
+            states=(*entry.states, *(state for law in inlined for state in law.states)),
+            creation=tuple(
+                part
+                for part in entry.creation
+                if not (isinstance(part, CreatedInstance) and part.instance in self.laws)
+            ),
+        )
+
+    def _inlined(self, action: Action) -> Action:
+        match action:
+            case RunInstance(instance=name) if name in self.laws:
+                return self.laws[name].run(action)
+            case ResetInstance(instance=name) if name in self.laws:
+                return in_sequence(self.laws[name].reset(action), action)
+            case _:
+                return action
+
+
+class _Inlined:
+    """One instance of a law in a process class."""
+
+    def __init__(self, instance: InstanceOf, law: SubmodelClass, owner: ProcessClass, seen: bool) -> None:
+        self.instance = instance
+        self.law = law
+        self.owner = owner
+        self.seen = seen
+        self.prefix = instance.name
+        self.channels = {channel.name: channel for channel in owner.channels}
+        self.media = {port.name: port.media for port in owner.ports}
+        self.attachments = {(c.port, c.index): c.attachment for c in instance.connections}
+        self.values, given = parameter_constants(instance, law.parameters)
+        self.signals: dict[str, Expression] = {}
+        """What stands for an input that needs no reading."""
+        defaults = self._defaults()
+        self.constants = (*given, *defaults, *(self._equation(constant) for constant in law.constants))
+        self.states = tuple(self._state(state) for state in law.states)
+
+    def _defaults(self) -> tuple[SubmodelEquation, ...]:
+        """The inputs that are constants, for those that are no literals as constants of the class."""
+        constants = []
+        for name, port, attachment in self._elements("in"):
+            if isinstance(attachment, ConstantEnd):
+                value = attachment.value
+                if not isinstance(value, LiteralValue | ParameterValue):
+                    full = f"{self.prefix}.{name}"
+                    constants.append(SubmodelEquation(name=full, span=port.span, type=port.type, value=value))
+                    value = SignalValue(type=port.type, name=full)
+                self.signals[name] = value
+        return tuple(constants)
+
+    def _elements(self, direction: str) -> list[tuple[str, Port, Attachment]]:
+        """The signal, port and attachment of each element of each port, in order."""
+        found = []
+        for port in self.law.ports:
+            if port.direction == direction:
+                for index in [None] if port.size is None else range(port.size):
+                    name = port.name if index is None else f"{port.name}[{index}]"
+                    found.append((name, port, self.attachments[port.name, index]))
+        return found
+
+    def _equation(self, equation: SubmodelEquation) -> SubmodelEquation:
+        renamed_one = renamed_equation(equation, self.prefix, self.values, self.signals)
+        assert isinstance(renamed_one, SubmodelEquation)
+        return renamed_one
+
+    def _renamed(self, value: Expression) -> Expression:
+        return renamed(value, self.prefix, self.values, self.signals)
+
+    def _state(self, state: SubmodelState) -> SubmodelState:
+        return replaced(state, name=f"{self.prefix}.{state.name}", initial=self._renamed(state.initial))
+
+    def reset(self, action: ResetInstance) -> list[Action]:
+        """The steps of a reset: of states, and of what is written by hand within the law."""
+        names = [state.name for state in self.states]
+        names += [f"{self.prefix}.{call.name}" for call in self.law.equations if isinstance(call, ExternalCall)]
+        return [ResetStates(span=action.span, states=tuple(names))] if names else []
+
+    def run(self, action: RunInstance) -> Action:
+        """The steps of a run."""
+        law = self.law
+        reads, variables = self._inputs()
+        kinds = {self._kind(read.source) for read in reads}
+        steps: list[Action] = []
+        if reads or self.seen:
+            steps.append(ReadInputs(span=law.span, reads=reads, law=self.prefix))
+        equations = [renamed_equation(item, self.prefix, self.values, self.signals) for item in law.equations]
+        if equations or variables or law.next_values or law.derivatives:
+            steps.append(self._law(action, (*variables, *equations)))
+        steps += self._outputs(may_have_waited=not kinds <= _AT_ONCE)
+        return in_sequence(steps, action)
+
+    def _law(self, action: RunInstance, equations: tuple[SubmodelEquation | ExternalCall, ...]) -> RunLaw:
+        law = self.law
+        return RunLaw(
+            span=action.span,
+            law=self.prefix,
+            equations=equations,
+            next_values=self._by_state(law.next_values),
+            derivative_equations=tuple(map(self._equation, law.derivative_equations)),
+            derivatives=self._by_state(law.derivatives),
+            method=law.method,
+            step=law.step,
+            sample=self._sample() if law.derivatives else None,
+            doc=law.doc,
+        )
+
+    def _by_state(self, values: tuple[tuple[str, Expression], ...]) -> tuple[tuple[str, Expression], ...]:
+        return tuple((f"{self.prefix}.{name}", self._renamed(value)) for name, value in values)
+
+    def _sample(self) -> Expression:
+        if "sample" in self.values:
+            return self.values["sample"]
+        constant = next(item for item in self.law.constants if item.name == "sample")
+        return SignalValue(type=constant.type, name=f"{self.prefix}.sample")
+
+    def _kind(self, end: Attachment) -> MediumKind:
+        match end:
+            case ChannelEnd(channel=name):
+                return self.channels[name].kind
+            case PortEnd(port=name, index=index):
+                return self.media[name][index or 0].kind
+            case ConstantEnd():
+                return "constant"
+            case DiscardEnd():
+                return "discard"
+
+    def _inputs(self) -> tuple[tuple[InputRead, ...], list[SubmodelEquation]]:
+        """What has to be read, in order, and equations for the inputs that are variables of the class.
+
+        A variable that may not have been written is read at its place in the order, so that the fault is where it was.
+        """
+        ends = [(name, port, end) for name, port, end in self._elements("in") if isinstance(end, ChannelEnd | PortEnd)]
+        sure = [self._is_variable(end) is not None for _, _, end in ends]
+        if not all(sure):
+            sure = [self._is_written(end) for _, _, end in ends]
+        reads, equations = [], []
+        for is_sure, (name, port, end) in zip(sure, ends, strict=True):
+            full = f"{self.prefix}.{name}"
+            if is_sure and isinstance(end, ChannelEnd):
+                value = VariableValue(type=port.type, channel=end.channel, span=port.span)
+                equations.append(SubmodelEquation(name=full, doc=port.doc, span=port.span, type=port.type, value=value))
+            else:
+                reads.append(InputRead(source=end, name=full, type=port.type))
+        return tuple(reads), equations
+
+    def _is_variable(self, end: Attachment) -> LocalChannel | None:
+        channel = self.channels.get(end.channel) if isinstance(end, ChannelEnd) else None
+        return channel if channel is not None and channel.kind == "var" else None
+
+    def _is_written(self, end: Attachment) -> bool:
+        channel = self._is_variable(end)
+        return channel is not None and channel.initial is not None
+
+    def _outputs(self, *, may_have_waited: bool) -> list[Action]:
+        """Variables alone are assigned; beside other outputs they keep their place in the order of the writes."""
+        span = self.law.span
+        writes = tuple(
+            OutputWrite(sink=end, value=SignalValue(type=port.type, name=f"{self.prefix}.{name}"))
+            for name, port, end in self._elements("out")
+            if isinstance(end, ChannelEnd | PortEnd)
+        )
+        if any(self._is_variable(write.sink) is None for write in writes):
+            return [WriteOutputs(span=span, writes=writes, law=self.prefix)]
+        steps: list[Action] = []
+        if self.seen and may_have_waited:
+            steps.append(WriteOutputs(span=span, writes=(), law=self.prefix))
+        for write in writes:
+            assert isinstance(write.sink, ChannelEnd)
+            steps.append(AssignValue(span=span, target=Target(write.sink.channel), value=write.value))
+        return steps

@@ -1,0 +1,214 @@
+"""Makes a class for every way in which its ports are connected, and writes down what targets would otherwise have to find out.
+
+After it each port says what it is connected to, each channel whether it is guarded, each alternative has a name, and each class the order in which its
+parts come to be.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Mapping
+from typing import TypeAlias
+
+from cspdiag.base.record import replaced
+from cspdiag.network.ir.actions import (
+    Action,
+    AfterEvent,
+    Branch,
+    Choice,
+    InputEvent,
+    OutputEvent,
+    ReadValue,
+    ReadyEvent,
+    SkipEvent,
+    WaitStep,
+    WriteValue,
+)
+from cspdiag.network.ir.network import (
+    Attachment,
+    ConstantEnd,
+    DiscardEnd,
+    ExternalPort,
+    InstanceOf,
+    LocalChannel,
+    Medium,
+    MediumKind,
+    Network,
+    Port,
+    ProcessClass,
+    SubmodelClass,
+)
+from cspdiag.optimize.changes import changed, in_sequence, mapped, rebuilt, with_inner_actions
+from cspdiag.optimize.creation import creation_order
+from cspdiag.optimize.guarded import Guards, Place, guards_by_class, place_of
+from cspdiag.optimize.reachable import reachable
+
+Media: TypeAlias = "tuple[tuple[Medium, ...], ...]"
+"""By port, the medium of the port or of each element."""
+
+
+def specialize(network: Network) -> Network:
+    """The network with the media of all ports known; classes that are connected in different ways are cloned (``Cell``, ``Cell2``)."""
+    classes = tuple(entry if isinstance(entry, SubmodelClass) else _prepared(entry) for entry in network.classes)
+    return _Specialization(replaced(network, classes=classes)).result()
+
+
+def _prepared(entry: ProcessClass) -> ProcessClass:
+    """The class without alternatives that leave no choice, and with names for the others."""
+    return entry if entry.body is None else replaced(entry, body=named_choices(rebuilt(entry.body, _without_choice)))
+
+
+def _without_choice(action: Action) -> Action:
+    """A guard that is waited for by itself is the communication that it stands for."""
+    match action:
+        case Choice(branches=(Branch(condition=None) as branch,)) if not isinstance(branch.event, ReadyEvent):
+            return in_sequence([*_alone(branch), branch.body], action)
+        case _:
+            return action
+
+
+def _alone(branch: Branch) -> list[Action]:
+    event = branch.event
+    match event:
+        case InputEvent():
+            return [ReadValue(span=event.span, source=event.source, target=event.target)]
+        case OutputEvent():
+            return [WriteValue(span=event.span, sink=event.sink, value=event.value)]
+        case AfterEvent():
+            return [WaitStep(span=event.span, duration=event.duration)]
+        case SkipEvent():
+            return []
+        case ReadyEvent():
+            raise AssertionError("a ready guard needs an alternative")
+
+
+def named_choices(body: Action) -> Action:
+    """The composition with its alternatives named in text order: ``choice``, ``choice_2``."""
+    number = 0
+
+    def named(action: Action) -> Action:
+        nonlocal number
+        if isinstance(action, Choice):
+            number += 1
+            action = replaced(action, name="choice" if number == 1 else f"choice_{number}")
+        return with_inner_actions(action, named)
+
+    return named(body)
+
+
+class _Specialization:
+    """Goes from the outermost process inwards and collects the ways in which each class is connected."""
+
+    def __init__(self, network: Network) -> None:
+        self.network = network
+        self.classes = {entry.name: entry for entry in network.classes}
+        self.guards = guards_by_class(network)
+        self.names: dict[tuple[str, Media], str] = {}
+        self.clones: dict[str, list[ProcessClass]] = {entry.name: [] for entry in network.classes}
+        self._pending: deque[tuple[ProcessClass, Media]] = deque()
+        self._met: dict[str, int] = {}
+        self._taken = {
+            *self.classes,
+            *(constant.name for constant in network.constants),
+            *(enum.name for enum in network.enums),
+            *(struct.name for struct in network.structs),
+            *network.exceptions,
+        }
+
+    def result(self) -> Network:
+        """The network of clones."""
+        network = self.network
+        top = self.classes[network.top]
+        assert isinstance(top, ProcessClass)
+        self._name(top, self._outside(top))
+        while self._pending:
+            self._specialize(*self._pending.popleft())
+        submodels = {entry.name: entry for entry in network.classes if isinstance(entry, SubmodelClass)}
+        classes: list[ProcessClass | SubmodelClass] = []
+        for entry in network.classes:
+            if isinstance(entry, SubmodelClass):
+                classes.append(entry)
+            for clone in self.clones[entry.name]:
+                classes.append(replaced(clone, creation=creation_order(clone, submodels)))
+        return reachable(replaced(network, classes=tuple(classes)))
+
+    def _outside(self, top: ProcessClass) -> Media:
+        """The media of the ports of the outermost process."""
+        kinds = {
+            (port.name.partition("[")[0], port.index): _external_kind(port) for port in self.network.external_ports
+        }
+        guards = self.guards[top.name]
+        return tuple(tuple(_medium(kinds[place], place, guards) for place in _elements(port)) for port in top.ports)
+
+    def _name(self, entry: ProcessClass, media: Media) -> str:
+        """The name of the clone; the first has that of the class."""
+        key = (entry.name, media)
+        name = self.names.get(key)
+        if name is None:
+            number = self._met[entry.name] = self._met.get(entry.name, 0) + 1
+            name = entry.name
+            while number > 1 and name in self._taken:
+                name = f"{entry.name}{number}"
+                number += 1
+            self._taken.add(name)
+            self.names[key] = name
+            self._pending.append((entry, media))
+        return name
+
+    def _specialize(self, entry: ProcessClass, media: Media) -> None:
+        guards = self.guards[entry.name]
+        channels = mapped(entry.channels, lambda channel: _guarded(channel, guards))
+        behind: dict[Place, Medium] = {}
+        for port, elements in zip(entry.ports, media, strict=True):
+            behind.update(zip(_elements(port), elements, strict=True))
+        for channel in channels:
+            behind[channel.name] = Medium(channel.kind, channel.guarded_reads, channel.guarded_writes)
+        clone = replaced(
+            entry,
+            name=self.names[entry.name, media],
+            ports=tuple(replaced(port, media=m) for port, m in zip(entry.ports, media, strict=True)),
+            channels=channels,
+            instances=mapped(entry.instances, lambda instance: self._instance(instance, behind)),
+        )
+        self.clones[entry.name].append(clone)
+
+    def _instance(self, instance: InstanceOf, behind: Mapping[Place, Medium]) -> InstanceOf:
+        inner = self.classes[instance.class_name]
+        if isinstance(inner, SubmodelClass):
+            return instance
+        attached = {(c.port, c.index): _attached(c.attachment, behind) for c in instance.connections}
+        media = tuple(tuple(attached[place] for place in _elements(port)) for port in inner.ports)
+        return changed(instance, class_name=self._name(inner, media))
+
+
+def _elements(port: Port) -> list[tuple[str, int | None]]:
+    return [(port.name, None)] if port.size is None else [(port.name, index) for index in range(port.size)]
+
+
+def _external_kind(port: ExternalPort) -> MediumKind:
+    if port.direction == "in":
+        return "event" if port.period is None else "sampled"
+    return "direct" if port.period is None or port.immediate else "latched"
+
+
+def _medium(kind: MediumKind, place: Place, guards: Guards) -> Medium:
+    return Medium(kind, place in guards.reads, place in guards.writes)
+
+
+def _guarded(channel: LocalChannel, guards: Guards) -> LocalChannel:
+    reads, writes = channel.name in guards.reads, channel.name in guards.writes
+    return changed(channel, guarded_reads=reads, guarded_writes=writes)
+
+
+def _attached(attachment: Attachment, behind: Mapping[Place, Medium]) -> Medium:
+    match attachment:
+        case ConstantEnd():
+            return _CONSTANT
+        case DiscardEnd():
+            return _DISCARD
+        case _:
+            return behind[place_of(attachment)]
+
+
+_CONSTANT = Medium("constant")
+_DISCARD = Medium("discard")

@@ -1,0 +1,38 @@
+"""What is answered."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+from cspdiag.base import Diagnostic
+from cspdiag.proofs.answers.question import Question
+from cspdiag.proofs.counterexamples.counterexample import Counterexample
+from cspdiag.proofs.counterexamples.suggestion import Suggestion
+from cspdiag.proofs.transitions.systems.system import Abstraction
+from cspdiag.proofs.verdict import Method
+
+Outcome: TypeAlias = Literal["proved", "refuted", "unknown"]
+
+
+@dataclass(frozen=True)
+class Answer:
+    """A verdict on a question, with what people need to believe it.
+
+    ``reason`` is a sentence: why it holds, or why nothing is known. ``candidate`` are the lines of a state that could not be excluded. ``abstractions`` are what the
+    transition system leaves open; ``replayed`` tells whether the program itself was stepped through the counterexample.
+    """
+
+    question: Question
+    outcome: Outcome
+    method: Method | None
+    reason: str
+    seconds: float
+    states: int | None = None
+    counterexample: Counterexample | None = None
+    candidate: tuple[str, ...] = ()
+    abstractions: tuple[Abstraction, ...] = ()
+    suggestions: tuple[Suggestion, ...] = ()
+    replayed: bool = False
+    found: Diagnostic | None = None
+    """What is wrong, where an analysis without states has said so."""

@@ -1,0 +1,46 @@
+"""Answers as a JUnit report: a test for each assertion."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from xml.etree import ElementTree
+
+from cspdiag.base.render.snippet import printable
+from cspdiag.proofs.answers.answer import Answer
+from cspdiag.proofs.answers.text import render as render_text
+
+
+def render(answers: Sequence[Answer], file: str) -> str:
+    """One test suite; a refuted assertion is a failure, one of which nothing is known an error."""
+    root = ElementTree.Element("testsuites", name="cspdiag")
+    suite = ElementTree.SubElement(
+        root,
+        "testsuite",
+        name=printable(file),
+        tests=str(len(answers)),
+        failures=str(sum(answer.outcome == "refuted" for answer in answers)),
+        errors=str(sum(answer.outcome == "unknown" for answer in answers)),
+        skipped="0",
+        time=f"{sum(answer.seconds for answer in answers):.3f}",
+    )
+    for answer in answers:
+        _test(suite, answer, file)
+    ElementTree.indent(root)
+    return f"<?xml version='1.0' encoding='utf-8'?>\n{ElementTree.tostring(root, encoding='unicode')}\n"
+
+
+def _test(suite: ElementTree.Element, answer: Answer, file: str) -> None:
+    case = ElementTree.SubElement(
+        suite,
+        "testcase",
+        name=f"assert {answer.question.text}",
+        classname=printable(file),
+        time=f"{answer.seconds:.3f}",
+    )
+    text = printable(render_text([answer], quiet=True))
+    if answer.outcome == "proved":
+        ElementTree.SubElement(case, "system-out").text = printable(answer.reason)
+    else:
+        tag = "failure" if answer.outcome == "refuted" else "error"
+        found = ElementTree.SubElement(case, tag, message=answer.question.text, type=answer.outcome)
+        found.text = text

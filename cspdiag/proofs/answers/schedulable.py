@@ -1,0 +1,26 @@
+"""The answer to ``assert P schedulable``."""
+
+from __future__ import annotations
+
+import time
+
+from cspdiag.analyses.timing.report.diagnostics import diagnostic_of
+from cspdiag.analyses.timing.report.timing import timing_report
+from cspdiag.analyses.timing.result import TimingReport
+from cspdiag.network.ir.network import Network
+from cspdiag.proofs.answers.answer import Answer, Outcome
+from cspdiag.proofs.answers.question import Question
+
+
+def schedulable(question: Question, network: Network) -> Answer:
+    """Proved where every sampled loop is ready before its next sample, unknown where a time has no bound."""
+    began = time.monotonic()
+    report = timing_report(network)
+    return answer_of(question, report, time.monotonic() - began)
+
+
+def answer_of(question: Question, report: TimingReport, seconds: float) -> Answer:
+    """What a timing report, made in so many seconds, says to the question."""
+    outcomes: dict[bool | None, Outcome] = {True: "proved", False: "refuted", None: "unknown"}
+    found = diagnostic_of(report, question.span)
+    return Answer(question, outcomes[report.is_schedulable], None, report.reason, seconds, found=found)

@@ -1,0 +1,206 @@
+"""A refutation in the words of the diagram: what happens step by step, and who waits for whom in the end."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Literal, TypeAlias
+
+from cspdiag.base import Span
+from cspdiag.proofs.transitions.systems.system import INTERNAL, EventKind, Place, System
+from cspdiag.proofs.verdict import Move, Refuted
+
+Failure: TypeAlias = Literal["deadlock", "knot", "livelock", "no termination", "refinement"]
+
+SILENT: frozenset[str] = frozenset({"internal", "variable", "start", "end", "cancel", "delivered", "ready", "failure"})
+"""Kinds of steps that no diagram shows; they are kept for machines."""
+
+
+def is_shown(kind: str, parties: int) -> bool:
+    """Whether people are told a step of a kind in which so many take part."""
+    return kind not in SILENT or (kind == "ready" and parties > 1)
+
+
+@dataclass(frozen=True)
+class Party:
+    """A process that takes part in a step: what it did before, and where the text says so. ``name`` is that below the outermost process, ``role`` as in ``Event.roles``."""
+
+    name: str
+    path: str
+    words: str = ""
+    span: Span | None = None
+    role: str = ""
+
+
+@dataclass(frozen=True)
+class Step:
+    """Something that happens; ``channel`` is the hierarchical name as in traces. ``added``: the proof left it open, and the program did it."""
+
+    kind: EventKind | Literal["internal"]
+    channel: str
+    value: str | None
+    parties: tuple[Party, ...]
+    added: bool = False
+
+    @property
+    def shown(self) -> bool:
+        """Whether people are told, also of a guard of an interrupt that is seen to be ready."""
+        return is_shown(self.kind, len(self.parties))
+
+
+@dataclass(frozen=True)
+class Waiting:
+    """A process that never goes on, what it waits for (also by the hierarchical names of channels), and the processes, by name, that would have to come.
+
+    ``ended`` are those of them that have ended.
+    """
+
+    name: str
+    path: str
+    words: str
+    span: Span | None
+    channels: tuple[str, ...]
+    partners: tuple[str, ...]
+    ended: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Counterexample:
+    """How a property fails.
+
+    ``steps`` lead to where it does; ``cycle`` is what can repeat for ever then; ``waiting`` are the processes that never go on, of which those named in
+    ``ring`` wait for each other, each for the next and the last for the first.
+    """
+
+    failure: Failure
+    steps: tuple[Step, ...]
+    cycle: tuple[Step, ...] = ()
+    waiting: tuple[Waiting, ...] = ()
+    ring: tuple[str, ...] = ()
+    process: str = ""
+    """The outermost process, with which the names of channels begin."""
+    reason: str = ""
+    """For ``refinement``: what was refused, or done too much."""
+
+
+def counterexample(
+    system: System, refuted: Refuted, failure: Failure, process: str = "", reason: str = ""
+) -> Counterexample:
+    """The refutation of a system, of which ``process`` is the outermost, for people."""
+    teller = _Teller(system, process)
+    state = list(system.initial)
+    steps = tuple(teller.steps(state, refuted.trace))
+    stopped = tuple(state)
+    cycle = tuple(teller.steps(state, refuted.cycle))
+    waiting = tuple(teller.waiting(stopped, refuted.stuck))
+    return Counterexample(failure, steps, cycle, waiting, ring(waiting), process, reason)
+
+
+class _Teller:
+    """Components, events and states in the words of the diagram."""
+
+    def __init__(self, system: System, process: str) -> None:
+        self._system = system
+        self._prefix = f"{process}."
+
+    def steps(self, state: list[int], moves: Iterable[Move]) -> Iterator[Step]:
+        """The moves as steps; ``state`` follows them."""
+        for move in moves:
+            parties = tuple(self._party(component, state[component]) for component, _ in move.moves)
+            if move.event == INTERNAL:
+                yield Step("internal", "", None, parties)
+            else:
+                event = self._system.events[move.event]
+                roles = (event.role(component) for component, _ in move.moves)
+                parties = tuple(replace(party, role=role) for party, role in zip(parties, roles, strict=True))
+                yield Step(event.kind, event.channel, event.value, parties)
+            for component, after in move.moves:
+                state[component] = after
+
+    def _name(self, index: int) -> str:
+        return self._system.components[index].name.removeprefix(self._prefix)
+
+    def _party(self, index: int, state: int) -> Party:
+        component = self._system.components[index]
+        place = component.places.get(state, Place(""))
+        return Party(self._name(index), place.path or component.path, place.words, place.span)
+
+    def waiting(self, state: tuple[int, ...], stuck: Iterable[int]) -> Iterator[Waiting]:
+        """The processes among ``stuck`` that have not ended."""
+        components = self._system.components
+        offered = [{event for event, _ in component.edges[at]} for component, at in zip(components, state, strict=True)]
+        for index in sorted(stuck):
+            if not components[index].process or state[index] in components[index].terminal:
+                continue
+            absent = dict.fromkeys(
+                partner
+                for event in sorted(offered[index] - {INTERNAL})
+                for other in self._system.events[event].parties
+                if event not in offered[other]
+                for partner in who_could_come(self._system, other, self._system.events[event].role(index))
+            )
+            channels = dict.fromkeys(
+                self._system.events[event].channel for event in sorted(offered[index] - {INTERNAL})
+            )
+            party = self._party(index, state[index])
+            words = party.words or "waits"
+            partners = tuple(dict.fromkeys(map(self._name, absent)))
+            ended = tuple(self._name(other) for other in absent if self._has_ended(other, state[other]))
+            yield Waiting(party.name, components[index].path, words, party.span, tuple(channels), partners, ended)
+
+    def _has_ended(self, index: int, state: int) -> bool:
+        """Whether a process is at its end, and does not wait for branches of its own or to be started."""
+        component = self._system.components[index]
+        if not component.process or state not in component.terminal:
+            return False
+        events = [self._system.events[event] for event, _ in component.edges[state] if event != INTERNAL]
+        return all(event.kind in ("end", "cancel") and event.parties[0] != index for event in events)
+
+
+def who_could_come(system: System, absent: int, role: str) -> Iterable[int]:
+    """Who would have to come for a party that is absent: itself, or for the memory of a channel those on the other side than the ``role`` of who waits."""
+    if system.components[absent].process:
+        return (absent,)
+    others = "!" if role == "?" else "?"
+    return (
+        partner
+        for event in system.events
+        if absent in event.parties and len(event.parties) == len(event.roles)
+        for partner in event.parties
+        if event.role(partner) == others
+    )
+
+
+def ring(waiting: tuple[Waiting, ...]) -> tuple[str, ...]:
+    """Names of processes that wait for each other in a ring; empty where somebody waits for who has ended, or for nobody."""
+    by_name = {entry.name: entry for entry in waiting}
+    branches: dict[str, list[str]] = {}
+    for entry in waiting:
+        branches.setdefault(entry.path.partition(".")[2], []).append(entry.name)
+    settled: set[str] = set()
+    for start in by_name:
+        path: list[str] = []
+        pending = [iter((start,))]
+        while pending:
+            name = next(pending[-1], None)
+            if name is None:
+                pending.pop()
+                if path:
+                    settled.add(path.pop())
+            elif name in path:
+                return tuple(path[path.index(name) :])
+            elif name in by_name and name not in settled:
+                path.append(name)
+                pending.append(iter(_meant(by_name[name].partners, by_name, branches)))
+    return ()
+
+
+def _meant(
+    partners: Iterable[str], by_name: Mapping[str, Waiting], branches: Mapping[str, Iterable[str]]
+) -> Iterator[str]:
+    """The partners that wait; where a process waits for its parallel branches, those of them that wait."""
+    for partner in partners:
+        if partner in by_name:
+            yield partner
+        else:
+            yield from branches.get(partner, ())

@@ -1,0 +1,135 @@
+"""A counterexample as a table over time: a row for each step, a column for each process."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+
+from cspdiag.base.render.snippet import on_one_line, printable
+from cspdiag.proofs.counterexamples.counterexample import Counterexample, Party, Step
+from cspdiag.proofs.counterexamples.rounds import Repeated, repeated
+
+_MARKS = {"!": "writes", "?": "reads", "*": "does something else"}
+_KINDS = {"sample": "sample", "miss": "missed", "exception": "raise", "failure": "raise", "ready": "ready"}
+
+
+def table(found: Counterexample, width: int = 120) -> str:
+    """The steps that a diagram shows, with the line of the text in the column of everybody who takes part; empty without any.
+
+    ``!`` marks who writes, ``?`` who reads, ``*`` who does something else; a key says so. Where the names of the processes would make it wider than ``width``
+    characters, the columns have numbers, and the names follow.
+    """
+    steps = [step for step in found.steps if step.shown]
+    cycle = [step for step in found.cycle if step.shown]
+    names = list(dict.fromkeys(party.name for step in (*steps, *cycle) for party in step.parties if party.role != "."))
+    silent = f"{_silent_round(found)}\n" if found.cycle and not cycle else ""
+    if not names:
+        return silent
+    files = {party.span.file for step in (*steps, *cycle) for party in step.parties if party.span is not None}
+    rows = list(_rows((*steps, *cycle), names, found.process, told_files=len(files) > 1))
+    lines = _aligned([["", "", *names], *rows])
+    legend = [f"lines of {printable(file)}" for file in files] if len(files) == 1 else []
+    legend.append(_key(cell for row in rows for cell in row[2:]))
+    if max(map(len, lines)) > width:
+        lines = _aligned([["", "", *(f"({number})" for number in range(1, len(names) + 1))], *rows])
+        legend = [f"({number}) {name}" for number, name in enumerate(names, start=1)] + legend
+    if cycle:
+        lines.insert(len(lines) - len(cycle), "then again and again:")
+    return "".join(f"{line}\n" for line in lines) + silent + "".join(f"{line}\n" for line in _wrapped(legend, width))
+
+
+def _silent_round(found: Counterexample) -> str:
+    """Who goes round where nothing of it is a step of a diagram, and where the text says so."""
+    parties = {party.name: party for step in reversed(found.cycle) for party in step.parties}
+    who = (f"`{name}`" + ("" if party.span is None else f" ({party.span})") for name, party in parties.items())
+    return f"then again and again, without a communication or a delay: {', '.join(who)}"
+
+
+def _key(cells: Iterable[str]) -> str:
+    """What the marks mean that there are."""
+    marks = {cell[0] for cell in cells if cell}
+    return ", ".join(f"{mark} {meaning}" for mark, meaning in _MARKS.items() if mark in marks)
+
+
+def _rows(steps: Sequence[Step], names: Sequence[str], process: str, *, told_files: bool) -> Iterator[list[str]]:
+    """A row for each step, or for all rounds of a loop; steps are counted one by one."""
+    number = 1
+    for part in repeated(steps):
+        last = number + part.times * len(part.steps) - 1
+        if part.times > 1:
+            at = {party.name: _place(party, told_files) for step in reversed(part.steps) for party in step.parties}
+            cells = (f"*{at[name]}" if name in at else "" for name in names)
+            yield [f"{number}-{last}", f"{part.times} more rounds{_given(part, process)}", *cells]
+        else:
+            yield _row(number, part.steps[0], names, process, told_files)
+        number = last + 1
+
+
+def _given(part: Repeated, process: str) -> str:
+    """What the environment gives in each round."""
+    return "".join(f", {step.channel.removeprefix(f'{process}.')} {step.value}" for step in part.steps if step.value)
+
+
+def _row(number: int, step: Step, names: Sequence[str], process: str, told_files: bool) -> list[str]:
+    taking_part = {party.name: party for party in step.parties}
+    cells = (_cell(step, taking_part[name], told_files) if name in taking_part else "" for name in names)
+    return [str(number), event_text(step, process), *cells]
+
+
+def event_text(step: Step, process: str) -> str:
+    """What happens, without who takes part: ``fork[1] 3``, ``sample feedback``, ``wait 10 ms``."""
+    channel = step.channel.removeprefix(f"{process}.")
+    if step.kind == "time":
+        channel = channel.rpartition(": ")[2]
+    value = "" if step.value is None else f" {step.value}"
+    return " ".join(filter(None, (_KINDS.get(step.kind, ""), channel))) + value
+
+
+def _cell(step: Step, party: Party, told_file: bool) -> str:
+    return f"{_direction(step, party)}{_place(party, told_file)}"
+
+
+def _place(party: Party, told_file: bool) -> str:
+    if party.span is None:
+        return ""
+    return (
+        f" {on_one_line(party.span.file).rpartition('/')[2]}:{party.span.line}" if told_file else str(party.span.line)
+    )
+
+
+def _direction(step: Step, party: Party) -> str:
+    if step.kind == "ready":
+        return "*"
+    if party.role:
+        return party.role
+    told = _told_direction(party)
+    others = [other for other in step.parties if other is not party]
+    if told is None and len(others) == 1 and step.kind == "communication":
+        return {"!": "?", "?": "!"}.get(_told_direction(others[0]) or "", "*")
+    return told or "*"
+
+
+def _told_direction(party: Party) -> str | None:
+    if "to write" in party.words:
+        return None if "to read" in party.words else "!"
+    return "?" if "to read" in party.words else None
+
+
+def _aligned(rows: Sequence[Sequence[str]]) -> list[str]:
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return ["  ".join(_padded(row, widths)).rstrip() for row in rows]
+
+
+def _padded(row: Sequence[str], widths: Sequence[int]) -> Iterator[str]:
+    for column, (cell, width) in enumerate(zip(row, widths, strict=True)):
+        yield cell.rjust(width) if column == 0 else cell.ljust(width)
+
+
+def _wrapped(parts: Sequence[str], width: int) -> Iterator[str]:
+    line = ""
+    for part in parts:
+        if line and len(line) + 2 + len(part) > width:
+            yield line
+            line = ""
+        line = f"{line}  {part}" if line else part
+    if line:
+        yield line

@@ -1,0 +1,80 @@
+"""Who waits for whom, in sentences."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from cspdiag.proofs.counterexamples.counterexample import Counterexample, Step, Waiting
+from cspdiag.proofs.counterexamples.table import event_text
+
+MOST_OTHERS = 8
+MOST_STEPS = 5
+"""So many steps of a counterexample are told in a sentence."""
+
+
+def supposed_lines(found: Counterexample) -> Iterator[str]:
+    """What a counterexample that no run was found to follow supposes: who would wait, and what has happened by then."""
+    if not found.waiting:
+        return
+    happened = [f"`{event_text(step, found.process)}`{_alone(step)}" for step in found.steps if step.shown]
+    if len(happened) > MOST_STEPS:
+        yield f"after {len(happened)} steps, the last of them {', '.join(happened[-MOST_STEPS:])}:"
+    elif happened:
+        yield f"after {', '.join(happened)}:"
+    yield from waiting_lines(found, supposed=True)
+
+
+def _alone(step: Step) -> str:
+    """Whose step it is, if nobody else takes part."""
+    return f" of `{step.parties[0].name}`" if len(step.parties) == 1 else ""
+
+
+def waiting_lines(found: Counterexample, *, supposed: bool = False) -> Iterator[str]:
+    """A line for each process that never goes on, those that wait for each other first; ``supposed`` where no run was found that comes to it."""
+    by_name = {entry.name: entry for entry in found.waiting}
+    following = (*found.ring[1:], *found.ring[:1])
+    for name, partner in zip(found.ring, following, strict=True):
+        yield f"{_told(by_name[name])}, for `{partner}`"
+    others = [entry for entry in found.waiting if entry.name not in found.ring]
+    for entry in others[:MOST_OTHERS]:
+        partners = listed(entry.partners[:MOST_OTHERS])
+        if entry.partners and entry.ended == entry.partners:
+            have = "would have" if supposed else "has" if len(entry.ended) == 1 else "have"
+            partners += f", which {have} ended"
+        yield f"{_told(entry)}, for {partners}" if partners else _told(entry)
+    if len(others) > MOST_OTHERS:
+        yield f"and {len(others) - MOST_OTHERS} more"
+
+
+def listed(names: Iterable[str]) -> str:
+    """Names of processes, one after the other."""
+    return ", ".join(f"`{name}`" for name in names)
+
+
+def _told(entry: Waiting) -> str:
+    place = "" if entry.span is None else f" ({entry.span})"
+    return f"`{entry.name}` {entry.words}{place}"
+
+
+def headline(found: Counterexample) -> str:
+    """What is wrong, in a sentence that goes on from the name of the process."""
+    steps = sum(step.shown for step in found.steps)
+    when = "at once" if steps == 0 else f"after {steps} step{'s' if steps > 1 else ''}"
+    stuck = len(found.ring) or len(found.waiting)
+    match found.failure:
+        case "deadlock" | "knot":
+            is_knot = found.failure == "knot"
+            ever = " for ever" * is_knot
+            who = "a process waits" if stuck == 1 else f"{stuck} processes wait"
+            each = "itself" if stuck == 1 else "each other"
+            wait = f" for {each}{ever}" if found.ring else f"{ever} for what never comes"
+            others = ", while others go on" * is_knot
+            return f"can {'get stuck' if is_knot else 'deadlock'}: {when}, {who}{wait}{others}"
+        case "livelock":
+            return f"can livelock: {when}, it can go on for ever without a communication that anybody sees"
+        case "no termination":
+            if found.cycle:
+                return f"does not always end: {when}, it can repeat for ever what follows"
+            return f"does not always end: {when}, {'a process waits' if stuck == 1 else f'{stuck} processes wait'} for what never comes"
+        case "refinement":
+            return f"does not refine its specification: {found.reason or when}"

@@ -1,0 +1,183 @@
+"""The methods of proof in their order, the cheapest first: the first that knows answers.
+
+Tier 0 are the design rules, tier 1 SAT, tier 2 SAT with invariants; they prove without search, and what they cannot exclude guides a search to a trace. Then come the
+searches: stubborn sets, compositional minimization, and breadth-first over all states.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import TypeAlias
+
+from cspdiag.proofs.question import Question
+from cspdiag.proofs.sat.solver import MISSING
+from cspdiag.proofs.search.candidates import MOST_STATES, refute_by_candidate
+from cspdiag.proofs.search.pairs import Structure
+from cspdiag.proofs.transitions.systems.system import System
+from cspdiag.proofs.verdict import LimitError, Limits, Method, Proved, Refuted, Unknown, Verdict
+
+METHODS: tuple[Method, ...] = ("rules", "sat", "invariants", "stubborn", "minimization", "breadth-first")
+"""The methods in their order."""
+
+SHORTENING_SECONDS = 0.5
+"""Time of the processor for finding the shortest trace, when a longer one has been found without search."""
+
+SMALL = 60
+"""Systems with at most so many components may have their traces shortened by search."""
+
+BRIEF_SECONDS = 0.3
+"""Time of the processor for a search before the solver for invariants is started, which takes longer than that by itself."""
+
+STATES_OF_EXAMINATION = 1000
+"""So many states are looked at from a candidate that invariants may still exclude."""
+
+Engine: TypeAlias = Callable[[Question, Limits], Verdict]
+
+
+def prove_deadlock_free(
+    system: System, limits: Limits, methods: Sequence[Method] | None = None, structure: Structure | None = None
+) -> Verdict:
+    """Whether no reachable state is a deadlock, by all methods in their order or by some of them; ``structure`` saves work where it is known."""
+    return _prove(Question(system, together=True, known=structure or Structure(system, limits)), limits, methods)
+
+
+def prove_knot_free(
+    system: System, limits: Limits, methods: Sequence[Method] | None = None, structure: Structure | None = None
+) -> Verdict:
+    """Whether no set of processes is ever stuck for ever, by all methods in their order or by some of them; ``structure`` as for deadlock."""
+    return _prove(Question(system, together=False, known=structure or Structure(system, limits)), limits, methods)
+
+
+def _prove(question: Question, limits: Limits, chosen: Sequence[Method] | None) -> Verdict:
+    methods = chosen or METHODS
+    unknown: list[Unknown] = []
+    for at, method in enumerate(methods):
+        if method == "invariants" and chosen is None:
+            brief = _searched_briefly(question, limits)
+            if not isinstance(brief, Unknown):
+                return _shortened(question, _noted(brief, unknown), limits)
+        share = _share(limits, len(methods) - at)
+        verdict = _asked(method, question, share)
+        if isinstance(verdict, Unknown):
+            # A candidate of SAT may still be excluded by invariants: only what costs little is tried with it before.
+            is_last = "invariants" not in methods[at + 1 :]
+            verdict = _followed(question, verdict, share, MOST_STATES if is_last else 0)
+        if not isinstance(verdict, Unknown):
+            return _shortened(question, _noted(verdict, unknown), limits)
+        unknown.append(verdict)
+        if limits.remaining <= 0:
+            break
+    return _together(unknown)
+
+
+def _asked(method: Method, question: Question, limits: Limits) -> Verdict:
+    """What a method answers; also what all methods need to know of the system takes its time."""
+    try:
+        return _ENGINES[method](question, limits)
+    except LimitError as limit:
+        return Unknown(method, str(limit))
+
+
+def _noted(verdict: Verdict, unknown: Sequence[Unknown]) -> Verdict:
+    """The verdict, with a note if it had to be found without the solver."""
+    if isinstance(verdict, Proved) and any(before.reason == MISSING for before in unknown):
+        return replace(verdict, reason=f"{verdict.reason}; {MISSING}")
+    return verdict
+
+
+def _searched_briefly(question: Question, limits: Limits) -> Verdict:
+    """What a search says that ends before the solver for invariants would have started."""
+    brief = Limits(min(BRIEF_SECONDS, limits.remaining), limits.memory, time.process_time)
+    if question.structure.fails and not question.together:
+        return _by_breadth_first(question, brief)
+    return _by_stubborn_sets(question, brief)
+
+
+def _followed(question: Question, verdict: Unknown, limits: Limits, most_states: int) -> Verdict:
+    """The verdict, or a refutation that its candidate leads to."""
+    if verdict.candidate is None:
+        return verdict
+    found = refute_by_candidate(question, verdict.candidate, verdict.stuck, limits, verdict.method, most_states)
+    return verdict if found is None else found
+
+
+def _share(limits: Limits, methods: int) -> Limits:
+    """Half of the time that is left, or all of it for the last method."""
+    return Limits(limits.remaining if methods == 1 else limits.remaining / 2, limits.memory)
+
+
+def _together(unknown: Sequence[Unknown]) -> Unknown:
+    """Why no method knows; the candidate of the last that has one."""
+    last = next((verdict for verdict in reversed(unknown) if verdict.candidate is not None), unknown[-1])
+    return replace(last, reason="; ".join(f"{verdict.method}: {verdict.reason}" for verdict in unknown))
+
+
+def _shortened(question: Question, verdict: Verdict, limits: Limits) -> Verdict:
+    """A refutation with a shorter trace, if one is found quickly; a proof as it is."""
+    if not isinstance(verdict, Refuted) or verdict.method == "breadth-first" or len(verdict.trace) < 2:
+        return verdict
+    if len(question.system.components) > SMALL:
+        return verdict
+    shorter = _by_breadth_first(
+        question, Limits(min(SHORTENING_SECONDS, limits.remaining), limits.memory, time.process_time)
+    )
+    if isinstance(shorter, Refuted) and len(shorter.trace) < len(verdict.trace):
+        return replace(verdict, trace=shorter.trace, stuck=shorter.stuck)
+    return verdict
+
+
+def _by_rules(question: Question, limits: Limits) -> Verdict:
+    from cspdiag.proofs.rules.deadlock import by_rules
+
+    return by_rules(question, limits)
+
+
+def _by_sat(question: Question, limits: Limits) -> Verdict:
+    from cspdiag.proofs.sat.deadlock import by_sat
+
+    return by_sat(question, limits)
+
+
+def _by_invariants(question: Question, limits: Limits) -> Verdict:
+    from cspdiag.proofs.sat.invariants import by_invariants
+
+    def examine(candidate: Sequence[int], stuck: Sequence[int]) -> Refuted | None:
+        return refute_by_candidate(question, candidate, stuck, limits, "invariants", STATES_OF_EXAMINATION)
+
+    return by_invariants(question, limits, examine)
+
+
+def _by_stubborn_sets(question: Question, limits: Limits) -> Verdict:
+    from cspdiag.proofs.search import stubborn
+
+    if question.structure.fails and not question.together:
+        # A knot that a failure ends is not kept by what stubborn sets leave out.
+        return Unknown("stubborn", "a missed sample or a fault may end the wait of those who seem stuck")
+    search = stubborn.deadlock_free if question.together else stubborn.knot_free
+    return search(question.system, limits)
+
+
+def _by_minimization(question: Question, limits: Limits) -> Verdict:
+    from cspdiag.proofs.reduce import minimization
+
+    search = minimization.deadlock_free if question.together else minimization.knot_free
+    return search(question.system, limits)
+
+
+def _by_breadth_first(question: Question, limits: Limits) -> Verdict:
+    from cspdiag.proofs.search import breadth_first
+
+    search = breadth_first.deadlock_free if question.together else breadth_first.knot_free
+    return search(question.system, limits)
+
+
+_ENGINES: dict[Method, Engine] = {
+    "rules": _by_rules,
+    "sat": _by_sat,
+    "invariants": _by_invariants,
+    "stubborn": _by_stubborn_sets,
+    "minimization": _by_minimization,
+    "breadth-first": _by_breadth_first,
+}

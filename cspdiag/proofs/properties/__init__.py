@@ -1,0 +1,1 @@
+"""Livelock, termination and runs without end."""

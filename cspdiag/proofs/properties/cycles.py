@@ -1,0 +1,208 @@
+"""Runs that go on for ever with some events only: a trace to a cycle of global states.
+
+First the loops of the components (``local_loops``), which often exclude it; then a short look in depth; then what large systems do as seen from
+outside; then all reachable states, from which those without a step to one that is left are taken away until none or only cycles with the ways to them remain.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from cspdiag.proofs.reduce.reduction import can_livelock, is_large, seen_from_outside
+from cspdiag.proofs.search.breadth_first import CHUNK, Exploration, explore, trace_to
+from cspdiag.proofs.search.closed_sets import ClosedSets
+from cspdiag.proofs.search.local_loops import looping_part
+from cspdiag.proofs.search.packing import Flags, Packing, Words
+from cspdiag.proofs.search.traces import causes
+from cspdiag.proofs.transitions.systems.system import System
+from cspdiag.proofs.verdict import LimitError, Limits, Method, Move
+
+_SHORT_LOOK = 3000
+"""States along stubborn sets before all states are looked at."""
+
+Edges = npt.NDArray[np.int64]
+State: TypeAlias = tuple[int, ...]
+Way: TypeAlias = tuple[Move, State]
+
+
+@dataclass(frozen=True)
+class Endless:
+    """A run that never ends: ``trace`` from the initial state, then ``cycle`` again and again."""
+
+    method: Method
+    trace: tuple[Move, ...]
+    cycle: tuple[Move, ...]
+    states: int | None = None
+
+
+@dataclass(frozen=True)
+class Finite:
+    """No run has infinitely many of the events in a row; ``states`` were looked at, or none if the loops of the components excluded it."""
+
+    method: Method
+    states: int | None = None
+
+
+def endless_run(system: System, events: Collection[int], limits: Limits) -> Endless | Finite:
+    """A run that ends in a cycle of these events and internal steps, if there is one. Raises LimitError."""
+    part = looping_part(system, events)
+    if part is None:
+        return Finite("rules")
+    found = _short_look(system, part, limits)
+    if found is not None:
+        return found
+    if is_large(system) and _is_excluded_outside(system, set(events), limits):
+        return Finite("minimization")
+    return _among_all_states(system, part, limits)
+
+
+def _short_look(system: System, part: System, limits: Limits) -> Endless | None:
+    """The shorter of what two walks find: along stubborn sets, and always on with those that moved last."""
+    sets = ClosedSets(system, limits)
+    allowed = {event for component in part.components for edges in component.edges for event, _ in edges}
+
+    def stubborn(state: State, moves: Sequence[Move]) -> list[Way]:
+        return [way for event in sets.smallest(state) for way in sets.moves(state, event)]
+
+    def last_movers(state: State, moves: Sequence[Move]) -> list[Way]:
+        moved = {party: at for at, move in enumerate(moves) for party, _ in move.moves}
+        ways = [way for event in sets.possible(state) for way in sets.moves(state, event)]
+        return sorted(ways, key=lambda way: max(moved.get(party, -1) for party, _ in way[0].moves))
+
+    found = [_walk(system.initial, ways, allowed, limits) for ways in (stubborn, last_movers)]
+    return min(
+        (endless for endless in found if endless is not None),
+        key=lambda endless: len(endless.trace) + len(endless.cycle),
+        default=None,
+    )
+
+
+def _walk(
+    initial: State, ways_of: Callable[[State, Sequence[Move]], list[Way]], allowed: set[int], limits: Limits
+) -> Endless | None:
+    """Go on in depth for a while, by the last way first; a state that comes again on the path closes a cycle."""
+    moves: list[Move] = []
+    on_path = {initial: 0}
+    seen = {initial}
+    path = [(initial, ways_of(initial, moves))]
+    while path and len(seen) < _SHORT_LOOK:
+        limits.check()
+        state, ways = path[-1]
+        if not ways:
+            path.pop()
+            del on_path[state]
+            if moves:
+                moves.pop()
+            continue
+        move, after = ways.pop()
+        start = on_path.get(after)
+        if start is not None and all(step.event in allowed for step in (*moves[start:], move)):
+            cycle = (*moves[start:], move)
+            concerned = {party for step in cycle for party, _ in step.moves}
+            return Endless("stubborn", causes(moves[:start], concerned), cycle, len(seen))
+        if after not in seen:
+            seen.add(after)
+            on_path[after] = len(path)
+            moves.append(move)
+            path.append((after, ways_of(after, moves)))
+    return None
+
+
+def _is_excluded_outside(system: System, events: set[int], limits: Limits) -> bool:
+    """Whether the smallest system that does the same, with these events hidden, has no internal loop."""
+    kept = set(range(len(system.events))) - events
+    try:
+        reduced = seen_from_outside(system, kept, Limits(limits.remaining / 2, limits.memory))
+    except LimitError:
+        return False
+    return reduced is not None and not can_livelock(reduced)
+
+
+def _among_all_states(system: System, part: System, limits: Limits) -> Endless | Finite:
+    packing = Packing(system)
+    search = explore(packing, limits, _nothing)
+    sources, targets = _edges(search, Packing(part), limits)
+    left = _without_ends(search.states, sources, targets, limits)
+    if not len(left):
+        return Finite("breadth-first", search.states)
+    return _shortest_cycle(search, part, left, limits)
+
+
+def _nothing(words: Words, goes_on: Flags) -> None:
+    """Look for no state in particular."""
+
+
+def _edges(search: Exploration, packing: Packing, limits: Limits) -> tuple[Edges, Edges]:
+    """The numbers of the states before and after each step of this packing between the states that were found."""
+    sources, targets = [np.zeros(0, np.int64)], [np.zeros(0, np.int64)]
+    size = 0
+    for first in range(0, search.states, CHUNK):
+        here = search.table.states(first, min(first + CHUNK, search.states))
+        for step in packing.steps:
+            limits.check()
+            at = np.flatnonzero(step.enabled(here))
+            if len(at):
+                sources.append(at + first)
+                targets.append(search.table.find(step.after(here, at)))
+                size += 2 * at.nbytes
+        limits.check(search.table.bytes + 3 * size)
+    return np.concatenate(sources), np.concatenate(targets)
+
+
+def _without_ends(states: int, sources: Edges, targets: Edges, limits: Limits) -> Edges:
+    """The states from which the edges can be followed for ever. Raises LimitError."""
+    order = np.argsort(targets, kind="stable")
+    before = sources[order]
+    first = np.searchsorted(targets[order], np.arange(states + 1))
+    leaving = np.bincount(sources, minlength=states)
+    ends = np.flatnonzero(leaving == 0)
+    while len(ends):
+        limits.check()
+        leaving[ends] = -1
+        counts = first[ends + 1] - first[ends]
+        starts = np.repeat(first[ends] - np.concatenate(([0], np.cumsum(counts)[:-1])), counts)
+        reached = before[starts + np.arange(len(starts))]
+        np.subtract.at(leaving, reached, 1)
+        ends = np.unique(reached[leaving[reached] == 0])
+    return np.flatnonzero(leaving > 0)
+
+
+def _shortest_cycle(search: Exploration, part: System, left: Edges, limits: Limits) -> Endless:
+    """The cycle that a walk through the states left comes to, and a shortest trace to it."""
+    endless = set(left.tolist())
+    sets = ClosedSets(part, limits)
+
+    def onward(number: int) -> list[tuple[Move, int]]:
+        state = search.state(number)
+        ways = [way for event in sets.possible(state) for way in sets.moves(state, event)]
+        numbers = search.table.find(search.packing.pack([after for _, after in ways])).tolist()
+        return [(move, after) for (move, _), after in zip(ways, numbers, strict=True) if after in endless]
+
+    walked: dict[int, int] = {}
+    number = int(left[0])
+    while number not in walked:
+        limits.check()
+        walked[number] = len(walked)
+        number = onward(number)[0][1]
+    start = min(member for member, place in walked.items() if place >= walked[number])
+    came: dict[int, tuple[int, Move]] = {}
+    pending = [start]
+    for member in pending:
+        for move, after in onward(member):
+            limits.check()
+            if after not in came:
+                came[after] = (member, move)
+                pending.append(after)
+        if start in came:
+            break
+    cycle: list[Move] = []
+    at = start
+    while not cycle or at != start:
+        at, move = came[at]
+        cycle.append(move)
+    return Endless("breadth-first", trace_to(search, start), tuple(reversed(cycle)), search.states)

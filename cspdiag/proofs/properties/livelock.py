@@ -1,0 +1,37 @@
+"""Livelock: a run that from some point on has only events that nobody outside sees, and in which no time passes (divergence: Roscoe, "Understanding
+Concurrent Systems", section 6.1)."""
+
+from __future__ import annotations
+
+from cspdiag.proofs.properties.cycles import Finite, endless_run
+from cspdiag.proofs.transitions.systems.system import Event, System
+from cspdiag.proofs.verdict import LimitError, Limits, Proved, Refuted, Unknown, Verdict
+
+_SEEN_OUTSIDE = ("external", "sample", "miss", "time")
+
+
+def is_hidden(event: Event) -> bool:
+    """Whether it neither passes an external port, nor is one with the environment, nor lets time pass."""
+    return not event.visible and (event.kind not in _SEEN_OUTSIDE or event.instant)
+
+
+def livelock_free(system: System, limits: Limits) -> Verdict:
+    """Whether no run goes on for ever with communications among the processes and internal steps only."""
+    hidden = [number for number, event in enumerate(system.events) if is_hidden(event)]
+    try:
+        found = endless_run(system, hidden, limits)
+    except LimitError as stop:
+        return Unknown("breadth-first", str(stop))
+    if isinstance(found, Finite):
+        return Proved(found.method, _reason(found), found.states)
+    return Refuted(found.method, found.trace, cycle=found.cycle, states=found.states)
+
+
+def _reason(found: Finite) -> str:
+    match found.method:
+        case "rules":
+            return "every loop waits for the environment or for time, in at least one process that takes part"
+        case "minimization":
+            return "put together two by two and made minimal, the processes have no loop without environment and time"
+        case _:
+            return f"no cycle among the {found.states} reachable states is without environment and time"

@@ -1,0 +1,42 @@
+"""Termination: every run comes to an end in which all processes have ended, whatever the environment offers, provided it does not stop offering."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from cspdiag.proofs.portfolio import prove_deadlock_free
+from cspdiag.proofs.properties.cycles import Finite, endless_run
+from cspdiag.proofs.transitions.systems.system import System
+from cspdiag.proofs.verdict import LimitError, Limits, Proved, Refuted, Unknown, Verdict
+
+
+def terminates(
+    system: System,
+    limits: Limits,
+    deadlock_free: Callable[[System, Limits], Verdict] = prove_deadlock_free,
+) -> Verdict:
+    """Whether no run is infinite, and none stops where a process has not ended.
+
+    A refutation has either a cycle, which can be repeated for ever, or processes that are stuck. ``deadlock_free`` answers the second question.
+    """
+    try:
+        found = endless_run(system, range(len(system.events)), limits)
+    except LimitError as stop:
+        return Unknown("breadth-first", str(stop))
+    if not isinstance(found, Finite):
+        return Refuted(found.method, found.trace, cycle=found.cycle, states=found.states)
+    verdict = deadlock_free(system, limits)
+    if not isinstance(verdict, Proved):
+        return verdict
+    return replace(verdict, reason=f"{_reason(found)}, and no deadlock: {verdict.reason}")
+
+
+def _reason(found: Finite) -> str:
+    match found.method:
+        case "rules":
+            return "no process can repeat anything"
+        case "minimization":
+            return "put together two by two and made minimal, the processes repeat nothing"
+        case _:
+            return f"no cycle among the {found.states} reachable states"

@@ -1,0 +1,1 @@
+"""Smaller systems with the same answer: processes put together, hidden and minimized."""

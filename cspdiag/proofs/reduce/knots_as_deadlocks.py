@@ -1,0 +1,79 @@
+"""A system that has a deadlock exactly if another has a knot.
+
+Every component may stop at any time, and then is one of those that are thought to be stuck, or is left out of account. Others go on without it, which
+they could do anyway. One that was left out takes part in every event that another asks for, but in a failure only if it offered it; one that is thought to
+be stuck asks for all events that it offers, and if one of them happens it turns round for ever: it was not stuck. When nothing is possible, those that asked are
+a knot.
+"""
+
+from __future__ import annotations
+
+from cspdiag.proofs.transitions.systems.system import INTERNAL, Component, Edge, Event, System
+from cspdiag.proofs.verdict import Limits
+
+_BYTES_PER_EDGE = 72
+"""A tuple of two numbers, in a tuple."""
+
+
+def knots_as_deadlocks(system: System, limits: Limits) -> System:
+    """The system with for each event one more for each of its parties, which happens after the stop, when that party asks for it. Raises LimitError."""
+    events = list(system.events)
+    asked: list[dict[int, int]] = []
+    for event in system.events:
+        asked.append({})
+        if len(event.parties) > 1:
+            for party in event.parties:
+                asked[-1][party] = len(events)
+                events.append(Event(event.channel, event.parties))
+    alphabets: list[set[int]] = [set() for _ in system.components]
+    for number, event in enumerate(system.events):
+        for party in event.parties:
+            alphabets[party].add(number)
+    components = []
+    edges = 0
+    for at, component in enumerate(system.components):
+        limits.check(edges * _BYTES_PER_EDGE)
+        components.append(_stopping(component, at, sorted(alphabets[at]), asked, system.events))
+        edges += sum(map(len, components[-1].edges))
+    return System(tuple(components), tuple(events))
+
+
+def _stopping(
+    component: Component, at: int, alphabet: list[int], asked: list[dict[int, int]], events: tuple[Event, ...]
+) -> Component:
+    """The component's states, then those in which it is thought to be stuck, then those in which it is left out, then the one that turns round."""
+    count = len(component.edges)
+    turns = 3 * count
+    running = tuple(
+        (*edges, (INTERNAL, count + state), (INTERNAL, 2 * count + state))
+        for state, edges in enumerate(component.edges)
+    )
+    stuck = tuple(
+        tuple(dict.fromkeys(edge for event, _ in edges for edge in _ways_out(event, asked, turns)))
+        for edges in component.edges
+    )
+    left_out = tuple(
+        tuple(
+            (happens, 2 * count + state)
+            for known in alphabet
+            if events[known].kind != "failure" or any(event == known for event, _ in edges)
+            for party, happens in asked[known].items()
+            if party != at
+        )
+        for state, edges in enumerate(component.edges)
+    )
+    content = {count + state for state, edges in enumerate(component.edges) if state in component.terminal or not edges}
+    return Component(
+        component.name,
+        (*running, *stuck, *left_out, ((INTERNAL, turns),)),
+        frozenset(content | set(range(2 * count, 3 * count))),
+        component.initial,
+        process=component.process,
+    )
+
+
+def _ways_out(event: int, asked: list[dict[int, int]], turns: int) -> list[Edge]:
+    """What shows that a component which offers an event is not stuck."""
+    if event == INTERNAL or not asked[event]:
+        return [(INTERNAL, turns)]
+    return [(happens, turns) for happens in asked[event].values()]

@@ -1,0 +1,66 @@
+"""Compositional minimization: whether anything stands still in what remains when all processes have been put together and made small.
+
+Only that there is a deadlock, or a knot, can be seen in the last machine: a trace to it is searched.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from cspdiag.proofs.reduce.knots_as_deadlocks import knots_as_deadlocks
+from cspdiag.proofs.reduce.parallel_machines import MOST_STATES, Part
+from cspdiag.proofs.reduce.reduction import Reduction
+from cspdiag.proofs.search import breadth_first, stubborn
+from cspdiag.proofs.transitions.systems.system import System
+from cspdiag.proofs.verdict import LimitError, Limits, Proved, Refuted, Unknown, Verdict
+
+
+def deadlock_free(system: System, limits: Limits) -> Verdict:
+    """Whether no state is reachable in which nothing is possible and a process has not ended."""
+    return _decide(system, system, limits, stubborn.deadlock_free, "at last none stands still")
+
+
+def knot_free(system: System, limits: Limits) -> Verdict:
+    """Whether no state is reachable in which some processes wait for each other for ever, whatever the others do."""
+    try:
+        reduced = knots_as_deadlocks(system, limits)
+    except LimitError as stop:
+        return Unknown("minimization", str(stop))
+    return _decide(system, reduced, limits, _some_knot, "none of them can be stuck")
+
+
+def _some_knot(system: System, limits: Limits) -> Verdict:
+    found = stubborn.knot_free(system, limits)
+    return breadth_first.knot_free(system, limits) if isinstance(found, Unknown) else found
+
+
+def _decide(
+    system: System, reduced: System, limits: Limits, search: Callable[[System, Limits], Verdict], conclusion: str
+) -> Verdict:
+    """Whether the second system has no deadlock; if it has one, the search finds what it stands for in the first."""
+    try:
+        reduction = Reduction(reduced, limits, only_deadlocks=True)
+        remaining = list(reduction.remaining())
+    except LimitError as stop:
+        return Unknown("minimization", str(stop))
+    if reduction.too_large:
+        reason = f"no two of the last {len(remaining)} parts have at most {MOST_STATES} states together"
+        return Unknown("minimization", reason)
+    if not _stands_still(remaining):
+        reason = (
+            f"put together two by two and made minimal, the processes never had more than {reduction.largest} states"
+        )
+        return Proved("minimization", f"{reason}, and {conclusion}", reduction.largest)
+    found = search(system, limits)
+    if isinstance(found, Refuted):
+        return found
+    return Unknown("minimization", "some processes can be stuck, but the search for a trace to it reached a limit")
+
+
+def _stands_still(parts: list[Part]) -> bool:
+    """Whether all parts, which have nothing in common, can stand still at once, with a process that has not ended."""
+    ways = [
+        {ended for ended, edges in zip(part.machine.ended, part.machine.edges, strict=True) if not edges}
+        for part in parts
+    ]
+    return all(ways) and any(False in ended for ended in ways)

@@ -1,0 +1,1 @@
+"""Refinement: whether a process does only what a specification allows."""

@@ -1,0 +1,69 @@
+"""What a specification sees of an event: the port that it passes, and the value where both sides tell values apart."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TypeAlias
+
+from cspdiag.proofs.transitions.systems.system import Event, System, with_value
+
+Label: TypeAlias = tuple[str, str | None]
+"""The name of the port within the outermost process, and the value; None is any value."""
+
+END: Label = ("", None)
+"""The end of all processes."""
+
+
+@dataclass(frozen=True)
+class Labels:
+    """The labels of a process's events as its specification tells them apart; those of ``hidden`` ports have none."""
+
+    specification: System
+    hidden: Collection[str] = ()
+
+    @cached_property
+    def told_apart(self) -> frozenset[str]:
+        """The ports of which the specification tells values apart."""
+        return frozenset(
+            port(event)
+            for event in self.specification.events
+            if event.visible and event.value is not None and not self.hides(port(event))
+        )
+
+    def of(self, event: Event) -> Label | None:
+        """The label, or None if the specification does not see the event."""
+        if not event.visible or self.hides(port(event)):
+            return None
+        return port(event), event.value if port(event) in self.told_apart else None
+
+    def of_value(self, name: str, value: str) -> Label:
+        """The label of a communication at a port that is not hidden, with a value as transition systems write it."""
+        return name, value if name in self.told_apart else None
+
+    def hides(self, name: str) -> bool:
+        """Whether the specification does not see a port."""
+        return name in self.hidden or name.partition("[")[0] in self.hidden
+
+
+def port(event: Event) -> str:
+    """The port that a visible event passes: its channel's path without the outermost process."""
+    return event.channel.partition(".")[2] or event.channel
+
+
+def covers(one: Label, other: Label) -> bool:
+    """Whether an event of a specification with the first label may be one with the second."""
+    return one[0] == other[0] and one[1] in (None, other[1])
+
+
+def is_open(label: Label) -> bool:
+    """Whether the value is none that is known: a range of numbers, or what was handed on."""
+    return label[1] is not None and (".." in label[1] or label[1].startswith("("))
+
+
+def words(label: Label) -> str:
+    """The label for people."""
+    if label == END:
+        return "the end"
+    return f"`{with_value(*label)}`"

@@ -1,0 +1,1 @@
+"""Tier 0: design rules that need no search."""

@@ -1,0 +1,150 @@
+"""Orders of waiting: the rule behind acyclic client-server networks and ordered resources.
+
+Whoever waits, waits for a neighbour that waits too. A state of a component in which it waits is struck off when one of the neighbours that it waits for has
+no state left, beside it, in which that neighbour could wait as well. What is struck off can never be part of a knot; when nothing is left the order of
+striking off is a proof: everybody waits only for those before. It generalizes the rules of Roscoe and Dathi ("The pursuit of deadlock freedom", 1987), Welch,
+Justo and Willcock ("High-level paradigms for deadlock-free high-performance systems", 1993) and Martin and Jassim ("How to design deadlock-free networks using CSP and
+verification tools", 1997), which find such an order from the form of the processes.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+
+from cspdiag.proofs.search.pairs import Structure
+
+
+class Waiting:
+    """What is left of the waiting states: ``left[i]`` of component ``i``; ``order`` are the components in the order in which they lost their last one."""
+
+    def __init__(self, structure: Structure, *, together: bool) -> None:
+        self._structure = structure
+        self._striking = _Striking(structure, together)
+        self._striking.begin()
+        self._striking.follow()
+        self.left: list[set[int]] = self._striking.left
+
+    @property
+    def order(self) -> tuple[int, ...]:
+        """The components without waiting states that are left."""
+        return tuple(self._striking.order)
+
+    def exclude(self, component: int) -> list[int]:
+        """Strike off the states in which a process asks, because it has been proved otherwise that it never waits for ever, and what follows from it.
+
+        Returns the components that lost their last state.
+        """
+        before = len(self._striking.order)
+        for state in self._structure.shapes[component].asking:
+            self._striking.strike(component, state)
+        self._striking.follow()
+        return self._striking.order[before:]
+
+
+def waiting_states(structure: Structure, *, together: bool) -> Waiting:
+    """Strike off the states that cannot be part of a knot or, if all components wait ``together``, of a deadlock of the whole network. Raises LimitError."""
+    return Waiting(structure, together=together)
+
+
+class _Meeting:
+    """An event of three or more parties: ``refusing[i]`` counts the states left in which party ``i`` waits without offering it."""
+
+    def __init__(self, refusing: dict[int, int]) -> None:
+        self.refusing = refusing
+        self.parties = sum(count > 0 for count in refusing.values())
+
+    def lose(self, component: int) -> bool:
+        """Party ``component`` has one state less that refuses; whether few enough are left to look at the event again."""
+        self.refusing[component] -= 1
+        if self.refusing[component] == 0:
+            self.parties -= 1
+            return self.parties <= 1
+        return False
+
+    def helpless(self) -> list[int]:
+        """The parties whom no other one can refuse the event any more."""
+        if self.parties > 1:
+            return []
+        if self.parties == 0:
+            return list(self.refusing)
+        return [component for component, count in self.refusing.items() if count]
+
+
+class _Striking:
+    """The state of the work. ``counts`` says how many states of a neighbour still support one of ours; it is filled where it is first needed."""
+
+    def __init__(self, structure: Structure, together: bool) -> None:
+        self.structure, self.together = structure, together
+        self.left = [set(shape.waiting) for shape in structure.shapes]
+        self.counts: dict[tuple[int, int, int], int] = {}
+        self.struck: deque[tuple[int, int]] = deque()
+        self.order: list[int] = []
+        self.meetings: dict[int, _Meeting] = {}
+        self.meetings_of: dict[int, list[tuple[int, int]]] = {}
+        self._find_meetings()
+
+    def _find_meetings(self) -> None:
+        counts: dict[tuple[int, int], int] = {}
+        for event, (roles, entry) in enumerate(zip(self.structure.roles, self.structure.system.events, strict=True)):
+            if len(roles) < 3 or (entry.kind == "failure" and not self.together):
+                continue
+            refusing = {}
+            for party, number in roles:
+                shape = self.structure.shapes[party]
+                key = (id(shape), number)
+                if key not in counts:
+                    counts[key] = sum(number not in shape.offers[state] for state in shape.waiting)
+                refusing[party] = counts[key]
+                self.meetings_of.setdefault(party, []).append((event, number))
+            self.meetings[event] = _Meeting(refusing)
+
+    def strike(self, component: int, state: int) -> None:
+        if state in self.left[component]:
+            self.left[component].discard(state)
+            self.struck.append((component, state))
+            if not self.left[component]:
+                self.order.append(component)
+
+    def strike_offers(self, event: int, components: list[int]) -> None:
+        """Nobody else can refuse the event: these components do not wait where they offer it."""
+        for component in components:
+            number = self.structure.events[component].index(event)
+            offers = self.structure.shapes[component].offers
+            for state in [state for state in self.left[component] if number in offers[state]]:
+                self.strike(component, state)
+
+    def begin(self) -> None:
+        self.order += [component for component, states in enumerate(self.left) if not states]
+        for component, neighbours in enumerate(self.structure.neighbours):
+            for neighbour in neighbours:
+                for state in neighbour.hopeless:
+                    if self.together or state in neighbour.asks:
+                        self.strike(component, state)
+                for state, others in neighbour.spared.items():
+                    if not others:
+                        self.strike(component, state)
+        for event, meeting in self.meetings.items():
+            self.strike_offers(event, meeting.helpless())
+
+    def follow(self) -> None:
+        while self.struck:
+            self.structure.limits.check()
+            component, state = self.struck.popleft()
+            self._withdraw_support(component, state)
+            for event, number in self.meetings_of.get(component, ()):
+                refused = number not in self.structure.shapes[component].offers[state]
+                if refused and self.meetings[event].lose(component):
+                    self.strike_offers(event, self.meetings[event].helpless())
+
+    def _withdraw_support(self, component: int, state: int) -> None:
+        for neighbour in self.structure.neighbours[component]:
+            for other in neighbour.blocked.get(state, ()):
+                if not self.together and other not in neighbour.asked:
+                    continue
+                key = (neighbour.component, other, component)
+                count = self.counts.get(key)
+                if count is None:
+                    count = len(neighbour.blocked_back[other])
+                self.counts[key] = count - 1
+                if count == 1:
+                    self.strike(neighbour.component, other)

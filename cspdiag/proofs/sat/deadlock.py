@@ -1,0 +1,177 @@
+"""Tier 1: proof by SAT over what neighbours can be doing together, refined by traps.
+
+Each model of the formula is a candidate: a choice of states in which nothing, or nothing in the stuck set, could go on. The largest trap that a candidate leaves empty
+shows that it is not reachable and gives a clause that excludes it and its like. Without candidates the property is proved; a candidate that nothing
+excludes is handed on to a search.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import TypeAlias
+
+from cspdiag.proofs.question import Question
+from cspdiag.proofs.sat.encoding import Encoding
+from cspdiag.proofs.sat.solver import MISSING, Clause, Solver, SolverTimeoutError, find_solver
+from cspdiag.proofs.verdict import LimitError, Limits, Method, Proved, Refuted, Unknown, Verdict
+
+SMALL = 60
+"""Traps of systems with at most so many components are made smaller before they are used."""
+
+MOST_REFINEMENTS = 2000
+"""Candidates that are excluded one by one before a method gives up."""
+
+MOST_TRAPS = 100
+"""Candidates that are excluded by traps alone; where so many do not suffice, invariants are needed."""
+
+Refinement: TypeAlias = Callable[[Question, Encoding, Sequence[int]], list[Clause]]
+"""Clauses that exclude a candidate, given as the state of every component; none if it cannot."""
+
+Beginning: TypeAlias = Callable[[Encoding], list[Clause]]
+"""Clauses that are true of what is reachable."""
+
+Examination: TypeAlias = Callable[[Sequence[int], Sequence[int]], Refuted | None]
+"""A refutation that a candidate and its stuck components lead to."""
+
+FIRST_EXAMINATION = 4
+"""After so many candidates that traps do not exclude one is examined, then after twice as many, and so on."""
+
+
+def by_sat(question: Question, limits: Limits) -> Proved | Unknown:
+    """Prove the property by SAT and traps, or give the candidate that is left."""
+    verdict = refine(question, limits, [exclude_by_trap], "sat", most=MOST_TRAPS)
+    assert not isinstance(verdict, Refuted), "nobody examines candidates"
+    return verdict
+
+
+def refine(
+    question: Question,
+    limits: Limits,
+    refinements: Sequence[Refinement],
+    method: Method,
+    begin: Beginning | None = None,
+    examine: Examination | None = None,
+    known: int = 0,
+    most: int = MOST_REFINEMENTS,
+) -> Verdict:
+    """Exclude at most so many candidates by ``refinements``, tried in their order, until none is left or one stays.
+
+    ``begin`` gives clauses of ``known`` invariants, that hold beside those of the encoding. ``examine`` is shown a candidate now and then, before it is excluded.
+    """
+    create = find_solver()
+    if create is None:
+        return Unknown(method, MISSING)
+    try:
+        encoding = Encoding(question.structure, question.waiting, together=question.together)
+        solver = create(limits.remaining)
+        try:
+            solver.add(encoding.clauses)
+            if begin is not None:
+                solver.add(begin(encoding))
+            return _Exclusion(question, limits, encoding, solver, refinements, method, most, examine).verdict(known)
+        finally:
+            solver.close()
+    except SolverTimeoutError:
+        return Unknown(method, f"the time limit of {limits.seconds:.3g} s was reached")
+    except LimitError as limit:
+        return Unknown(method, str(limit))
+
+
+@dataclass
+class _Exclusion:
+    """Candidates excluded one by one; ``used`` says how often each refinement has done so."""
+
+    question: Question
+    limits: Limits
+    encoding: Encoding
+    solver: Solver
+    refinements: Sequence[Refinement]
+    method: Method
+    most: int
+    examine: Examination | None
+    used: list[int] = field(init=False)
+    examined_at: int = FIRST_EXAMINATION
+
+    def __post_init__(self) -> None:
+        self.used = [0] * len(self.refinements)
+
+    def verdict(self, known: int) -> Verdict:
+        """Proved if there is a candidate for none of the goals; ``known`` invariants held from the start."""
+        shapes, encoding = self.question.structure.shapes, self.encoding
+        for component, goal in encoding.goals:
+            if goal and encoding.left[component].isdisjoint(shapes[component].asking):
+                continue
+            left = self.left(goal)
+            if isinstance(left, Unknown) and left.candidate is not None:
+                return self.nearest(goal, left)
+            if left is not None:
+                return left
+            self.solver.add([[-literal for literal in goal]])
+            if goal:
+                excluded = self.question.waiting.exclude(component)
+                self.solver.add([[-encoding.stuck[free]] for free in excluded if encoding.stuck[free]])
+        return Proved(self.method, _reason(self.used[0], known + sum(self.used[1:])))
+
+    def left(self, assumed: Clause) -> Refuted | Unknown | None:
+        """The candidate that nothing excludes, or what was found from one; None if there is no candidate left."""
+        while (model := self.solver.solve(assumed)) is not None:
+            self.limits.check()
+            if sum(self.used) >= self.most:
+                return Unknown(
+                    self.method, f"states in which processes seem stuck were left after {self.most} refinements"
+                )
+            candidate, stuck = self.encoding.states(model), self.encoding.stuck_components(model)
+            if self.examine is not None and sum(self.used[1:]) >= self.examined_at:
+                self.examined_at *= 2
+                found = self.examine(candidate, stuck)
+                if found is not None:
+                    return found
+            for at, refinement in enumerate(self.refinements):
+                if clauses := refinement(self.question, self.encoding, candidate):
+                    self.used[at] += 1
+                    self.solver.add(clauses)
+                    break
+            else:
+                ended = f"the time limit of {self.limits.seconds:.3g} s was reached"
+                reason = (
+                    ended
+                    if self.limits.remaining <= 0
+                    else "a state in which processes seem stuck could not be ruled out"
+                )
+                return Unknown(self.method, reason, candidate, stuck)
+        return None
+
+    def nearest(self, goal: Clause, left: Unknown) -> Refuted | Unknown:
+        """A candidate in which no component is further from its initial state than need be: a trace to it is found more easily, and is short."""
+        depth = 1
+        while depth < self.encoding.deepest:
+            near, clauses = self.encoding.within(depth)
+            self.solver.add(clauses)
+            try:
+                nearer = self.left([*goal, near])
+            except (LimitError, SolverTimeoutError):
+                break
+            if isinstance(nearer, Refuted) or (nearer is not None and nearer.candidate is not None):
+                return nearer
+            depth *= 2
+        return left
+
+
+def _reason(traps: int, invariants: int) -> str:
+    helped = [f"{traps} trap{'s' if traps > 1 else ''}"] if traps else []
+    helped += [f"{invariants} invariant{'s' if invariants > 1 else ''}"] if invariants else []
+    also = f", and by {' and '.join(helped)}" if helped else ""
+    return (
+        f"every state in which a process would wait for ever is ruled out by looking at two neighbours at a time{also}"
+    )
+
+
+def exclude_by_trap(question: Question, encoding: Encoding, candidate: Sequence[int]) -> list[Clause]:
+    """The clause of the largest trap that a candidate leaves empty, if there is one."""
+    trap = question.traps.avoiding(candidate)
+    if trap is None:
+        return []
+    if len(candidate) <= SMALL:
+        trap = question.traps.smaller(trap)
+    return [encoding.some_of(trap)]

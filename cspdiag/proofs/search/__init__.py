@@ -1,0 +1,1 @@
+"""Search through global states: breadth first, by stubborn sets, towards candidates."""

@@ -1,0 +1,139 @@
+"""Every reachable state, layer by layer: exact numbers of states, and shortest traces.
+
+The states of a layer take each step together, as vectors (see ``packing``); a trace is found by going back from its end, a layer at a time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import TypeAlias
+
+import numpy as np
+
+from cspdiag.proofs.search.backwards import Backwards
+from cspdiag.proofs.search.packed_conditions import Deadlocks, Knots
+from cspdiag.proofs.search.packing import Flags, Packing, Words
+from cspdiag.proofs.search.state_table import StateTable
+from cspdiag.proofs.transitions.systems.system import System
+from cspdiag.proofs.verdict import LimitError, Limits, Move, Proved, Refuted, Unknown, Verdict
+
+CHUNK = 1 << 15
+"""States that take a step together: the vectors of one step fit into a processor's cache."""
+
+Seen: TypeAlias = Callable[[Words, Flags], Flags | None]
+"""Given states and whether each has a step: which of them are looked for, or None if none is."""
+
+
+@dataclass
+class Exploration:
+    """What was found: the number of states, and of states of each layer. ``found`` is the number of the state that ended the search."""
+
+    packing: Packing
+    table: StateTable
+    layers: list[int] = field(default_factory=lambda: [0])
+    """Where each layer begins among the numbers of the states."""
+    deadlocks: int = 0
+    found: int | None = None
+
+    @property
+    def states(self) -> int:
+        """How many states were reached."""
+        return self.table.count
+
+    def state(self, number: int) -> tuple[int, ...]:
+        """The states of the components in the state with this number."""
+        return self.packing.unpack(self.table.states(number, number + 1), 0)
+
+
+def deadlock_free(system: System, limits: Limits) -> Verdict:
+    """Whether no state is reachable in which nothing is possible and a process has not ended."""
+    return _search(system, limits, Deadlocks, "deadlocked")
+
+
+def knot_free(system: System, limits: Limits) -> Verdict:
+    """Whether no state is reachable in which some processes wait for each other for ever, whatever the others do."""
+    return _search(system, limits, lambda packing: Knots(packing, limits), "a knot")
+
+
+def _search(system: System, limits: Limits, condition: Callable[[Packing], Deadlocks | Knots], name: str) -> Verdict:
+    packing = Packing(system)
+    try:
+        looked_for = condition(packing)
+        search = explore(packing, limits, looked_for)
+        if search.found is None:
+            return Proved("breadth-first", f"none of the {search.states} reachable states is {name}", search.states)
+        stuck = looked_for.stuck(search.state(search.found))
+        return Refuted("breadth-first", trace_to(search, search.found), stuck, states=search.states)
+    except LimitError as stop:
+        return Unknown("breadth-first", str(stop))
+
+
+def explore(packing: Packing, limits: Limits, seen: Seen) -> Exploration:
+    """Reach all states, or those up to the first that is looked for. Raises LimitError."""
+    search = Exploration(packing, StateTable(packing.words, limits))
+    search.table.add(packing.pack([packing.system.initial]))
+    first, last = 0, 1
+    while first < last:
+        for start in range(first, last, CHUNK):
+            limits.check(search.table.bytes)
+            here = [word.copy() for word in search.table.states(start, min(start + CHUNK, last))]
+            goes_on = _take_steps(packing, search.table, here, limits)
+            hits = seen(here, goes_on)
+            if hits is not None:
+                search.found = start + int(np.flatnonzero(hits)[0])
+                return search
+        search.layers.append(last)
+        first, last = last, search.table.count
+    return search
+
+
+def count(system: System, limits: Limits) -> tuple[int, int]:
+    """How many states are reachable, and how many of them are deadlocks. Raises LimitError."""
+    packing = Packing(system)
+    condition = Deadlocks(packing)
+    deadlocks = 0
+
+    def counting(words: Words, goes_on: Flags) -> None:
+        nonlocal deadlocks
+        hits = condition(words, goes_on)
+        deadlocks += 0 if hits is None else int(np.count_nonzero(hits))
+
+    search = explore(packing, limits, counting)
+    return search.states, deadlocks
+
+
+def _take_steps(packing: Packing, table: StateTable, here: Words, limits: Limits) -> Flags:
+    """Add to the table the states after every step from these. Returns which of these have a step."""
+    goes_on = np.zeros(len(here[0]), np.bool_)
+    after: list[Words] = []
+    pending = 0
+    for step in packing.steps:
+        limits.check()
+        enabled = step.enabled(here)
+        at = np.flatnonzero(enabled)
+        if len(at):
+            goes_on |= enabled
+            after.append(step.after(here, at))
+            pending += len(at) * packing.words * 8
+            limits.check(table.bytes + pending)
+    if after:
+        table.add([np.concatenate(parts) for parts in zip(*after, strict=True)])
+    return goes_on
+
+
+def trace_to(search: Exploration, number: int) -> tuple[Move, ...]:
+    """A shortest trace from the initial state to the state with this number."""
+    backwards = Backwards(search.packing.system)
+    layer = int(np.searchsorted(search.layers, number, side="right")) - 1
+    state = search.state(number)
+    moves: list[Move] = []
+    while layer > 0:
+        layer -= 1
+        options = list(backwards.before(state))
+        numbers = search.table.find(search.packing.pack([before for _, before in options]))
+        first, last = search.layers[layer], search.layers[layer + 1]
+        chosen = int(np.flatnonzero((numbers >= first) & (numbers < last))[0])
+        move, state = options[chosen]
+        moves.append(move)
+    return tuple(reversed(moves))

@@ -1,0 +1,137 @@
+"""Stubborn sets: events of which the possible ones can be followed alone, because the events outside cannot interfere with them.
+
+With an event that is possible a set holds all that may exclude it or be excluded by it, in any of its parties; with one that is not possible, all that
+one party which refuses it can do to come to offer it (Valmari, "The state explosion problem", 1998, section 7).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from itertools import product
+from typing import TypeAlias
+
+from cspdiag.proofs.graph_components import strong_components
+from cspdiag.proofs.search.local_dependence import LocalDependence, Targets
+from cspdiag.proofs.transitions.systems.system import INTERNAL, Edge, System
+from cspdiag.proofs.verdict import Limits, Move
+
+State: TypeAlias = tuple[int, ...]
+
+
+class ClosedSets:
+    """The stubborn sets of a system's states. Internal steps have the numbers after those of the events, one a component.
+
+    All of it may raise LimitError.
+    """
+
+    def __init__(self, system: System, limits: Limits | None = None) -> None:
+        within = limits or Limits(math.inf)
+        count = len(system.events)
+        self._internal = count
+        self._parties = [event.parties for event in system.events]
+        self._parties += [(at,) for at in range(len(system.components))]
+        self._targets = [
+            [_targets(edges, count + at) for edges in component.edges] for at, component in enumerate(system.components)
+        ]
+        self._owned = [
+            [
+                [(event, self._parties[event][1:]) for event in targets if self._parties[event][0] == at]
+                for targets in states
+            ]
+            for at, states in enumerate(self._targets)
+        ]
+        """The events of which a component is the first party, and their other parties, by state."""
+        self._local = [LocalDependence(states, within) for states in self._targets]
+
+    def possible(self, state: State) -> Iterator[int]:
+        """Every event that is possible in a state."""
+        offers = [targets[local] for targets, local in zip(self._targets, state, strict=True)]
+        for owned, local in zip(self._owned, state, strict=True):
+            for event, partners in owned[local]:
+                for partner in partners:
+                    if event not in offers[partner]:
+                        break
+                else:
+                    yield event
+
+    def moves(self, state: State, event: int) -> Iterator[tuple[Move, State]]:
+        """The ways in which an event can happen, and the states after it."""
+        parties = self._parties[event]
+        for targets in product(*(self._targets[party][state[party]][event] for party in parties)):
+            after = list(state)
+            for party, target in zip(parties, targets, strict=True):
+                after[party] = target
+            moved = tuple(zip(parties, targets, strict=True))
+            yield Move(event if event < self._internal else INTERNAL, moved), tuple(after)
+
+    def smallest(self, state: State) -> list[int]:
+        """The possible events of the stubborn set that has the fewest, but at least one if any is possible."""
+        interfering = _Interfering(self, state)
+        possible = []
+        for event in self.possible(state):
+            if not interfering(event):
+                return [event]
+            possible.append(event)
+        if len(possible) < 2:
+            return possible
+        can = set(possible)
+        best = possible
+        goes_on: set[int] = set()
+        for component in strong_components(possible, interfering):
+            if any(other in goes_on for event in component for other in interfering(event)):
+                goes_on.update(component)
+                continue
+            events = [event for event in component if event in can]
+            if events:
+                goes_on.update(component)
+                if len(events) < len(best):
+                    best = events
+        return best
+
+    def closure(self, state: State, event: int) -> list[int]:
+        """The possible events of the smallest stubborn set to which an event belongs."""
+        interfering = _Interfering(self, state)
+        members = {event}
+        pending = [event]
+        while pending:
+            fresh = [other for other in interfering(pending.pop()) if other not in members]
+            members.update(fresh)
+            pending += fresh
+        return [event for event in self.possible(state) if event in members]
+
+    def interfering(self, state: State, event: int) -> tuple[int, ...]:
+        """The events that belong to every stubborn set with this one, as far as it says itself."""
+        parties = self._parties[event]
+        for party in parties:
+            if event not in self._targets[party][state[party]]:
+                return self._local[party].enabling(state[party], event)
+        if len(parties) == 1:
+            return self._local[parties[0]].disturbing(state[parties[0]], event)
+        return tuple({other: None for party in parties for other in self._local[party].disturbing(state[party], event)})
+
+
+class _Interfering(dict[int, tuple[int, ...]]):
+    """The events that interfere with each event in one state, each worked out once."""
+
+    def __init__(self, sets: ClosedSets, state: State) -> None:
+        super().__init__()
+        self._sets = sets
+        self._state = state
+
+    def __missing__(self, event: int) -> tuple[int, ...]:
+        self[event] = found = self._sets.interfering(self._state, event)
+        return found
+
+    def __call__(self, event: int) -> tuple[int, ...]:
+        return self[event]
+
+
+def _targets(edges: Sequence[Edge], internal: int) -> Targets:
+    """The states after each event of one state."""
+    found: Targets = {}
+    for event, target in edges:
+        number = internal if event == INTERNAL else event
+        if target not in found.get(number, ()):
+            found[number] = (*found.get(number, ()), target)
+    return found

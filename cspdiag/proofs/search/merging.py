@@ -1,0 +1,52 @@
+"""Events that nobody needs to tell apart.
+
+A channel that is written in two places of a process may have an event for each. If all parties but one take two events from the same states to the same states,
+the system does the same with both under one name: whether one of them can happen depends on that one party, which moves as before.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TypeAlias
+
+from cspdiag.proofs.transitions.systems.system import INTERNAL, System
+
+Use: TypeAlias = frozenset[tuple[int, int]]
+"""From which states to which a component takes an event."""
+
+
+def representatives(system: System) -> list[int]:
+    """For each event the first that it need not be told apart from, which may be itself."""
+    answer = list(range(len(system.events)))
+    groups: dict[tuple[tuple[int, ...], bool], list[int]] = {}
+    for number, event in enumerate(system.events):
+        groups.setdefault((event.parties, event.kind == "failure"), []).append(number)
+    # One event of a few parties at most: nothing to compare for the rest, which are nearly all.
+    shared = [group for (parties, _), group in groups.items() if len(group) > 1 and len(parties) > 1]
+    uses = _uses(system, {number for group in shared for number in group})
+    for group in shared:
+        parties = system.events[group[0]].parties
+        for apart in parties:
+            first: dict[tuple[Use, ...], int] = {}
+            for number in group:
+                if answer[number] == number:
+                    alike = tuple(uses.get((party, number), frozenset()) for party in parties if party != apart)
+                    answer[number] = first.setdefault(alike, number)
+            if len(first) < len(group):
+                break  # Those that were merged are used differently by one party already.
+    return answer
+
+
+def _uses(system: System, events: set[int]) -> dict[tuple[int, int], Use]:
+    found: dict[tuple[int, int], set[tuple[int, int]]] = {}
+    if events:
+        for component in _parties(system, events):
+            for state, edges in enumerate(system.components[component].edges):
+                for event, after in edges:
+                    if event != INTERNAL and event in events:
+                        found.setdefault((component, event), set()).add((state, after))
+    return {key: frozenset(use) for key, use in found.items()}
+
+
+def _parties(system: System, events: Iterable[int]) -> set[int]:
+    return {party for event in events for party in system.events[event].parties}

@@ -1,0 +1,146 @@
+"""Search with stubborn sets: in every state only the events of a set with which the others cannot interfere.
+
+Whatever happens outside the set neither enables nor prevents the events in it, and commutes with them: it is enough to follow those (Valmari, "The state
+explosion problem", 1998). That keeps all deadlocks. Knots stay once they are there; to keep them too, every event that is possible must in addition be
+followed somewhere ahead: the final strongly connected components of the reduced graph are checked for that, and widened where one is ignored.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+from typing import TypeAlias
+
+from cspdiag.proofs.graph_components import final_components
+from cspdiag.proofs.search.closed_sets import ClosedSets
+from cspdiag.proofs.search.stuck_sets import Offers
+from cspdiag.proofs.search.traces import causes
+from cspdiag.proofs.transitions.systems.system import System
+from cspdiag.proofs.verdict import LimitError, Limits, Move, Proved, Refuted, Unknown, Verdict
+
+State: TypeAlias = tuple[int, ...]
+
+_BYTES_PER_STATE = 500
+"""A parent with its move, a place in a dictionary, and edges; the tuple of the components' states comes to it."""
+
+
+@dataclass
+class _Graph:
+    """The part of the state space that was followed; states are numbered in the order in which they were found."""
+
+    states: list[State]
+    numbers: dict[State, int]
+    parents: list[tuple[int, Move] | None]
+    after: list[list[int]] = field(default_factory=list)
+    taken: list[set[int]] = field(default_factory=list)
+
+    def reach(self, state: State, parent: int, move: Move) -> int:
+        """The number of the state, which is new if it was not there."""
+        number = self.numbers.setdefault(state, len(self.states))
+        if number == len(self.states):
+            self.states.append(state)
+            self.parents.append((parent, move))
+        return number
+
+    def trace(self, number: int) -> tuple[Move, ...]:
+        """The moves that lead to a state."""
+        moves = []
+        while (parent := self.parents[number]) is not None:
+            number, move = parent
+            moves.append(move)
+        return tuple(reversed(moves))
+
+
+def deadlock_free(system: System, limits: Limits) -> Verdict:
+    """Whether no state is reachable in which nothing is possible and a process has not ended."""
+    graph = _Graph([system.initial], {system.initial: 0}, [None])
+    try:
+        sets, offers = ClosedSets(system, limits), Offers(system)
+        for number in _follow(graph, sets, limits):
+            if graph.after[number]:
+                continue
+            waiting = offers.waiting(graph.states[number])
+            if waiting:
+                return Refuted("stubborn", graph.trace(number), waiting, states=len(graph.states))
+    except LimitError as stop:
+        return Unknown("stubborn", str(stop))
+    return Proved(
+        "stubborn", f"none of the {len(graph.states)} states that stand for all is deadlocked", len(graph.states)
+    )
+
+
+def knot_free(system: System, limits: Limits) -> Verdict:
+    """Whether no state is reachable in which some processes wait for each other for ever, whatever the others do.
+
+    Unknown where events are failures: one may end a knot, so that what is left out does not keep it.
+    """
+    if any(event.kind == "failure" for event in system.events):
+        return Unknown(
+            "stubborn",
+            "a missed sample or a fault may end the wait of those who seem stuck, and then the order of steps matters",
+        )
+    graph = _Graph([system.initial], {system.initial: 0}, [None])
+    try:
+        sets, offers = ClosedSets(system, limits), Offers(system)
+        while True:
+            for _ in _follow(graph, sets, limits):
+                pass
+            widened = False
+            for final in final_components(graph.after):
+                first = min(final)
+                if offers.knot(graph.states[first]):
+                    return _knot(graph, offers, first)
+                limits.check()
+                widened |= _widen(graph, sets, final)
+            if not widened:
+                break
+    except LimitError as stop:
+        return Unknown("stubborn", str(stop))
+    return Proved(
+        "stubborn",
+        f"in none of the {len(graph.states)} states that stand for all is a process stuck",
+        len(graph.states),
+    )
+
+
+def _follow(graph: _Graph, sets: ClosedSets, limits: Limits) -> Iterator[int]:
+    """Follow the steps of a closed set from every state that was reached and not looked at; yields their numbers."""
+    while len(graph.after) < len(graph.states):
+        number = len(graph.after)
+        limits.check(len(graph.states) * (_BYTES_PER_STATE + 8 * len(graph.states[0])))
+        graph.after.append([])
+        graph.taken.append(set())
+        _take(graph, sets, number, sets.smallest(graph.states[number]))
+        yield number
+
+
+def _take(graph: _Graph, sets: ClosedSets, number: int, events: Iterable[int]) -> None:
+    state = graph.states[number]
+    for event in events:
+        if event in graph.taken[number]:
+            continue
+        graph.taken[number].add(event)
+        for move, after in sets.moves(state, event):
+            graph.after[number].append(graph.reach(after, number, move))
+
+
+def _widen(graph: _Graph, sets: ClosedSets, final: list[int]) -> bool:
+    """Take from the first state of a final component the events that it ignores for ever, with all that belongs to them."""
+    first = min(final)
+    taken = set().union(*(graph.taken[number] for number in final))
+    ignored = [event for event in sets.possible(graph.states[first]) if event not in taken]
+    if not ignored:
+        return False
+    closures = [sets.closure(graph.states[first], event) for event in ignored]
+    fewest: list[int] = min(closures, key=len)
+    _take(graph, sets, first, fewest)
+    return True
+
+
+def _knot(graph: _Graph, offers: Offers, number: int) -> Refuted:
+    """The knot of this state, where it first appears on the way, with the moves that bring it about."""
+    stuck = offers.knot(graph.states[number])
+    while (parent := graph.parents[number]) is not None and offers.knot(graph.states[parent[0]]):
+        number = parent[0]
+        stuck = offers.knot(graph.states[number])
+    return Refuted("stubborn", causes(graph.trace(number), stuck), stuck, states=len(graph.states))

@@ -1,0 +1,64 @@
+"""Who is stuck in a global state: the deadlocked processes, and the largest set of components that never move again.
+
+A component is stuck with others when every event that it offers needs another stuck component that does not offer it: whatever the rest does, none of them
+moves. A failure (a missed sample, a fault) that does not happen now is no way out: whoever could only be cancelled by one is stuck. The union of two such
+sets is such a set, so there is a largest one; it is a knot if one of its processes has not ended and offers an event. Unless a failure ends it, it stays.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from cspdiag.proofs.transitions.systems.system import INTERNAL, System
+
+
+class Offers:
+    """What the components of a system offer, by state, for looking into many global states."""
+
+    def __init__(self, system: System) -> None:
+        self.system = system
+        self.events = [
+            [frozenset(event for event, _ in edges) for edges in component.edges] for component in system.components
+        ]
+        alone = frozenset(at for at, event in enumerate(system.events) if len(event.parties) < 2) | {INTERNAL}
+        self._free = [[not alone.isdisjoint(events) for events in states] for states in self.events]
+        self._partners = [
+            tuple({party for event in set().union(*states) - alone for party in system.events[event].parties} - {at})
+            for at, states in enumerate(self.events)
+        ]
+
+    def waiting(self, state: Sequence[int]) -> tuple[int, ...]:
+        """The processes that have not ended."""
+        return tuple(
+            at
+            for at, component in enumerate(self.system.components)
+            if component.process and state[at] not in component.terminal
+        )
+
+    def knot(self, state: Sequence[int]) -> tuple[int, ...]:
+        """The largest set of components that never move again, or nothing if no process in it wants to go on."""
+        stuck = self._never_move(state)
+        for at in stuck:
+            component = self.system.components[at]
+            if component.process and state[at] not in component.terminal and component.edges[state[at]]:
+                return tuple(sorted(stuck))
+        return ()
+
+    def _never_move(self, state: Sequence[int]) -> set[int]:
+        offered = [states[local] for states, local in zip(self.events, state, strict=True)]
+        stuck = {at for at, (free, local) in enumerate(zip(self._free, state, strict=True)) if not free[local]}
+        suspects = list(stuck)
+        while suspects:
+            at = suspects.pop()
+            if at not in stuck or all(self._blocked(event, at, offered, stuck) for event in offered[at]):
+                continue
+            stuck.remove(at)
+            suspects += [party for party in self._partners[at] if party in stuck]
+        return stuck
+
+    def _blocked(self, event: int, at: int, offered: Sequence[frozenset[int]], stuck: set[int]) -> bool:
+        fails = self.system.events[event].kind == "failure"
+        return any(
+            party != at and (fails or party in stuck) and event not in offered[party]
+            for party in self.system.events[event].parties
+        )

@@ -1,0 +1,156 @@
+"""Threads and channels put together: every label of every thread becomes events with parties."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+
+from cspdiag.proofs.transitions.facts import FAULT, TIMEOUT
+from cspdiag.proofs.transitions.meetings import Meetings, Use
+from cspdiag.proofs.transitions.occurrences import Medium
+from cspdiag.proofs.transitions.places import Places
+from cspdiag.proofs.transitions.specifications import taken_for_more
+from cspdiag.proofs.transitions.systems.shape import Shape
+from cspdiag.proofs.transitions.systems.system import INTERNAL, Abstraction, Component, Edge, EventKind, System
+from cspdiag.proofs.transitions.systems.template import ALONE, INSTANT, INTERNAL_LABEL, Label, Template
+from cspdiag.proofs.transitions.threads.alarms import Alarms, withdrawn
+from cspdiag.proofs.transitions.threads.spots import MISSED_A_SAMPLE
+from cspdiag.proofs.transitions.threads.thread import resolve
+from cspdiag.proofs.transitions.threads.threads import ParallelKey, Strand, Strands, parallel_key
+from cspdiag.proofs.transitions.values import UNKNOWN
+
+
+class Assembly(Meetings):
+    """Makes the system of all threads."""
+
+    def __init__(self, strands: Strands) -> None:
+        super().__init__(strands)
+        self.strands = strands
+        self._shapes: dict[tuple[int, bool, frozenset[Label]], Shape] = {}
+        self._uses: dict[Medium, list[Use]] = defaultdict(list)
+        self._forks: dict[ParallelKey, list[Strand]] = {}
+
+    def system(self) -> System:
+        """All components and events."""
+        for strand in self.threads:
+            self.abstractions.update(strand.template.abstractions)
+        world = self.strands.world
+        if world.facts.specification is not None:
+            self.abstractions.update(dict.fromkeys(taken_for_more(world)))
+        shapes = self._shaped()
+        for strand, shape in zip(self.threads, shapes, strict=True):
+            for label in shape.labels:
+                self._note(strand, label)
+        for medium, uses in self._uses.items():
+            self.meet(medium, uses)
+            if medium.coarse:
+                what = f"of the values in `{medium.name}` only ranges are told apart"
+                self.abstractions[Abstraction(what, medium.span)] = None
+        for key in self._forks:
+            self._composition(key, shapes)
+        components = [self._component(strand, shape) for strand, shape in zip(self.threads, shapes, strict=True)]
+        apart = self.strands.world.inputs
+        return System((*components, *self.extra), tuple(self.events), tuple(self.abstractions), apart)
+
+    def _shaped(self) -> list[Shape]:
+        """The machines of all threads, without what lies before the start of a parallel that is the first thing its parent does."""
+        started: set[Strand] = {self.strands.top}
+        shapes: list[Shape] = []
+        alarms = Alarms(self.threads)
+        for strand in self.threads:
+            shape = self._shape(strand.template, strand in started, alarms.silent(strand))
+            shapes.append(shape)
+            for key in shape.forked_at_once:
+                started.update(self.strands.branches[parallel_key(strand.occurrence, key)])
+        return shapes
+
+    def _shape(self, template: Template, started: bool, silent: frozenset[Label]) -> Shape:
+        key = (id(template), started, silent)
+        if key not in self._shapes:
+            self._shapes[key] = Shape(template, started=started, never=silent)
+        return self._shapes[key]
+
+    def _component(self, strand: Strand, shape: Shape) -> Component:
+        of = self._of[strand.number]
+        events = [(INTERNAL,) if label == INTERNAL_LABEL else of.get(label, ()) for label in shape.labels]
+        edges: list[tuple[Edge, ...]] = []
+        for compiled in shape.edges:
+            edges.append(tuple([(event, target) for number, target in compiled for event in events[number]]))
+        if self._echoes[strand.number]:
+            edges = self._with_echoes(edges, strand, shape)
+        return Component(
+            strand.name,
+            tuple(edges),
+            shape.terminal,
+            places=Places(shape.spots, strand),
+            failed=frozenset(state for state in shape.terminal if shape.spots[state].words == MISSED_A_SAMPLE),
+            path=strand.occurrence.path,
+        )
+
+    def _with_echoes(self, edges: list[tuple[Edge, ...]], strand: Strand, shape: Shape) -> list[tuple[Edge, ...]]:
+        echoes = self._echoes[strand.number]
+        labelled = [[(shape.labels[number], target) for number, target in compiled] for compiled in shape.edges]
+        found: list[tuple[Edge, ...]] = []
+        for state, (own, present, unsteady) in enumerate(zip(edges, labelled, withdrawn(labelled), strict=True)):
+            shown = [
+                (event, state)
+                for label, _ in present
+                for event in echoes.get(label, ())
+                if event not in self._of_the_unsteady or label in unsteady
+            ]
+            found.append((*own, *dict.fromkeys(shown)))
+        return found
+
+    def _note(self, strand: Strand, label: Label) -> None:
+        kind = label[0]
+        alone = ALONE.get(kind)
+        if kind == "alarm":
+            self._alarm(strand, label)
+        elif alone is not None:
+            medium = resolve(strand.occurrence, label[1])
+            value = label[2] if len(label) > 2 else UNKNOWN
+            role = "!" if kind == "output" else "*" if kind == "ready" else "?"
+            event = self._event(
+                medium.name, (strand.number,), alone[0], value, medium.type, visible=alone[1], roles=role
+            )
+            self._for(strand, label, event)
+        elif kind == "time":
+            words = f"{strand.name}: {label[1]}"
+            instant = label[2:] == (INSTANT,)
+            self._for(strand, label, self._event(words, (strand.number,), "time", roles="*", instant=instant))
+        elif kind in ("read", "write", "guarded", "bind", "bound", "load", "store", "delivered", "withdrawn"):
+            self._uses[resolve(strand.occurrence, label[1])].append((strand, label))
+        elif kind == "fork" or kind == "join":
+            self._forks.setdefault(parallel_key(strand.occurrence, label[1]), []).append(strand)
+
+    def _composition(self, key: ParallelKey, shapes: list[Shape]) -> None:
+        branches = self.strands.branches[key]
+        parents = [
+            (strand, label)
+            for strand in dict.fromkeys(self._forks[key])
+            for label in shapes[strand.number].labels
+            if label[0] in ("fork", "join", "cancel", "thrown") and parallel_key(strand.occurrence, label[1]) == key
+        ]
+        name = f"{key[0].path}: parallel"
+        together: dict[str, tuple[Label, EventKind]] = {
+            "fork": (("start",), "start"), "join": (("end",), "end"), "cancel": (("cancelled",), "cancel"),
+        }  # fmt: skip
+        for parent, label in parents:
+            if label[0] == "thrown":
+                self._thrown(parent, label, branches[label[2]], shapes)
+                continue
+            of_branch, kind = together[label[0]]
+            if not all(of_branch in shapes[branch.number].label_numbers for branch in branches):
+                continue
+            parties = (parent.number, *(branch.number for branch in branches))
+            event = self._event(f"{name} {kind}", parties, kind)
+            self._for(parent, label, event)
+            for branch in branches:
+                self._for(branch, of_branch, event)
+
+    def _thrown(self, parent: Strand, label: Label, branch: Strand, shapes: list[Shape]) -> None:
+        throw = ("throw", label[3])
+        if throw in shapes[branch.number].label_numbers:
+            kind: EventKind = "failure" if label[3] in (FAULT, TIMEOUT) else "exception"
+            event = self._event(f"{branch.name}: {label[3]}", (parent.number, branch.number), kind)
+            self._for(parent, label, event)
+            self._for(branch, throw, event)

@@ -1,0 +1,162 @@
+"""Where the numbers of a variable, port or channel are cut: where conditions that compare them with constants begin or cease to hold.
+
+A cut decides how much is known, never whether it is right: of a number that is compared in another way the condition is left open.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from typing import TypeAlias
+
+from cspdiag.network.ir.actions import AssignValue, InputEvent, OutputEvent, ReadValue, WriteValue
+from cspdiag.network.ir.expression_walk import walk
+from cspdiag.network.ir.expressions import BinaryOperation, ConditionalValue, Expression, ParameterValue, VariableValue
+from cspdiag.network.ir.network import Network, ProcessClass
+from cspdiag.network.ir.walk import parts
+from cspdiag.proofs.transitions.items import Item, items_of
+from cspdiag.proofs.transitions.program import Class, Program
+from cspdiag.proofs.transitions.values import UNKNOWN, EvaluationFault, Known, evaluated
+
+Boundaries: TypeAlias = Mapping[Item, frozenset[int]]
+"""By item, the numbers that do not belong together with the number before them."""
+
+COMPARISONS = {"<": ">", "<=": ">=", ">": "<", ">=": "<=", "==": "==", "!=": "!="}
+"""The operators, and those that say the same of the operands in the other order."""
+
+
+def boundaries(program: Program, told_apart: Mapping[str, Collection[int]]) -> Boundaries:
+    """Those of everything in a program; ``told_apart`` has further ones for inputs of the outermost process.
+
+    What is only handed on is cut wherever it may come to be compared.
+    """
+    found: defaultdict[Item, set[int]] = defaultdict(set)
+    origins: defaultdict[Item, set[Item]] = defaultdict(set)
+    for port, more in told_apart.items():
+        found["port", program.top.name, port.split("[", 1)[0]].update(more)
+    arguments = Arguments(program.network)
+    for one in program.classes.values():
+        if isinstance(one.definition, ProcessClass):
+            for item, cut in _compared(one, arguments):
+                found[item].update(cut)
+            for item, handed_on in _handed_on(one):
+                origins[item] |= handed_on
+    pending = list(found)
+    while pending:
+        item = pending.pop()
+        for origin in origins[item]:
+            if not found[item] <= found[origin]:
+                found[origin] |= found[item]
+                pending.append(origin)
+    return {item: frozenset(cut) for item, cut in found.items()}
+
+
+class Arguments:
+    """The values that the parameters of each class have in some instance."""
+
+    def __init__(self, network: Network) -> None:
+        self._of: defaultdict[str, list[dict[str, Known]]] = defaultdict(list)
+        self._of[network.top].append(dict(network.arguments))
+        for instance in network.instances:
+            self._of[instance.class_name].append(dict(instance.arguments))
+
+    def constants(self, expression: Expression, class_name: str) -> set[int]:
+        """The whole numbers that an expression of parameters may stand for."""
+        return {value for value in self.values(expression, class_name) if type(value) is int}
+
+    def values(self, expression: Expression, class_name: str) -> set[Known]:
+        """The values that an expression of parameters may stand for; UNKNOWN where it depends on anything else."""
+        names = sorted({part.name for part in walk(expression) if isinstance(part, ParameterValue)})
+        cases = {tuple(given.get(name, UNKNOWN) for name in names) for given in self._of[class_name]}
+        return {_constant(expression, dict(zip(names, case, strict=True))) for case in cases}
+
+
+def _constant(expression: Expression, arguments: Mapping[str, Known]) -> Known:
+    try:
+        return evaluated(expression, lambda _: UNKNOWN, lambda name: arguments.get(name, UNKNOWN))
+    except EvaluationFault:
+        return UNKNOWN
+
+
+def _compared(one: Class, arguments: Arguments) -> Iterator[tuple[Item, set[int]]]:
+    """The variables that are compared with constants, and where the comparisons cut them."""
+    assert isinstance(one.definition, ProcessClass)
+    for part in parts(one.definition.body):
+        if isinstance(part, BinaryOperation) and part.operator in COMPARISONS:
+            for side, operator, other in (
+                (part.left, part.operator, part.right),
+                (part.right, COMPARISONS[part.operator], part.left),
+            ):
+                for variable, constant in _differences(side, arguments.constants(other, one.name), one, arguments):
+                    yield ("channel", one.name, variable.channel), _cut(operator, constant)
+
+
+def _differences(
+    side: Expression, constants: Iterable[int], one: Class, arguments: Arguments
+) -> Iterator[tuple[VariableValue, int]]:
+    """A variable, from which a constant may be added or taken away, and with what it is compared itself."""
+    match side:
+        case VariableValue():
+            yield from ((side, constant) for constant in constants)
+        case BinaryOperation(operator="+" | "-" as operator, left=left, right=right):
+            sign = 1 if operator == "+" else -1
+            for more in arguments.constants(right, one.name):
+                shifted = [constant - sign * more for constant in constants]
+                yield from _differences(left, shifted, one, arguments)
+
+
+def _cut(operator: str, constant: int) -> set[int]:
+    match operator:
+        case "<" | ">=":
+            return {constant}
+        case "<=" | ">":
+            return {constant + 1}
+    return {constant, constant + 1}
+
+
+def _handed_on(one: Class) -> Iterator[tuple[Item, set[Item]]]:
+    """Items, and those whose values they take over unchanged."""
+    assert isinstance(one.definition, ProcessClass)
+    for part in parts(one.definition.body):
+        match part:
+            case AssignValue() if not part.target.indexes:
+                yield ("channel", one.name, part.target.channel), _copied(part.value, one)
+            case ReadValue() | InputEvent() if not part.target.indexes:
+                yield ("channel", one.name, part.target.channel), items_of(part.source, one)
+            case WriteValue() | OutputEvent():
+                for sink in items_of(part.sink, one):
+                    yield sink, _copied(part.value, one)
+            case _:
+                pass
+    for instance in one.definition.instances:
+        for connection in instance.connections:
+            inner: Item = ("port", instance.class_name, connection.port)
+            for outer in items_of(connection.attachment, one):
+                yield inner, {outer}
+                yield outer, {inner}
+
+
+def handed_to(program: Program, outputs: Collection[str]) -> frozenset[Item]:
+    """Everything in a program whose values may be handed on unchanged to one of some outputs of the outermost process."""
+    origins: defaultdict[Item, set[Item]] = defaultdict(set)
+    for one in program.classes.values():
+        if isinstance(one.definition, ProcessClass):
+            for item, handed_on in _handed_on(one):
+                origins[item] |= handed_on
+    pending: list[Item] = [("port", program.top.name, output.split("[", 1)[0]) for output in outputs]
+    found: set[Item] = set()
+    while pending:
+        item = pending.pop()
+        if item not in found:
+            found.add(item)
+            pending.extend(origins[item])
+    return frozenset(found)
+
+
+def _copied(expression: Expression, one: Class) -> set[Item]:
+    match expression:
+        case VariableValue():
+            return {("channel", one.name, expression.channel)}
+        case ConditionalValue():
+            return _copied(expression.then, one) | _copied(expression.otherwise, one)
+    return set()

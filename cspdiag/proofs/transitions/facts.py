@@ -1,0 +1,275 @@
+"""What is known of the classes of a network before any process is followed.
+
+**Relevant** are variables, ports and channels whose values decide a condition somewhere: a condition reads them, or they flow into such; and parameters by which a
+delay takes time or none. Only their values are followed. **Deciding** are those that decide a condition or how long a delay lasts: what a run does next, and when.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable, Iterator
+
+from cspdiag.network.ir.actions import (
+    AfterEvent,
+    AssignValue,
+    Branch,
+    CatchException,
+    Choice,
+    End,
+    IfElse,
+    InputEvent,
+    InterruptOn,
+    OutputEvent,
+    PortEnd,
+    RaiseException,
+    ReadValue,
+    ReadyEvent,
+    Repeat,
+    RunInstance,
+    Target,
+    WaitStep,
+    WhileLoop,
+    WriteValue,
+)
+from cspdiag.network.ir.durations import Durations
+from cspdiag.network.ir.expressions import Expression
+from cspdiag.network.ir.network import ProcessClass, SubmodelClass
+from cspdiag.network.ir.walk import parts
+from cspdiag.proofs.transitions.cuts import boundaries, handed_to
+from cspdiag.proofs.transitions.items import Item, all_items_in, items_in, items_of
+from cspdiag.proofs.transitions.program import Class, Node, Program
+from cspdiag.proofs.transitions.threads.faults import Faults
+from cspdiag.proofs.transitions.told_apart import Apart, AsSpecification, ToldApart
+from cspdiag.proofs.transitions.values import values_of_type
+
+FAULT = "Fault"
+TIMEOUT = "Timeout"
+NOTHING: ToldApart = {}
+"""No port is told apart."""
+
+
+class Facts:
+    """What follows from the classes of a program alone, from how the values at its ports are to be ``told_apart``, and from its being a ``specification``."""
+
+    def __init__(
+        self, program: Program, told_apart: ToldApart = NOTHING, specification: AsSpecification | None = None
+    ) -> None:
+        self.program = program
+        self.specification = specification
+        self._told_apart = told_apart
+        self.boundaries = boundaries(program, {port: apart.cuts for port, apart in told_apart.items()})
+        outputs = {port.name for port in program.network.external_ports if port.direction == "out"}
+        self.durations = Durations(program.network)
+        self.relevant = _relevant(
+            program,
+            {*told_apart, *(outputs if specification is not None else ())},
+            _parameters_of_delays(program, self.durations),
+        )
+        self._copied = handed_to(program, outputs) if specification is not None else frozenset()
+        self.sampled = _sampled_ports(program)
+        self.faults = Faults(program.network)
+        self._escaping: dict[Node, frozenset[str]] = {}
+        self.catches_faults = any(
+            isinstance(part, CatchException) and part.exception == FAULT
+            for one in program.classes.values()
+            if isinstance(one.definition, ProcessClass)
+            for part in parts(one.definition.body)
+        )
+
+    def apart(self, port: str) -> Apart:
+        """How the values at an input of the outermost process are told apart."""
+        item: Item = ("port", self.program.network.top, _base(port))
+        told = self._told_apart.get(port, Apart())
+        copied = told.copied or item in self._copied
+        return Apart(self.boundaries.get(item, frozenset()), copied, told.values)
+
+    def is_free(self, port: str) -> bool:
+        """Whether a specification chooses itself what comes at an input."""
+        return self.specification is not None and _base(port) in self.specification.free
+
+    def parameters(self, one: Class) -> tuple[str, ...]:
+        """The parameters of a class that decide a condition, or whether a delay takes time."""
+        names = (parameter.name for parameter in one.definition.parameters)
+        return tuple(name for name in names if ("parameter", one.name, name) in self.relevant)
+
+    def escaping(self, node: Node, one: Class) -> frozenset[str]:
+        """The exceptions that may end an action of a class, and leave it."""
+        known = self._escaping.get(node)
+        if known is None:
+            known = self._escaping[node] = frozenset(self._escaping_from(node, one))
+        return known
+
+    def _escaping_from(self, node: Node, one: Class) -> set[str]:
+        action = node.action
+        inside: set[str] = set()
+        for child in node.children:
+            inside |= self.escaping(child, one)
+        match action:
+            case RaiseException():
+                inside.add(action.exception)
+            case CatchException():
+                handler = self.escaping(node.children[1], one)
+                inside = set(self.escaping(node.children[0], one) - {action.exception}) | handler
+            case RunInstance():
+                inside |= self._of_instance(action.instance, one)
+            case ReadValue():
+                inside |= self._of_read(action.source, one)
+            case Choice():
+                for branch in action.branches:
+                    inside |= self._of_guard(branch, one)
+            case InterruptOn():
+                inside |= self._of_guard(action.branch, one)
+            case _:
+                pass
+        if self.catches_faults and isinstance(action, _COMPUTING):
+            inside.add(FAULT)
+        return inside
+
+    def _of_instance(self, name: str, one: Class) -> frozenset[str]:
+        instance = one.instances[name]
+        inner = self.program.classes[instance.class_name]
+        if isinstance(inner.definition, SubmodelClass):
+            fault = {FAULT} if self.catches_faults else set()
+            timeout = (
+                {TIMEOUT} if any((inner.name, port.name) in self.sampled for port in inner.definition.ports) else set()
+            )
+            return frozenset(fault | timeout)
+        return frozenset() if inner.body is None else self.escaping(inner.body, inner)
+
+    def _of_guard(self, branch: Branch, one: Class) -> frozenset[str]:
+        event = branch.event
+        return self._of_read(event.source, one) if isinstance(event, ReadyEvent | InputEvent) else frozenset()
+
+    def _of_read(self, end: End, one: Class) -> frozenset[str]:
+        sampled = isinstance(end, PortEnd) and (one.name, end.port) in self.sampled
+        return frozenset({TIMEOUT}) if sampled else frozenset()
+
+
+_COMPUTING = (AssignValue, ReadValue, WriteValue, WaitStep, IfElse, WhileLoop, Repeat, Choice, InterruptOn)
+
+
+def deciding(program: Program, *, faults: bool = True) -> frozenset[Item]:
+    """What a run goes by: the items whose values decide a condition, how long a delay or a time-out lasts, or, with ``faults``, whether a computation ends in one."""
+    seeds = _deciding_faults(program) if faults else set()
+    for one in program.classes.values():
+        if isinstance(one.definition, ProcessClass):
+            for part in parts(one.definition.body):
+                if isinstance(part, WaitStep | AfterEvent):
+                    seeds |= items_in(part.duration, one)
+    return _relevant(program, set(), seeds)
+
+
+def _deciding_faults(program: Program) -> set[Item]:
+    """What is computed with where that may fail."""
+    seeds: set[Item] = set()
+    faults = Faults(program.network)
+    for one in program.classes.values():
+        made = one.definition
+        if isinstance(made, ProcessClass):
+            for part in parts(made.body):
+                if isinstance(part, Expression) and faults.of_part(part, one.name):
+                    seeds |= items_in(part, one)
+                elif isinstance(part, Target):
+                    seeds |= all_items_in(part.indexes, one)
+        elif any(isinstance(part, Expression) and faults.of_part(part, one.name) for part in parts(made)):
+            seeds |= {("channel", one.name, state.name) for state in made.states}
+            seeds |= {("port", one.name, port.name) for port in made.ports if port.direction == "in"}
+    return seeds
+
+
+def _parameters_of_delays(program: Program, durations: Durations) -> set[Item]:
+    """The parameters by which a delay takes time in some instances of a class, and in others none."""
+    return {
+        item
+        for one in program.classes.values()
+        if isinstance(one.definition, ProcessClass)
+        for part in parts(one.definition.body)
+        if isinstance(part, WaitStep | AfterEvent)
+        and not durations.surely_takes_time(one.name, part.duration)
+        and not durations.is_over_at_once(one.name, part.duration)
+        for item in items_in(part.duration, one)
+        if item[0] == "parameter"
+    }
+
+
+def _sampled_ports(program: Program) -> frozenset[tuple[str, str]]:
+    """The ports, by class and name, of which some instance reads a sampled input of the outermost process."""
+    top = program.network.top
+    found = {
+        (top, _base(p.name)) for p in program.network.external_ports if p.direction == "in" and p.period is not None
+    }
+    for one in reversed(program.classes.values()):
+        for instance in one.instances.values():
+            for connection in instance.connections:
+                end = connection.attachment
+                if isinstance(end, PortEnd) and (one.name, end.port) in found:
+                    found.add((instance.class_name, connection.port))
+    return frozenset(found)
+
+
+def _base(port: str) -> str:
+    return port.split("[", 1)[0]
+
+
+def _relevant(program: Program, told_apart: set[str], others: Iterable[Item] = ()) -> frozenset[Item]:
+    """What decides a condition or one of ``others``."""
+    flows: defaultdict[Item, set[Item]] = defaultdict(set)
+    seeds = set(others)
+    for one in program.classes.values():
+        if isinstance(one.definition, ProcessClass):
+            for item, feeding in _flows(one):
+                flows[item] |= feeding
+            for condition in _conditions(one.definition):
+                seeds |= items_in(condition, one)
+    for port in program.network.external_ports:
+        has_few = values_of_type(port.type) is not None
+        if port.name in told_apart or (has_few and port.direction == "out"):
+            seeds.add(("port", program.network.top, _base(port.name)))
+    found: set[Item] = set()
+    pending = list(seeds)
+    while pending:
+        item = pending.pop()
+        if item not in found:
+            found.add(item)
+            pending.extend(flows[item])
+    return frozenset(found)
+
+
+def _conditions(definition: ProcessClass) -> Iterator[Expression]:
+    for part in parts(definition.body):
+        match part:
+            case Branch() | Repeat() | WhileLoop() | IfElse():
+                condition = part.until if isinstance(part, Repeat) else part.condition
+                if condition is not None:
+                    yield condition
+            case _:
+                pass
+
+
+def _flows(one: Class) -> Iterator[tuple[Item, set[Item]]]:
+    """Items and what they depend on."""
+    definition = one.definition
+    assert isinstance(definition, ProcessClass)
+    for channel in definition.channels:
+        if channel.initial is not None:
+            yield ("channel", one.name, channel.name), items_in(channel.initial, one)
+    for part in parts(definition.body):
+        match part:
+            case AssignValue():
+                yield ("channel", one.name, part.target.channel), all_items_in((part.value, *part.target.indexes), one)
+            case ReadValue() | InputEvent():
+                sources = all_items_in(part.target.indexes, one) | items_of(part.source, one)
+                yield ("channel", one.name, part.target.channel), sources
+            case WriteValue() | OutputEvent():
+                for sink in items_of(part.sink, one):
+                    yield sink, items_in(part.value, one)
+            case _:
+                pass
+    for instance in definition.instances:
+        for connection in instance.connections:
+            inner: Item = ("port", instance.class_name, connection.port)
+            yield inner, items_of(connection.attachment, one)
+            for outer in items_of(connection.attachment, one):
+                yield outer, {inner}
+        for parameter, argument in instance.arguments:
+            yield ("parameter", instance.class_name, parameter), items_in(argument, one)

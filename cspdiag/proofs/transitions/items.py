@@ -1,0 +1,46 @@
+"""Ports, channels and parameters of classes: what values flow through."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Literal, TypeAlias
+
+from cspdiag.network.ir.actions import ChannelEnd, PortEnd
+from cspdiag.network.ir.expression_walk import walk
+from cspdiag.network.ir.expressions import Expression, ParameterValue, VariableValue
+from cspdiag.network.ir.network import Attachment, ConstantEnd
+from cspdiag.proofs.transitions.program import Class
+
+Item: TypeAlias = tuple[Literal["port", "channel", "parameter"], str, str]
+"""A port, a channel or a parameter of a class, by the names of the class and its own."""
+
+
+def items_of(end: Attachment, one: Class) -> set[Item]:
+    """What an end, in terms of a class, is an end of."""
+    match end:
+        case PortEnd():
+            return {("port", one.name, end.port)}
+        case ChannelEnd():
+            return {("channel", one.name, end.channel)}
+        case ConstantEnd():
+            return items_in(end.value, one)
+    return set()
+
+
+def all_items_in(expressions: Iterable[Expression], one: Class) -> set[Item]:
+    """What any of some expressions of a class reads."""
+    return {item for expression in expressions for item in items_in(expression, one)}
+
+
+def items_in(expression: Expression, one: Class) -> set[Item]:
+    """What an expression of a class reads."""
+    found: set[Item] = set()
+    for part in walk(expression):
+        match part:
+            case VariableValue():
+                found.add(("channel", one.name, part.channel))
+            case ParameterValue():
+                found.add(("parameter", one.name, part.name))
+            case _:
+                pass
+    return found

@@ -1,0 +1,280 @@
+"""Who meets whom on each channel: the labels of threads there become events with parties."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable, Sequence
+from itertools import product
+from math import prod
+from typing import Any, TypeAlias
+
+from cspdiag.network.dump.expression import value_text
+from cspdiag.proofs.transitions.occurrences import Medium
+from cspdiag.proofs.transitions.ranges import Range
+from cspdiag.proofs.transitions.ranges import text as range_text
+from cspdiag.proofs.transitions.systems import media
+from cspdiag.proofs.transitions.systems.system import Abstraction, Component, Event, EventKind
+from cspdiag.proofs.transitions.systems.template import Label, is_late
+from cspdiag.proofs.transitions.threads.alarms import bindings, side_of
+from cspdiag.proofs.transitions.threads.explore import TransitionError
+from cspdiag.proofs.transitions.threads.thread import resolve
+from cspdiag.proofs.transitions.threads.threads import Strand, Strands
+from cspdiag.proofs.transitions.values import ANY, UNKNOWN, Given, Known
+
+Use: TypeAlias = tuple[Strand, Label]
+"""A label of a thread."""
+
+MOST_MEETINGS = 1_000_000
+"""More ways to communicate on one channel, by who takes part, are refused."""
+
+
+class Meetings:
+    """Makes the events of all channels."""
+
+    def __init__(self, strands: Strands) -> None:
+        self.threads = strands.all()
+        self.events: list[Event] = []
+        self.extra: list[Component] = []
+        """Components that are no threads."""
+        self.abstractions: dict[Abstraction, None] = {}
+        self._of: list[dict[Label, list[int]]] = [{} for _ in self.threads]
+        self._echoes: list[dict[Label, list[int]]] = [{} for _ in self.threads]
+        """Events by which a thread shows what it offers, without taking part."""
+        self._of_the_unsteady: set[int] = set()
+        """Those of them that are shown only where the offer may be withdrawn."""
+        self._alarms: dict[Medium, list[Use]] = defaultdict(list)
+        self._nobody: int | None = None
+
+    def _event(
+        self,
+        channel: str,
+        parties: tuple[int, ...],
+        kind: EventKind,
+        value: Known = UNKNOWN,
+        type_: Any = None,
+        *,
+        visible: bool = False,
+        roles: str = "",
+        instant: bool = False,
+    ) -> int:
+        text = _text(value, type_)
+        self.events.append(Event(channel, parties, kind, text, visible, roles, instant))
+        return len(self.events) - 1
+
+    def _for(self, strand: Strand, label: Label, event: int) -> None:
+        self._of[strand.number].setdefault(label, []).append(event)
+
+    def _add(self, component: Component) -> int:
+        self.extra.append(component)
+        return len(self.threads) + len(self.extra) - 1
+
+    def _nobody_number(self) -> int:
+        if self._nobody is None:
+            self._nobody = self._add(media.nobody())
+        return self._nobody
+
+    def _alarm(self, strand: Strand, label: Label) -> None:
+        """The guard of an interrupt is seen to be ready, and not yet taken."""
+        medium = resolve(strand.occurrence, label[1])
+        if medium.kind == "event":
+            self._for(strand, label, self._event(medium.name, (strand.number,), "ready"))
+        else:
+            self._alarms[medium].append((strand, label))
+
+    def _ring(self, medium: Medium, watcher: Use, others: Iterable[Use], latch: tuple[int, ...] = ()) -> int:
+        """The event that a guard of an interrupt is seen to be ready: those who would communicate stay as they are."""
+        strand, alarm = watcher
+        parties = (strand.number, *dict.fromkeys(other.number for other, _ in others), *latch)
+        event = self._event(medium.name, parties, "ready")
+        self._for(strand, alarm, event)
+        for other, offered in others:
+            self._echoes[other.number].setdefault(offered, []).append(event)
+        return event
+
+    def _ring_rendezvous(self, medium: Medium, uses: list[Use]) -> None:
+        for strand, alarm in self._alarms.get(medium, ()):
+            for use in uses:
+                if use[0] is not strand and side_of(use[1]) == alarm[2]:
+                    event = self._ring(medium, (strand, alarm), [use])
+                    if not medium.is_contended:
+                        self._of_the_unsteady.add(event)
+
+    def meet(self, medium: Medium, uses: list[Use]) -> None:
+        """The events of a channel with all that threads may do there."""
+        match medium.kind:
+            case "sync" | "any":
+                self._rendezvous(medium, uses)
+                self._bind(medium, uses)
+                self._ring_rendezvous(medium, uses)
+            case "buffer" | "overwrite":
+                self._queue(medium, uses)
+            case "broadcast":
+                self._broadcast(medium, uses)
+                self._bind(medium, uses)
+            case "var":
+                self._variable(medium, uses)
+            case _:
+                raise AssertionError(medium.kind)
+
+    def _value(self, medium: Medium, label: Label) -> Known:
+        """The value of a label, if the medium's values are told apart."""
+        return medium.told_apart(label[2]) if medium.relevant and medium.values is not None else UNKNOWN
+
+    def _rendezvous(self, medium: Medium, uses: list[Use]) -> None:
+        writing: dict[Known, list[Use]] = defaultdict(list)
+        reading: dict[Known, list[Use]] = defaultdict(list)
+        for use in uses:
+            if side_of(use[1]) is not None:
+                (reading if use[1][0] == "read" else writing)[self._value(medium, use[1])].append(use)
+        for value in dict.fromkeys([*writing, *reading]):
+            self._limit(medium, len(writing.get(value, ())) * len(reading.get(value, ())))
+            met: set[Use] = set()
+            for (writer, written), (reader, read) in product(writing.get(value, ()), reading.get(value, ())):
+                if writer is reader or (is_late(read) and written[0] == "write"):
+                    continue
+                met |= {(writer, written), (reader, read)}
+                parties = (writer.number, reader.number)
+                event = self._event(medium.name, parties, "communication", value, medium.type, roles="!?")
+                self._for(writer, written, event)
+                self._for(reader, read, event)
+            for use in (*writing.get(value, ()), *reading.get(value, ())):
+                if use not in met and not is_late(use[1]):
+                    self._alone(medium, use, value)
+
+    def _bind(self, medium: Medium, uses: list[Use]) -> None:
+        for (writer, binds), (reader, bound) in bindings(uses):
+            event = self._event(medium.name, (writer.number, reader.number), "ready")
+            self._for(writer, binds, event)
+            self._for(reader, bound, event)
+
+    def _limit(self, medium: Medium, meetings: int) -> None:
+        if meetings > MOST_MEETINGS:
+            raise TransitionError(f"on `{medium.name}` {meetings} ways to communicate would have to be told apart")
+
+    def _alone(self, medium: Medium, use: Use, value: Known) -> None:
+        strand, label = use
+        parties = (strand.number, self._nobody_number())
+        roles = "?." if label[0] == "read" else "!."
+        self._for(strand, label, self._event(medium.name, parties, "communication", value, medium.type, roles=roles))
+
+    def _with(
+        self, medium: Medium, uses: list[Use], number: int, kinds: tuple[str, ...], kind: EventKind
+    ) -> dict[Known, list[int]]:
+        """The events of labels of some kinds with the component of a medium, by value."""
+        found: dict[Known, list[int]] = {}
+        for strand, label in uses:
+            if label[0] in kinds:
+                value = self._value(medium, label)
+                roles = {"read": "?.", "write": "!.", "guarded": "!."}.get(label[0], "*.")
+                event = self._event(medium.name, (strand.number, number), kind, value, medium.type, roles=roles)
+                self._for(strand, label, event)
+                found.setdefault(value, []).append(event)
+        return found
+
+    def _queue(self, medium: Medium, uses: list[Use]) -> None:
+        number = len(self.threads) + len(self.extra)
+        writes = self._with(medium, uses, number, ("write", "guarded"), "communication")
+        reads = self._with(medium, uses, number, ("read",), "take")
+        if media.counts_only(medium, [*writes, *reads]):
+            self.abstractions[Abstraction(f"the values in `{medium.name}` are not told apart", medium.span)] = None
+        self._add(media.queue(medium, writes, reads))
+
+    def _variable(self, medium: Medium, uses: list[Use]) -> None:
+        number = len(self.threads) + len(self.extra)
+        loads = self._with(medium, uses, number, ("load",), "variable")
+        stores = self._with(medium, uses, number, ("store",), "variable")
+        self._add(media.variable(medium, loads, stores))
+
+    def _broadcast(self, medium: Medium, uses: list[Use]) -> None:
+        readers: dict[object, list[Use]] = {}
+        for strand, label in uses:
+            if label[0] == "read":
+                path, end = label[3]
+                readers.setdefault((strand.occurrence.at(path), end), []).append((strand, label))
+        first = len(self.threads) + len(self.extra)
+        missing = max(0, medium.ends - len(readers))
+        latches = tuple(range(first, first + len(readers)))
+        absent = (self._nobody_number(),) if missing and self._nobody is not None else ()
+        if missing and not absent:
+            latches = tuple(number + 1 for number in latches)
+            absent = (self._nobody_number(),)
+        writes, delivered, withdrawn = self._broadcast_writes(medium, uses, latches, absent)
+        taken: list[dict[Known, list[int]]] = []
+        for number, ends in zip(latches, readers.values(), strict=True):
+            waiting = [use for use in ends if not is_late(use[1])]
+            taken.append(self._with(medium, waiting, number, ("read",), "communication"))
+        self._guarded_broadcasts(medium, uses, list(readers.values()), absent)
+        for number, takes, ends in zip(latches, taken, readers.values(), strict=True):
+            seen = self._ring_latch(medium, ends, number) if withdrawn else []
+            name = f"{medium.name} to {ends[0][0].name}"
+            self._add(media.latch(name, writes, takes, delivered, withdrawn, seen))
+
+    def _ring_latch(self, medium: Medium, ends: list[Use], number: int) -> list[int]:
+        """The events that the guards of interrupts see a value at their end of a broadcast, which may be taken back."""
+        where = {(strand, label[3]) for strand, label in ends}
+        watchers = [use for use in self._alarms.get(medium, ()) if (use[0], use[1][3]) in where]
+        return [self._ring(medium, watcher, (), (number,)) for watcher in watchers]
+
+    def _broadcast_writes(
+        self, medium: Medium, uses: list[Use], latches: tuple[int, ...], absent: tuple[int, ...]
+    ) -> tuple[dict[Known, list[int]], list[int], list[int]]:
+        writes: dict[Known, list[int]] = {}
+        delivered: list[int] = []
+        withdrawn: list[int] = []
+        for strand, label in uses:
+            parties = (strand.number, *latches)
+            if label[0] == "write":
+                value = self._value(medium, label)
+                roles = "!" + "." * len(latches)
+                event = self._event(f"{medium.name} (written)", parties, "take", value, medium.type, roles=roles)
+                writes.setdefault(value, []).append(event)
+            elif label[0] == "delivered":
+                event = self._event(f"{medium.name} (taken by all)", (*parties, *absent), "delivered")
+                delivered.append(event)
+            elif label[0] == "withdrawn":
+                event = self._event(f"{medium.name} (taken back)", parties, "delivered")
+                withdrawn.append(event)
+            else:
+                continue
+            self._for(strand, label, event)
+        return writes, delivered, withdrawn
+
+    def _guarded_broadcasts(
+        self, medium: Medium, uses: list[Use], readers: list[list[Use]], absent: tuple[int, ...]
+    ) -> None:
+        """An output guard on a broadcast is ready when all readers wait, and all get the value at once."""
+        for strand, label in uses:
+            if label[0] != "guarded":
+                continue
+            value = self._value(medium, label)
+            fitting = [[use for use in ends if self._value(medium, use[1]) == value] for ends in readers]
+            self._limit(medium, prod(map(len, fitting)))
+            for chosen in product(*fitting):
+                reading = tuple(dict.fromkeys(reader.number for reader, _ in chosen))
+                parties, roles = (strand.number, *reading, *absent), f"!{'?' * len(reading)}{'.' * len(absent)}"
+                event = self._event(medium.name, parties, "communication", value, medium.type, roles=roles)
+                self._for(strand, label, event)
+                for reader, read in chosen:
+                    self._for(reader, read, event)
+                self._ring_all(medium, ((strand, label), *chosen))
+
+    def _ring_all(self, medium: Medium, parties: Sequence[Use]) -> None:
+        """Each of those who would take part in a broadcast by an output guard, where it is the guard of an interrupt, sees the others."""
+        for strand, label in parties:
+            for watcher, alarm in self._alarms.get(medium, ()):
+                own = (label[0] == "read" and label[3] == alarm[3]) or (label[0] == "guarded" and alarm[2] == "read")
+                if watcher is strand and own:
+                    others = [other for other in parties if other[0] is not strand]
+                    self._ring(medium, (watcher, alarm), others)
+
+
+def _text(value: Known, kind: Any) -> str | None:
+    """A value as far as it is told apart; zero is one value with either sign."""
+    match value:
+        case Range():
+            return range_text(value, kind)
+        case Given():
+            return None if value == ANY else str(value)
+        case float():
+            return value_text(value + 0.0, kind)
+    return None if value is UNKNOWN else value_text(value, kind)  # type: ignore[arg-type]

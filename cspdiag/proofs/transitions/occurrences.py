@@ -1,0 +1,265 @@
+"""Instances at their paths, and the channels and outside ports that they share, made when something asks for them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+from functools import cached_property
+from typing import Literal, TypeAlias
+
+from cspdiag.base import Span
+from cspdiag.model.types import Type
+from cspdiag.network.ir.actions import ChannelEnd, PortEnd
+from cspdiag.network.ir.expressions import Expression
+from cspdiag.network.ir.network import Attachment, ConstantEnd, ProcessClass
+from cspdiag.proofs.transitions.facts import Facts
+from cspdiag.proofs.transitions.items import Item
+from cspdiag.proofs.transitions.program import Class, Program
+from cspdiag.proofs.transitions.ranges import Cell, Range, cell_of, cells, limits_of, pieces, with_examples
+from cspdiag.proofs.transitions.told_apart import Apart
+from cspdiag.proofs.transitions.values import (
+    ANY,
+    GIVEN,
+    MOST_VALUES,
+    UNKNOWN,
+    EvaluationFault,
+    Known,
+    evaluated,
+    values_of_type,
+)
+
+MediumKind: TypeAlias = Literal[
+    "var", "sync", "broadcast", "any", "buffer", "overwrite", "sampled", "event", "output", "constant", "discard"
+]
+"""Kinds of channels; what the outside gives (``sampled``, ``event``) and takes (``output``); and ends that were left open."""
+
+CHANNELS: frozenset[MediumKind] = frozenset({"sync", "broadcast", "any", "buffer", "overwrite"})
+"""Kinds of channels between processes, but for variables."""
+PATIENT: frozenset[MediumKind] = CHANNELS | {"sampled", "event"}
+"""Kinds at which a reader may have to wait."""
+
+
+class Medium:
+    """A channel, or what else a port is attached to, with what is found out about it while processes are followed.
+
+    ``values`` are those that may be written, None for too many; only those of ``relevant`` media are collected. Numbers of which there are too many are told apart
+    by ``cells``, if there are any; then the medium is ``coarse``. A variable is ``shared`` if more than one component accesses it.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        kind: MediumKind,
+        type_: Type | None,
+        *,
+        relevant: bool = False,
+        boundaries: Iterable[int] = (),
+        span: Span | None = None,
+        given: tuple[Known, ...] = (),
+    ) -> None:
+        self.name = name
+        self.span = span
+        self.kind: MediumKind = kind
+        self.type = type_
+        self.relevant = relevant
+        self.cells: tuple[Cell, ...] = cells(type_, boundaries) if relevant else ()
+        self.given: tuple[Known, ...] = given or (UNKNOWN,)
+        """What the environment may give, as far as it is told apart."""
+        self.coarse = False
+        self.period: int | None = None
+        self.is_contended = kind == "any"
+        """Whether several processes may be after the same communication."""
+        self.capacity = 1
+        self.ends = 1
+        self.initial: Known = UNKNOWN
+        self.values: set[Known] | None = set()
+        self.shared = False
+        self._growths = 0
+        self.accessed_by: set[object] = set()
+
+    def admit(self, values: set[Known]) -> bool:
+        """Values are written here; whether any is new."""
+        if self.coarse:
+            values = set(map(self.coarsened, values))
+        if self.values is None or values <= self.values:
+            return False
+        self.values |= values
+        self._growths += 1
+        if not self.coarse and (len(self.values) > MOST_VALUES or self._growths > _MOST_GROWTHS):
+            self.coarse = bool(self.cells)
+            self.values = set(map(self.coarsened, self.values)) if self.cells else None
+        return True
+
+    def coarsened(self, value: Known) -> Known:
+        """The cell of a number; UNKNOWN for what is in none."""
+        found = cell_of(value, self.cells) if isinstance(value, int | Range) else None
+        return UNKNOWN if found is None else found
+
+    def told_apart(self, value: Known) -> Known:
+        """A value as far as it is told apart from others here."""
+        return self.coarsened(value) if self.coarse else value
+
+    def pieces(self, value: Known) -> tuple[Known, ...]:
+        """A value, or the parts of a range that are told apart here."""
+        if not isinstance(value, Range):
+            return (value,)
+        parts = pieces(value, self.cells)
+        if value.copied and len(parts) < 2:
+            return (value,)
+        return parts or (UNKNOWN,)
+
+    @property
+    def domain(self) -> tuple[Known, ...] | None:
+        """The values in a stable order, None if they are not told apart."""
+        if self.values is None or not self.relevant:
+            return None
+        return tuple(sorted(self.values, key=lambda value: (value is UNKNOWN, str(type(value)), value)))
+
+
+_MOST_GROWTHS = 8
+"""A medium to which values are added more often takes them from a circle that goes on counting."""
+
+DISCARD = Medium("_", "discard", None)
+
+
+class Occurrence:
+    """An instance of a process at its path, or the outermost process."""
+
+    def __init__(
+        self,
+        world: World,
+        path: str,
+        definition: Class,
+        arguments: dict[str, Known] | None,
+        ports: dict[tuple[str, int | None], Medium],
+        parent: Occurrence | None = None,
+        name: str = "",
+    ) -> None:
+        self.world = world
+        self.path = path
+        self.definition = definition
+        self.ports = ports
+        self.parent = parent
+        self.name = name
+        self._arguments = arguments
+        self._children: dict[str, Occurrence] = {}
+        self._channels: dict[str, Medium] = {}
+
+    @cached_property
+    def arguments(self) -> dict[str, Known]:
+        """The values of the parameters."""
+        if self._arguments is not None:
+            return self._arguments
+        assert self.parent is not None
+        given = self.parent.definition.instances[self.name].arguments
+        return {name: self.parent.constant(value) for name, value in given}
+
+    def constant(self, expression: Expression) -> Known:
+        """The value of an expression of parameters."""
+        try:
+            return evaluated(expression, lambda _: UNKNOWN, lambda name: self.arguments.get(name, UNKNOWN))
+        except EvaluationFault:
+            return UNKNOWN
+
+    def child(self, name: str) -> Occurrence:
+        """The instance of that name inside."""
+        known = self._children.get(name)
+        if known is None:
+            instance = self.definition.instances[name]
+            ports = {(c.port, c.index): self.attached(c.attachment) for c in instance.connections}
+            definition = self.world.program.classes[instance.class_name]
+            known = Occurrence(self.world, f"{self.path}.{name}", definition, None, ports, self, name)
+            self._children[name] = known
+        return known
+
+    def attached(self, end: Attachment) -> Medium:
+        """What an end, in terms of this class, is an end of."""
+        match end:
+            case PortEnd():
+                return self.ports[end.port, end.index]
+            case ChannelEnd():
+                return self.channel(end.channel)
+            case ConstantEnd():
+                medium = Medium("", "constant", end.value.type)
+                medium.initial = self.constant(end.value)
+                return medium
+        return DISCARD
+
+    def channel(self, name: str) -> Medium:
+        """A channel of this instance."""
+        known = self._channels.get(name)
+        if known is None:
+            definition = self.definition.definition
+            assert isinstance(definition, ProcessClass)
+            channel = definition.channels[self.definition.channels[name]]
+            item: Item = ("channel", self.definition.name, name)
+            known = self._channels[name] = Medium(
+                f"{self.path}.{name}",
+                channel.kind,
+                channel.type,
+                relevant=item in self.world.facts.relevant,
+                boundaries=self.world.facts.boundaries.get(item, ()),
+                span=channel.span,
+            )
+            known.capacity = channel.capacity or 1
+            known.ends = channel.ends
+            if channel.initial is not None:
+                known.initial = self.constant(channel.initial)
+        return known
+
+    def at(self, path: tuple[str, ...]) -> Occurrence:
+        """The instance at a path below this one."""
+        found = self
+        for name in path:
+            found = found.child(name)
+        return found
+
+
+class World:
+    """The outermost process and everything inside."""
+
+    def __init__(self, program: Program, facts: Facts) -> None:
+        self.program = program
+        self.facts = facts
+        network = program.network
+        media: dict[tuple[str, int | None], Medium] = {}
+        self.inputs: dict[str, Apart] = {}
+        """How the values of inputs that matter are told apart."""
+        for port in network.external_ports:
+            base = port.name.split("[", 1)[0]
+            index = port.index
+            kind: MediumKind = "output" if port.direction == "out" else "event" if port.period is None else "sampled"
+            item: Item = ("port", network.top, base)
+            apart = facts.apart(port.name)
+            name, relevant = f"{network.top}.{port.name}", item in facts.relevant
+            given: tuple[Known, ...] = ()
+            if port.direction == "in" and relevant:
+                self.inputs[port.name] = apart
+                given = _given(port.type, apart, free=facts.is_free(port.name))
+            medium = Medium(
+                name, kind, port.type, relevant=relevant, boundaries=apart.cuts, span=port.span, given=given
+            )
+            medium.period = port.period
+            medium.is_contended = port.kind == "any"
+            media[base, index] = medium
+        arguments: dict[str, Known] = dict(network.arguments)
+        self.top = Occurrence(self, network.top, program.top, arguments, media)
+
+
+def _given(kind: Type, apart: Apart, *, free: bool) -> tuple[Known, ...]:
+    """What the environment may give at an input whose values matter, or at a ``free`` one its specification."""
+    few = values_of_type(kind)
+    if few is not None:
+        return few
+    if apart.values:
+        return apart.values
+    told = cells(kind, apart.cuts)
+    if not apart.copied:
+        return told
+    if free:
+        return told or (ANY,)
+    if limits_of(kind) is None:
+        return GIVEN
+    every = with_examples(told, kind)
+    ranges = (replace(entry, copied=True) for entry in every if isinstance(entry, Range))
+    return (*(entry for entry in every if not isinstance(entry, Range)), *ranges)

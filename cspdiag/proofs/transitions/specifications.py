@@ -1,0 +1,172 @@
+"""Where the transition system of a specification does more than the specification itself: priorities and times that rule something out.
+
+A process that does what only the transition system does would be taken to refine it. Not among this is what a specification leaves open: which of its parallel processes gets on
+first, which of the guards of ``[]`` that are ready is taken, and what comes from outside, and when.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from cspdiag.network.ir.actions import (
+    AfterEvent,
+    Branch,
+    Choice,
+    InputEvent,
+    InterruptOn,
+    OutputEvent,
+    ParallelSteps,
+    ReadValue,
+    ReadyEvent,
+    RunInstance,
+    SkipEvent,
+    WaitStep,
+)
+from cspdiag.network.ir.expressions import LiteralValue
+from cspdiag.network.ir.network import ProcessClass, SubmodelClass
+from cspdiag.proofs.transitions.occurrences import Occurrence, World
+from cspdiag.proofs.transitions.program import Node
+from cspdiag.proofs.transitions.systems.system import Abstraction
+
+_ALWAYS_READY = "always"
+_INSIDE = "inside"
+_SAMPLED = "sampled"
+_TIMED = "timed"
+_EVENT = "event"
+
+
+def taken_for_more(world: World) -> Iterator[Abstraction]:
+    """What of a specification its transition system leaves out."""
+    pending = [world.top]
+    seen: set[tuple[str, ...]] = set()
+    for occurrence in pending:
+        alike = (occurrence.definition.name, *(medium.kind for medium in occurrence.ports.values()))
+        if occurrence.definition.body is None or alike in seen:
+            continue
+        seen.add(alike)
+        yield from _left_out(occurrence.definition.body, occurrence)
+        for node in _inside(occurrence.definition.body):
+            child = _run_by(node, occurrence)
+            if child is not None:
+                pending.append(child)
+
+
+def _inside(node: Node) -> Iterator[Node]:
+    yield node
+    for child in node.children:
+        yield from _inside(child)
+
+
+def _run_by(node: Node, occurrence: Occurrence) -> Occurrence | None:
+    """The process that an action runs, if it does."""
+    if not isinstance(node.action, RunInstance):
+        return None
+    instance = occurrence.definition.instances[node.action.instance]
+    definition = occurrence.world.program.classes[instance.class_name].definition
+    return occurrence.child(instance.name) if isinstance(definition, ProcessClass) else None
+
+
+def _left_out(root: Node, occurrence: Occurrence) -> Iterator[Abstraction]:
+    where = occurrence.definition.name
+    for node in _inside(root):
+        match node.action:
+            case ParallelSteps(prioritized=True):
+                yield Abstraction(f"the priorities of `||>` in `{where}` are left out", node.span)
+            case ParallelSteps() if _compete(node, occurrence):
+                yield Abstraction(
+                    f"when the parallel parts of `{where}` come to their delays and samples is left out", node.span
+                )
+            case Choice() as choice:
+                kinds = _kinds(choice, occurrence)
+                if choice.prioritized and not _in_order(kinds):
+                    yield Abstraction(f"which guard of `[]>` in `{where}` comes first is left out", node.span)
+                if _TIMED in kinds and (kinds.count(_TIMED) > 1 or not {_EVENT, _TIMED}.issuperset(kinds)):
+                    yield Abstraction(f"which guard in `{where}` is ready first in time is left out", node.span)
+                elif kinds.count(_SAMPLED) > 1:
+                    yield Abstraction(f"in which order samples come in `{where}` is left out", node.span)
+            case InterruptOn() as interrupt if _kind(interrupt.branch, occurrence) != _EVENT:
+                yield Abstraction(f"when the interrupt in `{where}` comes is left out", node.span)
+            case _:
+                pass
+
+
+def _in_order(kinds: list[str]) -> bool:
+    """Whether each guard may be taken although those before it have priority: what comes from outside may come at any time, and what is always ready is obeyed."""
+    if _ALWAYS_READY in kinds:
+        return {_EVENT}.issuperset(kinds[: kinds.index(_ALWAYS_READY)])
+    others = [kind for kind in kinds if kind != _EVENT]
+    return not others or (len(others) == 1 and (others[0] != _INSIDE or kinds[-1] == _INSIDE))
+
+
+def _kinds(choice: Choice, occurrence: Occurrence) -> list[str]:
+    """Those of the guards, without time-outs that never come because another guard is always ready."""
+    kinds = [_kind(branch, occurrence) for branch in choice.branches]
+    if _ALWAYS_READY not in kinds:
+        return kinds
+    return [kind for kind, branch in zip(kinds, choice.branches, strict=True) if not is_time_out(branch)]
+
+
+def is_time_out(branch: Branch) -> bool:
+    """Whether a guard waits for a time that is known, and not for none at all."""
+    event = branch.event
+    if not isinstance(event, AfterEvent) or not isinstance(event.duration, LiteralValue):
+        return False
+    return isinstance(event.duration.value, int) and event.duration.value > 0
+
+
+def _kind(branch: Branch, occurrence: Occurrence) -> str:
+    """On what it depends when a guard is ready."""
+    match branch.event:
+        case AfterEvent():
+            return _TIMED
+        case SkipEvent():
+            return _ALWAYS_READY
+        case OutputEvent(sink=sink):
+            kind = occurrence.attached(sink).kind
+            return _ALWAYS_READY if kind in ("output", "var", "discard", "overwrite") else _INSIDE
+        case InputEvent(source=source) | ReadyEvent(source=source):
+            medium = occurrence.attached(source)
+            if medium.kind == "event" and not medium.is_contended:
+                return _EVENT
+            if medium.kind == "sampled":
+                return _SAMPLED
+            return (
+                _INSIDE
+                if medium.kind in ("sync", "any", "broadcast", "buffer", "overwrite", "event")
+                else _ALWAYS_READY
+            )
+
+
+def _compete(parallel: Node, occurrence: Occurrence) -> bool:
+    """Whether times decide which of the branches comes first: two of them follow samples, or one waits for delays."""
+    found = [_times_in(child, occurrence) for child in parallel.children]
+    return len(found) > 1 and (any(_TIMED in times for times in found) or sum(map(bool, found)) > 1)
+
+
+def _times_in(root: Node, occurrence: Occurrence) -> set[str]:
+    found: set[str] = set()
+    for node in _inside(root):
+        match node.action:
+            case WaitStep():
+                found.add(_TIMED)
+            case ReadValue(source=source) if occurrence.attached(source).kind == "sampled":
+                found.add(_SAMPLED)
+            case Choice() as choice:
+                found |= {_kind(branch, occurrence) for branch in choice.branches} & {_TIMED, _SAMPLED}
+            case InterruptOn() as interrupt:
+                found |= {_kind(interrupt.branch, occurrence)} & {_TIMED, _SAMPLED}
+            case RunInstance():
+                found |= _times_of(node.action.instance, occurrence)
+            case _:
+                pass
+    return found
+
+
+def _times_of(name: str, occurrence: Occurrence) -> set[str]:
+    instance = occurrence.definition.instances[name]
+    definition = occurrence.world.program.classes[instance.class_name].definition
+    if isinstance(definition, SubmodelClass):
+        media = (occurrence.attached(connection.attachment) for connection in instance.connections)
+        return {_SAMPLED for medium in media if medium.kind == "sampled"}
+    child = occurrence.child(name)
+    return set() if child.definition.body is None else _times_in(child.definition.body, child)

@@ -1,0 +1,1 @@
+"""Communicating state machines: components, events and what is made of them."""

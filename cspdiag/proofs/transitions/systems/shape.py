@@ -1,0 +1,71 @@
+"""A template with its labels numbered, and without the states before a start that happens at once."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from cspdiag.proofs.transitions.systems.template import INTERNAL_LABEL, Label, ParallelId, Spot, Template
+
+
+class Shape:
+    """The machine of a thread; ``started`` says that it has been started when the system begins, and labels in ``never`` do not happen.
+
+    ``forked_at_once`` are the parallels that it has then started too: nothing else can happen first, nor can it come back to that.
+    """
+
+    def __init__(self, template: Template, *, started: bool, never: frozenset[Label] = frozenset()) -> None:
+        edges = template.edges
+        if never:
+            edges = _without(edges, never)
+        initial = 0
+        if started and edges[0] and edges[0][0][0] == ("start",):
+            initial = edges[0][0][1]
+        self.forked_at_once: list[ParallelId] = []
+        while started and len(edges[initial]) == 1 and edges[initial][0][0][0] == "fork":
+            ((label, target),) = edges[initial]
+            if initial in _reached(edges, target):
+                break
+            self.forked_at_once.append(label[1])
+            initial = target
+        order = _reached(edges, initial)
+        numbers = {state: number for number, state in enumerate(order)}
+        labels: dict[Label, int] = {}
+        self.edges: list[list[tuple[int, int]]] = [
+            [(labels.setdefault(label, len(labels)), numbers[target]) for label, target in edges[state]]
+            for state in order
+        ]
+        self.labels: list[Label] = list(labels)
+        self.label_numbers = labels
+        self.terminal = frozenset(numbers[state] for state in template.terminal if state in numbers)
+        self.spots: list[Spot] = [template.spots[state] for state in order]
+
+
+def _without(edges: Sequence[Sequence[tuple[Label, int]]], never: frozenset[Label]) -> list[list[tuple[Label, int]]]:
+    """The edges that are left, past states that had been there for what never happens and lead on by themselves now."""
+    left = [[edge for edge in found if edge[0] not in never] for found in edges]
+    past = {
+        state: after[0][1]
+        for state, (before, after) in enumerate(zip(edges, left, strict=True))
+        if len(after) == 1 < len(before) and after[0][0] == INTERNAL_LABEL
+    }
+    return [[(label, _past(past, target)) for label, target in found] for found in left]
+
+
+def _past(past: Mapping[int, int], state: int) -> int:
+    seen = {state}
+    while state in past and past[state] not in seen:
+        state = past[state]
+        seen.add(state)
+    return state
+
+
+def _reached(edges: Sequence[Sequence[tuple[Label, int]]], start: int) -> list[int]:
+    """The states that can be come to, in the order in which they are found, the first one first."""
+    order = [start]
+    seen = {start}
+    for state in order:
+        for _, target in edges[state]:
+            if target not in seen:
+                seen.add(target)
+                order.append(target)
+    return order

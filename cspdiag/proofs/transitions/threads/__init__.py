@@ -1,0 +1,1 @@
+"""Threads of control, followed from the composition to states and edges."""

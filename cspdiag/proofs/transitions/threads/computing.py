@@ -1,0 +1,293 @@
+"""What a thread knows: the values of its expressions, what they may fail with, and how it ends."""
+
+from __future__ import annotations
+
+from itertools import product
+
+from cspdiag.base import Span
+from cspdiag.model.types import ArrayType, RealType, StructType, Type
+from cspdiag.network.dump.expression import expression_text
+from cspdiag.network.ir.actions import AfterEvent, Branch, InputEvent, OutputEvent, ReadyEvent, Target
+from cspdiag.network.ir.expressions import Expression, FunctionCall, LiteralValue, PresentTime
+from cspdiag.proofs.transitions.facts import FAULT
+from cspdiag.proofs.transitions.occurrences import Medium
+from cspdiag.proofs.transitions.program import Node
+from cspdiag.proofs.transitions.ranges import Range, bounds
+from cspdiag.proofs.transitions.systems.template import INSTANT, Label, Reference
+from cspdiag.proofs.transitions.threads.thread import Configuration, Context, Frame, NeedsLoad, Restart, Stack, Thread
+from cspdiag.proofs.transitions.values import (
+    ANY,
+    UNKNOWN,
+    EvaluationFault,
+    Known,
+    replaced_element,
+    values_of_type,
+    variables_in,
+)
+
+RISK = ("risk",)
+"""Stands for a shared variable that is loaded: the fault that a step may end in, which it does not."""
+
+
+class Computing:
+    """The values and the ends of one thread."""
+
+    def __init__(self, thread: Thread) -> None:
+        self.thread = thread
+
+    def finished(self, configuration: Configuration) -> Configuration | None:
+        """The thread has come to its end."""
+        return configuration._replace(stack=(("ended",), None), doomed=False, fetched=None, loaded=())
+
+    def abandoned(self, configuration: Configuration) -> Configuration:
+        """A cancelled thread ends at this point of its composition."""
+        stack = configuration.stack
+        while stack is not None:
+            frame, stack = stack
+            if frame[0] == "leave":
+                configuration = self.thread.closed(configuration, frame[1])
+        return configuration._replace(stack=(("ended",), None), doomed=False, fetched=None, loaded=())
+
+    def thrown(self, configuration: Configuration, exception: str) -> Configuration:
+        """An exception goes up to who catches it, or ends the thread."""
+        stack = configuration.stack
+        while stack is not None:
+            frame, stack = stack
+            if frame[0] == "catch" and frame[1] == exception:
+                handler = ("run", frame[2], frame[3])
+                return configuration._replace(stack=(handler, stack), fetched=None, loaded=())
+            if frame[0] == "leave":
+                configuration = self.thread.closed(configuration, frame[1])
+            elif frame[0] == "interrupt" and self.may_be_chosen(configuration, frame):
+                return configuration._replace(stack=(("closing", frame, exception), stack), fetched=None, loaded=())
+        end: Frame = ("raised", exception)
+        if exception == FAULT and not (self.thread.role.outermost or self.thread.role.caught):
+            end = ("ended",) if configuration.doomed else ("faulted",)
+        return configuration._replace(stack=(end, None), doomed=False, fetched=None, loaded=())
+
+    def may_be_chosen(self, configuration: Configuration, interrupt: Frame) -> bool:
+        """Whether an alternative of somebody else may choose the guard of an interrupt although the body is about to end by itself."""
+        _, node, context, _ = interrupt
+        event = node.action.branch.event
+        if configuration.doomed or not isinstance(event, InputEvent | OutputEvent | ReadyEvent):
+            return False
+        reference = context.reference(event.sink if isinstance(event, OutputEvent) else event.source)
+        return self.thread.medium(reference).kind in ("sync", "any", "broadcast")
+
+    def passing(self, c: Configuration, following: Stack, node: Node) -> Configuration:
+        """Goes on with ``following``; inside an interrupt, whose guard is looked at here as where the process waits."""
+        stack = following
+        while stack is not None:
+            if stack[0][0] == "interrupt":
+                return c._replace(stack=(("pass", node), following))
+            stack = stack[1]
+        return c._replace(stack=following)
+
+    def cannot_fuse(self, c: Configuration) -> None:
+        """What a ready guard has read cannot be handed to who reads it: the guard is taken without reading instead."""
+        assert c.fetched is not None
+        self.thread.unfused.add(c.fetched[2])
+        raise Restart
+
+    def evaluate(self, configuration: Configuration, context: Context, expression: Expression) -> Known:
+        """A value; where faults are caught, an evaluation that may fail is first seen to ``risk`` it."""
+        value = self.thread.evaluate(configuration, context, expression)
+        if value is UNKNOWN or isinstance(value, Range):
+            self.compute_risk(configuration, context, expression)
+        return value
+
+    def compute_risk(self, configuration: Configuration, context: Context, expression: Expression) -> None:
+        """Computes an expression whose value does not matter."""
+        facts = self.thread.facts
+        if not (facts.catches_faults or facts.specification is not None):
+            return
+        if facts.faults.of_expression(expression, context.definition.name):
+            self.risk(configuration, expression.span)
+            if facts.specification is not None:
+                what = f"`{_as_written(expression)}` in `{context.definition.name}` may end in a fault or not"
+                self.thread.abstracted(what, expression.span)
+
+    def risk(self, configuration: Configuration, span: Span | None) -> None:
+        """A step that may end in a fault, where faults are caught."""
+        if not self.thread.facts.catches_faults or any(loaded == RISK for loaded, _ in configuration.loaded):
+            return
+        if self.faults_are_caught(configuration):
+            raise NeedsLoad((*RISK, span))
+
+    def faults_are_caught(self, configuration: Configuration) -> bool:
+        """Whether a ``catch Fault`` is around what the thread does."""
+        if not self.thread.facts.catches_faults:
+            return False
+        stack = configuration.stack
+        while stack is not None:
+            frame, stack = stack
+            if frame[0] == "catch" and frame[1] == FAULT:
+                return True
+        return self.thread.role.caught
+
+    def outcomes(
+        self, configuration: Configuration, context: Context, condition: Expression
+    ) -> list[tuple[bool, Configuration]]:
+        """Whether a condition holds: one answer, or several where that is left open; a variable of few values is then given the one that decides."""
+        value = self.evaluate(configuration, context, condition)
+        if value is not UNKNOWN:
+            return [(bool(value), configuration)]
+        open_ = self._open_variables(configuration, context, condition)
+        found: list[tuple[bool, Configuration]] = []
+        for values in product(*(choices for _, choices in open_)):
+            given = configuration
+            for (reference, _), chosen in zip(open_, values, strict=True):
+                given = self.thread.with_slot(given, reference, chosen)
+            decided = self.thread.evaluate(given, context, condition) if open_ else UNKNOWN
+            answers = (True, False) if decided is UNKNOWN else (bool(decided),)
+            found += [(answer, given) for answer in answers]
+        return found
+
+    def _open_variables(
+        self, configuration: Configuration, context: Context, condition: Expression
+    ) -> list[tuple[Reference, tuple[Known, ...]]]:
+        """The unknown variables in a condition that have few values and are followed here."""
+        found: dict[Reference, tuple[Known, ...]] = {}
+        number = 1
+        for variable in variables_in(condition):
+            reference = ("channel", context.path, variable.channel)
+            values = values_of_type(variable.type)
+            if values is None or reference in found or reference in self.thread.dropped:
+                continue
+            if self.thread.is_shared(reference) or self.thread.slot_value(configuration, reference) is not UNKNOWN:
+                continue
+            number *= len(values)
+            if number > 16:
+                break
+            found[reference] = values
+        return list(found.items())
+
+    def assigned(self, configuration: Configuration, context: Context, target: Target, value: Known) -> Configuration:
+        """A variable, or an element of it, is given a value."""
+        if target.channel == "":
+            return configuration
+        faults = self.thread.facts.faults
+        if target.indexes and faults.of_target(target, context.definition.name):
+            self.risk(configuration, target.indexes[0].span)
+        reference = ("channel", context.path, target.channel)
+        if not self.thread.medium(reference).relevant:
+            _check_indexes(target, self.thread.medium(reference).type)
+            return configuration
+        if target.indexes:
+            whole = self.thread.value_of(configuration, reference)
+            indexes = tuple(self.thread.evaluate(configuration, context, index) for index in target.indexes)
+            value = replaced_element(whole, indexes, value)
+        return self.stored(configuration, reference, value)
+
+    def stored(self, configuration: Configuration, reference: Reference, value: Known) -> Configuration:
+        """A variable is given a value; a shared one at the next step."""
+        if reference[0] in ("constant", "discard") or not self.thread.medium(reference).relevant:
+            return configuration
+        parts = self.thread.pieces(reference, value)
+        if len(parts) > 1:
+            choices = tuple(("storing", reference, part) for part in parts)
+            return configuration._replace(stack=(("split", choices), configuration.stack))
+        (value,) = parts
+        if self.thread.is_shared(reference):
+            value = UNKNOWN if value == ANY else value
+            self.thread.wrote(reference, value)
+            return configuration._replace(stack=(("store", reference, value), configuration.stack))
+        return self.thread.with_slot(configuration, reference, value)
+
+    def _shown(self, c: Configuration, context: Context, medium: Medium, expression: Expression) -> Known:
+        """What a specification, or who is held against one, writes to an output. What is computed from numbers that are not told apart may be any number."""
+        value = UNKNOWN if isinstance(expression, PresentTime) else self.evaluate(c, context, expression)
+        if value is not UNKNOWN and not (isinstance(value, Range) and not value.copied):
+            return value
+        if _has_real(expression.type):
+            self.risk(c, expression.span)  # NaN and infinity are no values of outputs.
+        what = "of a control law" if isinstance(expression, PresentTime) else f"of `{_as_written(expression)}`"
+        self.not_shown(context, medium, what, expression.span)
+        return UNKNOWN
+
+    def not_shown(self, context: Context, medium: Medium, of: str, span: Span | None) -> None:
+        """A value that a specification writes is not followed, and so is not any value."""
+        if self.thread.facts.specification is not None:
+            output = medium.name.rpartition(".")[2]
+            where = context.definition.name
+            self.thread.abstracted(f"the value {of} that `{where}` writes to `{output}` is not followed", span)
+
+    def spent(self, c: Configuration) -> Configuration:
+        """After a value that a specification chooses was written: written again it would have to be the same one."""
+        if ANY not in c.variables:
+            return c
+        return c._replace(variables=tuple(UNKNOWN if value == ANY else value for value in c.variables))
+
+    def takes_time(self, c: Configuration, context: Context, duration: Expression) -> bool:
+        """Whether a delay that begins here surely lasts longer than zero."""
+        durations = self.thread.facts.durations
+        name = context.definition.name
+        if durations.surely_takes_time(name, duration):
+            return True
+        try:
+            value = self.thread.evaluate(c, context, duration)
+        except (NeedsLoad, EvaluationFault):
+            value = UNKNOWN
+        if isinstance(value, int | Range):
+            return bounds(value)[0] > 0
+        if self.thread.facts.specification is None and not durations.is_over_at_once(name, duration):
+            self.thread.abstracted(f"`{expression_text(duration)}` in `{name}` may be no time at all", duration.span)
+        return False
+
+    def delay(self, words: str, takes_time: Known) -> Label:
+        """The label of the end of a delay."""
+        return ("time", words) if takes_time is True else ("time", words, INSTANT)
+
+    def offered(self, c: Configuration, context: Context, branch: Branch) -> Known:
+        """What an output guard writes, and whether a time-out surely takes time; it is evaluated when the alternative begins."""
+        if isinstance(branch.event, AfterEvent):
+            self.compute_risk(c, context, branch.event.duration)
+            return self.takes_time(c, context, branch.event.duration)
+        if not isinstance(branch.event, OutputEvent):
+            return UNKNOWN
+        reference = context.reference(branch.event.sink)
+        value = self.communicated(c, context, reference, branch.event.value)
+        return value if len(self.thread.medium(reference).pieces(value)) == 1 else UNKNOWN
+
+    def communicated(self, c: Configuration, context: Context, reference: Reference, expression: Expression) -> Known:
+        """The value of an expression that is written to a medium, if values of that medium are followed."""
+        medium = self.thread.medium(reference)
+        if medium.relevant and medium.kind == "output":
+            return self._shown(c, context, medium, expression)
+        if medium.relevant and not isinstance(expression, PresentTime):
+            value = self.evaluate(c, context, expression)
+            return UNKNOWN if value == ANY else value
+        self.compute_risk(c, context, expression)
+        if self.thread.medium(reference).kind != "output":
+            return UNKNOWN
+        if isinstance(expression, LiteralValue):
+            return expression.value
+        if _has_real(expression.type):
+            self.risk(c, expression.span)  # NaN and infinity are no values of outputs.
+        return UNKNOWN
+
+
+def _as_written(expression: Expression) -> str:
+    """As the text has it, without the test of what is stored."""
+    if isinstance(expression, FunctionCall) and expression.function == "finite":
+        (expression,) = expression.arguments
+    return expression_text(expression)
+
+
+def _check_indexes(target: Target, kind: Type | None) -> None:
+    """Raises EvaluationFault where an element is certainly none of an array."""
+    for index in target.indexes:
+        assert isinstance(kind, ArrayType)
+        number = index.value if isinstance(index, LiteralValue) else 0
+        if kind.size is not None and isinstance(number, int) and not 0 <= number < kind.size:
+            raise EvaluationFault(f"there is no element {number}")
+        kind = kind.element
+
+
+def _has_real(kind: Type) -> bool:
+    match kind:
+        case StructType(fields=fields):
+            return any(_has_real(field) for _, field in fields)
+        case ArrayType(element=element):
+            return _has_real(element)
+    return isinstance(kind, RealType)

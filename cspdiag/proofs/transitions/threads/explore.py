@@ -1,0 +1,88 @@
+"""All configurations of a thread, made into a template."""
+
+from __future__ import annotations
+
+from cspdiag.proofs.transitions.occurrences import Occurrence
+from cspdiag.proofs.transitions.program import Node
+from cspdiag.proofs.transitions.systems.minimal import minimized
+from cspdiag.proofs.transitions.systems.template import Template
+from cspdiag.proofs.transitions.threads.follow import Follower
+from cspdiag.proofs.transitions.threads.offers import Offers
+from cspdiag.proofs.transitions.threads.spots import spot
+from cspdiag.proofs.transitions.threads.thread import Configuration, Restart, Role, Thread
+
+MANY_STATES = 3_000
+"""A thread with more states gives up following a variable that has several values, if there is one."""
+MOST_STATES = 200_000
+"""A thread with more states is refused."""
+
+
+class TransitionError(Exception):
+    """A program whose transition system cannot be made; the message is one line."""
+
+
+def explore(occurrence: Occurrence, node: Node | None, role: Role) -> Template:
+    """The template of a thread. Raises TransitionError if it has too many states whatever is left open."""
+    thread = Thread(occurrence, node, role)
+    while True:
+        try:
+            return _explored(thread)
+        except Restart:
+            widened, dropped, unfused = thread.widened, thread.dropped, thread.unfused
+            thread = Thread(occurrence, node, role)
+            thread.widened, thread.dropped, thread.unfused = widened, dropped, unfused
+
+
+def _explored(thread: Thread) -> Template:
+    follower = Follower(thread)
+    offers = Offers(thread, follower)
+    template = thread.template
+    begin = (
+        Configuration((("idle",), None))
+        if not thread.role.outermost
+        else follower.settled(Configuration(offers.body()))
+    )
+    numbers: dict[Configuration, int] = {begin: 0}
+    order = [begin]
+    limit = MANY_STATES
+    for configuration in order:
+        edges: list[tuple[object, int]] = []
+        seen: set[tuple[object, int]] = set()
+        for label, unsettled in offers.moves(configuration):
+            target = follower.settled(unsettled)
+            number = numbers.get(target)
+            if number is None:
+                number = numbers[target] = len(order)
+                order.append(target)
+                thread.count(target)
+            if (label, number) not in seen:
+                seen.add((label, number))
+                edges.append((label, number))
+        template.edges.append(edges)  # type: ignore[arg-type]
+        if len(order) > limit:
+            if thread.give_up(order):
+                raise Restart
+            limit = MOST_STATES
+            if len(order) > MOST_STATES:
+                where = thread.root.occurrence.path
+                raise TransitionError(f"`{where}` has more than {MOST_STATES} states, whatever is left open")
+    for number, configuration in enumerate(order):
+        assert configuration.stack is not None
+        frame = configuration.stack[0]
+        template.spots.append(spot(thread, configuration))
+        if frame[0] in ("idle", "ended", "over", "faulted", "raised", "join") and not (
+            frame[0] == "raised" and not thread.role.outermost
+        ):
+            template.terminal.add(number)
+    _tell_what_was_widened(thread)
+    return minimized(template)
+
+
+def _tell_what_was_widened(thread: Thread) -> None:
+    for reference in sorted(thread.widened | thread.dropped, key=str):
+        medium = thread.medium(reference)
+        name = medium.name.rsplit(".", 1)[-1]
+        what = f"of the values of `{name}` only ranges are followed: there are too many"
+        if reference in thread.dropped:
+            what = f"the values of `{name}` are not followed: there are too many"
+        thread.abstracted(what, medium.span)

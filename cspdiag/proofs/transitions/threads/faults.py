@@ -1,0 +1,145 @@
+"""Which computations may end in a fault: only those are followed both ways, and only where a ``catch Fault`` is around them.
+
+A fault that nobody catches ends the program, which is neither a deadlock nor a further communication. Sums and differences of 64-bit integers are taken not to
+overflow: a counter of milliseconds would need 292 million years. Those of parameters and constants alone do not count: they overflow at once or never.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+from cspdiag.model.types import ArrayType, IntType, TimeType, Type, UnknownType
+from cspdiag.network.checks.unwritten import may_be_unwritten, ports_of_unwritten
+from cspdiag.network.ir.actions import ChannelEnd, PortEnd, Target
+from cspdiag.network.ir.expression_walk import walk
+from cspdiag.network.ir.expressions import (
+    BinaryOperation,
+    Conversion,
+    ElementValue,
+    Expression,
+    FunctionCall,
+    LiteralValue,
+    PresentTime,
+    SignalValue,
+    UnaryOperation,
+    VariableValue,
+)
+from cspdiag.network.ir.faults import conversion_fits, index_fits, is_index_of
+from cspdiag.network.ir.network import Attachment, ExternalCall, InstanceOf, Network, ProcessClass, SubmodelClass
+from cspdiag.network.ir.ranges import needs_check
+
+_MAY_FAIL = frozenset({"sqrt", "log", "exp", "asin", "acos", "quantize", "finite"})
+
+
+class Faults:
+    """What may fail in a network."""
+
+    def __init__(self, network: Network) -> None:
+        self._network = network
+        self._known: dict[tuple[str, Expression], bool] = {}
+        self._laws: dict[str, bool] = {}
+
+    @cached_property
+    def _variables(self) -> dict[str, frozenset[str]]:
+        return may_be_unwritten(self._network)
+
+    @cached_property
+    def _ports(self) -> dict[str, frozenset[tuple[str, int | None]]]:
+        return ports_of_unwritten(self._network)
+
+    def of_expression(self, expression: Expression, class_name: str) -> bool:
+        """Whether the evaluation in a class may fail."""
+        key = (class_name, expression)
+        known = self._known.get(key)
+        if known is None:
+            known = self._known[key] = any(self._part(part, class_name) for part in walk(expression))
+        return known
+
+    def of_part(self, part: Expression, class_name: str) -> bool:
+        """Whether an operation itself may fail, apart from its operands. Sums of reals that are not followed long enough to become infinite do not."""
+        if isinstance(part, FunctionCall) and part.function == "finite":
+            return any(isinstance(inner, BinaryOperation) and inner.operator not in ("+", "-") for inner in walk(part))
+        return self._part(part, class_name)
+
+    def of_target(self, target: Target, class_name: str) -> bool:
+        """Whether an index of what is assigned may be out of range, or its evaluation may fail."""
+        kind: Type = self._types[class_name, target.channel] if target.indexes else UnknownType()
+        for index in target.indexes:
+            if not is_index_of(index, kind) or self.of_expression(index, class_name):
+                return True
+            assert isinstance(kind, ArrayType)
+            kind = kind.element
+        return False
+
+    @cached_property
+    def _types(self) -> dict[tuple[str, str], Type]:
+        classes = [entry for entry in self._network.classes if isinstance(entry, ProcessClass)]
+        return {(entry.name, channel.name): channel.type for entry in classes for channel in entry.channels}
+
+    def of_read(self, end: Attachment, class_name: str) -> bool:
+        """Whether a variable behind an end of a class may not have been written yet."""
+        match end:
+            case ChannelEnd():
+                return end.channel in self._variables.get(class_name, ())
+            case PortEnd():
+                return (end.port, end.index) in self._ports.get(class_name, ())
+        return False
+
+    def of_inputs(self, instance: InstanceOf, class_name: str) -> bool:
+        """Whether an instance of a submodel may read a variable that was not written."""
+        return any(self.of_read(connection.attachment, class_name) for connection in instance.connections)
+
+    def of_law(self, law: SubmodelClass) -> bool:
+        """Whether a sample of a control law may fail."""
+        known = self._laws.get(law.name)
+        if known is None:
+            known = self._laws[law.name] = self._of_law(law)
+        return known
+
+    def _of_law(self, law: SubmodelClass) -> bool:
+        if law.external is not None or any(isinstance(equation, ExternalCall) for equation in law.equations):
+            return True
+        equations = (*law.equations, *law.derivative_equations)
+        values = [equation.value for equation in equations if not isinstance(equation, ExternalCall)]
+        values += [value for _, value in (*law.next_values, *law.derivatives)]
+        return any(self.of_expression(value, law.name) for value in values)
+
+    def _part(self, part: Expression, class_name: str) -> bool:
+        match part:
+            case VariableValue():
+                return part.channel in self._variables.get(class_name, ())
+            case BinaryOperation():
+                return _operation(part)
+            case UnaryOperation(operator="-"):
+                return needs_check(part) and not (_is_wide(part.type) and _varies(part))
+            case FunctionCall():
+                return part.function in _MAY_FAIL or (isinstance(part.type, IntType) and needs_check(part))
+            case Conversion():
+                return not conversion_fits(part)
+            case ElementValue():
+                return not index_fits(part)
+            case PresentTime():
+                return False
+        return False
+
+
+def _is_wide(kind: Type) -> bool:
+    return isinstance(kind, TimeType) or (isinstance(kind, IntType) and kind.bits == 64)
+
+
+def _varies(expression: Expression) -> bool:
+    return any(isinstance(part, VariableValue | SignalValue | PresentTime) for part in walk(expression))
+
+
+def _operation(part: BinaryOperation) -> bool:
+    match part.operator:
+        case "+" | "-":
+            whole = isinstance(part.type, IntType | TimeType)
+            return whole and needs_check(part) and not (_is_wide(part.type) and _varies(part))
+        case "*":
+            return isinstance(part.type, IntType | TimeType) and needs_check(part)
+        case "/" | "%":
+            return not (isinstance(part.right, LiteralValue) and part.right.value not in (0, -1))
+        case "^":
+            return True
+    return False

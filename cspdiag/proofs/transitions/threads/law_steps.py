@@ -1,0 +1,93 @@
+"""The silent steps of a control law: what of its inputs and outputs has to wait, and what it writes to variables."""
+
+from __future__ import annotations
+
+from cspdiag.network.ir.expressions import LiteralValue
+from cspdiag.network.ir.network import Connection, ExternalCall, SubmodelClass
+from cspdiag.proofs.transitions.occurrences import PATIENT
+from cspdiag.proofs.transitions.program import Node
+from cspdiag.proofs.transitions.systems.template import Reference
+from cspdiag.proofs.transitions.threads.computing import Computing
+from cspdiag.proofs.transitions.threads.thread import Configuration, Context, Stack
+from cspdiag.proofs.transitions.values import UNKNOWN, Known
+
+
+class LawSteps(Computing):
+    """Runs the control laws of one thread."""
+
+    def connections(self, context: Context, instance: str, direction: str) -> list[tuple[Connection, Reference]]:
+        """The connections of a submodel on one side, in the order of its ports, with their media."""
+        law = self.thread.law(context, instance)
+        assert law is not None
+        names = {port.name for port in law.ports if port.direction == direction}
+        connections = context.definition.instances[instance].connections
+        return [(c, context.reference(c.attachment)) for c in connections if c.port in names]
+
+    def _reading(self, c: Configuration, frame: tuple[object, ...], rest: Stack) -> Configuration | None:
+        """The inputs that are still to be read: all at first."""
+        _, context, instance, node, remaining = frame
+        assert isinstance(node, Node)
+        assert isinstance(context, Context)
+        assert isinstance(instance, str)
+        if remaining is None:
+            instance_of = context.definition.instances[instance]
+            if self.thread.facts.faults.of_inputs(instance_of, context.definition.name):
+                self.risk(c, instance_of.span)
+            inputs = self.connections(context, instance, "in")
+            waiting = [i for i, (_, reference) in enumerate(inputs) if self.thread.medium(reference).kind in PATIENT]
+            if c.fetched is not None:
+                fetched = c.fetched[0]
+                kept = [i for i in waiting if inputs[i][1] != fetched]
+                if len(kept) == len(waiting) and waiting:
+                    self.cannot_fuse(c)
+                c = c if len(kept) == len(waiting) else c._replace(fetched=None)
+                waiting = kept
+            if not waiting:
+                return self.passing(c._replace(loaded=()), rest, node)
+            return c._replace(stack=(("reading", context, instance, node, tuple(waiting)), rest), loaded=())
+        return None if remaining else c._replace(stack=rest)
+
+    def _compute(self, c: Configuration, frame: tuple[object, ...], rest: Stack) -> Configuration | None:
+        _, context, instance, node = frame
+        assert isinstance(context, Context)
+        assert isinstance(instance, str)
+        law = self.thread.law(context, instance)
+        assert law is not None
+        outputs = self.connections(context, instance, "out")
+        shown = any(self.thread.medium(reference).kind == "output" for _, reference in outputs)
+        if shown or self.thread.facts.faults.of_law(law):
+            self.risk(c, context.definition.instances[instance].span)
+        c = c._replace(stack=(("writing", context, instance, node, None), rest), loaded=())
+        for connection, reference in outputs:
+            if self.thread.medium(reference).kind == "var":
+                c = self.stored(c, reference, constant_output(law, connection.port))
+        return c
+
+    def _writing(self, c: Configuration, frame: tuple[object, ...], rest: Stack) -> Configuration | None:
+        """The outputs that are still to be written: all at first."""
+        _, context, instance, node, remaining = frame
+        assert isinstance(node, Node)
+        assert isinstance(context, Context)
+        assert isinstance(instance, str)
+        if remaining is None:
+            if c.doomed:
+                return self.abandoned(c)
+            outputs = self.connections(context, instance, "out")
+            kinds = [self.thread.medium(reference).kind for _, reference in outputs]
+            left = tuple(i for i, kind in enumerate(kinds) if kind not in ("var", "discard"))
+            if not left:
+                return self.passing(c, rest, node)
+            return c._replace(stack=(("writing", context, instance, node, left), rest))
+        return None if remaining else c._replace(stack=rest)
+
+
+def constant_output(law: SubmodelClass, port: str) -> Known:
+    """The value of an output that is always the same."""
+    for equation in law.equations:
+        if (
+            not isinstance(equation, ExternalCall)
+            and equation.name == port
+            and isinstance(equation.value, LiteralValue)
+        ):
+            return equation.value.value
+    return UNKNOWN

@@ -1,0 +1,307 @@
+"""A thread of control: what its names stand for, its variables, and its configurations."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any, NamedTuple, TypeAlias
+
+from cspdiag.base import Span
+from cspdiag.network.ir.actions import ChannelEnd, End, PortEnd
+from cspdiag.network.ir.expressions import Expression
+from cspdiag.network.ir.network import Attachment, ConstantEnd, SubmodelClass
+from cspdiag.proofs.transitions.occurrences import Medium, Occurrence
+from cspdiag.proofs.transitions.program import Class, Node
+from cspdiag.proofs.transitions.systems.system import Abstraction
+from cspdiag.proofs.transitions.systems.template import Path, ReadingEnd, Reference, Template
+from cspdiag.proofs.transitions.values import MOST_VALUES, UNKNOWN, Known, evaluated, same
+
+
+class Context:
+    """A process inside a thread, in whose terms an action stands."""
+
+    __slots__ = ("definition", "occurrence", "path", "ports")
+
+    def __init__(self, path: Path, occurrence: Occurrence, ports: dict[tuple[str, int | None], Reference]) -> None:
+        self.path = path
+        self.occurrence = occurrence
+        self.definition: Class = occurrence.definition
+        self.ports = ports
+
+    def reference(self, end: Attachment) -> Reference:
+        """The medium of an end."""
+        match end:
+            case PortEnd():
+                return self.ports[end.port, end.index]
+            case ChannelEnd():
+                return ("channel", self.path, end.channel)
+            case ConstantEnd():
+                return ("constant", self.occurrence.constant(end.value))
+        return ("discard",)
+
+
+Frame: TypeAlias = tuple[Any, ...]
+"""One thing that is still to be done: its kind, and what it needs."""
+
+Stack: TypeAlias = "tuple[Frame, Stack] | None"
+
+
+class Configuration(NamedTuple):
+    """Where a thread is: what is to be done, the next first; the values of its variables; whether it was cancelled and only goes on to its next
+    communication; what a ready guard has read already (medium, value, guard); and values of shared variables that were loaded for the next step.
+    """
+
+    stack: Stack
+    variables: tuple[Known, ...] = ()
+    doomed: bool = False
+    fetched: tuple[Reference, Known, Node] | None = None
+    loaded: tuple[tuple[object, Known], ...] = ()
+
+
+class Role(NamedTuple):
+    """What a thread is to others: the outermost process or a branch; one that may be cancelled; one whose faults are caught by whoever started it; one
+    that runs ``once`` at most.
+    """
+
+    outermost: bool
+    cancellable: bool
+    caught: bool
+    once: bool
+
+
+class NeedsLoad(Exception):  # noqa: N818 - a step that is to be taken first
+    """A shared variable has to be loaded first."""
+
+    def __init__(self, reference: Reference) -> None:
+        self.reference = reference
+
+
+class Restart(Exception):  # noqa: N818
+    """Something turned out that the whole thread has to be followed with."""
+
+
+class Thread:
+    """A branch of a parallel, or the outermost process, while it is followed.
+
+    ``widened`` variables, of which ranges are followed, ``dropped`` ones, of which nothing is, and ``unfused`` guards are those found out in earlier rounds.
+    """
+
+    def __init__(self, occurrence: Occurrence, node: Node | None, role: Role) -> None:
+        self.node = node
+        self.role = role
+        self.facts = occurrence.world.facts
+        self.widened: set[Reference] = set()
+        self.dropped: set[Reference] = set()
+        self.unfused: set[Node] = set()
+        self.template = Template()
+        self._media: dict[Reference, Medium] = {}
+        first: dict[int, Reference] = {}
+        ports: dict[tuple[str, int | None], Reference] = {}
+        for (name, index), medium in occurrence.ports.items():
+            if medium.kind == "constant":
+                ports[name, index] = ("constant", medium.initial)
+            elif medium.kind == "discard":
+                ports[name, index] = ("discard",)
+            else:
+                ports[name, index] = first.setdefault(id(medium), ("port", name, index))
+        self.root = Context((), occurrence, ports)
+        self._contexts: dict[Path, Context] = {(): self.root}
+        self._slots: dict[object, int] = {}
+        self._initial: list[Known] = []
+        self._values: list[set[Known]] = []
+        self._sessions: dict[Path, list[object]] = {}
+
+    def context(self, outer: Context, name: str) -> Context:
+        """The process that an instance inside is."""
+        path = (*outer.path, name)
+        known = self._contexts.get(path)
+        if known is None:
+            instance = outer.definition.instances[name]
+            ports = {(c.port, c.index): outer.reference(c.attachment) for c in instance.connections}
+            known = self._contexts[path] = Context(path, outer.occurrence.child(name), ports)
+        return known
+
+    def law(self, outer: Context, name: str) -> SubmodelClass | None:
+        """The class of an instance if it is a submodel."""
+        definition = self.facts.program.classes[outer.definition.instances[name].class_name].definition
+        return definition if isinstance(definition, SubmodelClass) else None
+
+    def medium(self, reference: Reference) -> Medium:
+        """What a reference stands for; ``constant`` and ``discard`` have media of their own."""
+        known = self._media.get(reference)
+        if known is None:
+            if reference[0] in ("constant", "discard"):
+                known = Medium("_", reference[0], None)
+                known.initial = reference[1] if len(reference) > 1 else UNKNOWN
+            else:
+                known = resolve(self.root.occurrence, reference)
+            self._media[reference] = known
+        return known
+
+    def domain(self, reference: Reference) -> tuple[Known, ...] | None:
+        """The values that may be read there; None if they are not followed."""
+        self._ask(reference)
+        return self.medium(reference).domain
+
+    def is_shared(self, reference: Reference) -> bool:
+        """Whether a relevant variable is accessed by other threads too."""
+        self.template.touched.add(reference)
+        self._ask(reference)
+        return self.medium(reference).shared
+
+    def _ask(self, reference: Reference) -> None:
+        if reference not in self.template.asked:
+            medium = self.medium(reference)
+            self.template.asked[reference] = (medium.domain, medium.shared)
+
+    def wrote(self, reference: Reference, value: Known) -> None:
+        """Notes a value that is written to a relevant medium."""
+        if self.medium(reference).relevant:
+            self.template.written.setdefault(reference, set()).add(value)
+
+    def value_of(self, configuration: Configuration, reference: Reference) -> Known:
+        """The present value of a variable. Raises NeedsLoad for one that is shared."""
+        if reference[0] == "constant":
+            return reference[1]  # type: ignore[no-any-return]
+        if not self.medium(reference).relevant or reference[0] == "discard":
+            return UNKNOWN
+        if self.is_shared(reference):
+            for loaded, value in configuration.loaded:
+                if loaded == reference:
+                    return value
+            raise NeedsLoad(reference)
+        return self.slot_value(configuration, reference)
+
+    def evaluate(self, configuration: Configuration, context: Context, expression: Expression) -> Known:
+        """The value of an expression. Raises NeedsLoad and EvaluationFault."""
+        occurrence = context.occurrence
+        return evaluated(
+            expression,
+            lambda name: self.value_of(configuration, ("channel", context.path, name)),
+            lambda name: self._parameter(occurrence, name),
+        )
+
+    def _parameter(self, occurrence: Occurrence, name: str) -> Known:
+        """A parameter's value if conditions depend on it: instances that differ in others only are followed once."""
+        relevant = ("parameter", occurrence.definition.name, name) in self.facts.relevant
+        return occurrence.arguments.get(name, UNKNOWN) if relevant else UNKNOWN
+
+    def slot_value(self, configuration: Configuration, key: object) -> Known:
+        """The value of a local variable, or of a note such as whether a session has begun."""
+        slot = self._slot(key)
+        return configuration.variables[slot] if slot < len(configuration.variables) else self._initial[slot]
+
+    def with_slot(self, configuration: Configuration, key: object, value: Known) -> Configuration:
+        """The configuration with another value of a local variable. Trailing initial values are left out, so that equal ones look equal."""
+        value = self._followed(key, value)
+        slot = self._slot(key)
+        present = configuration.variables
+        if slot < len(present):
+            if same(present[slot], value):
+                return configuration
+            changed = [*present[:slot], value, *present[slot + 1 :]]
+        else:
+            if same(self._initial[slot], value):
+                return configuration
+            changed = [*present, *self._initial[len(present) : slot], value]
+        while changed and same(changed[-1], self._initial[len(changed) - 1]):
+            changed.pop()
+        return configuration._replace(variables=tuple(changed))
+
+    def _slot(self, key: object) -> int:
+        slot = self._slots.get(key)
+        if slot is None:
+            slot = self._slots[key] = len(self._initial)
+            initial = False if _is_session(key) else self.medium(key).initial  # type: ignore[arg-type]
+            self._initial.append(self._followed(key, initial))
+            self._values.append(set())
+            if _is_session(key):
+                self._sessions.setdefault(key[1][0], []).append(key)  # type: ignore[index]
+        return slot
+
+    def _followed(self, key: object, value: Known) -> Known:
+        """A value of a variable as far as it is followed."""
+        if key in self.dropped:
+            return UNKNOWN
+        return self.medium(key).coarsened(value) if key in self.widened else value
+
+    def pieces(self, reference: Reference, value: Known) -> tuple[Known, ...]:
+        """A value, or the parts of a range that are told apart in a medium: which of them it is, is left open."""
+        medium = self.medium(reference)
+        parts = medium.pieces(value)
+        if len(parts) > 1 and reference not in self.widened:
+            name = medium.name.rsplit(".", 1)[-1]
+            self.abstracted(f"`{name}` may come to be in any of several ranges", medium.span)
+        return parts
+
+    def _widen(self, key: Reference) -> None:
+        """From the next round on a variable is followed less closely."""
+        less = self.dropped if key in self.widened or not self.medium(key).cells else self.widened
+        less.add(key)
+
+    def count(self, configuration: Configuration) -> None:
+        """Notes the values in a new state. Raises Restart, with the variable given up, if one has more than are told apart."""
+        for slot, value in enumerate(configuration.variables):
+            values = self._values[slot]
+            values.add(value)
+            if len(values) > MOST_VALUES:
+                ((key, _),) = (entry for entry in self._slots.items() if entry[1] == slot)
+                self._widen(key)  # type: ignore[arg-type]
+                raise Restart
+
+    def give_up(self, configurations: Iterable[Configuration]) -> bool:
+        """Follows the variable that has most values in some configurations less closely; whether any has several."""
+        found: dict[int, set[Known]] = {}
+        for configuration in configurations:
+            for slot, value in enumerate(configuration.variables):
+                found.setdefault(slot, set()).add(value)
+        most, best = 1, None
+        for key, slot in self._slots.items():
+            values = found.get(slot, set()) | {self._initial[slot]}
+            if len(values) > most and key not in self.dropped and not _is_session(key):
+                most, best = len(values), key
+        if best is None:
+            return False
+        self._widen(best)  # type: ignore[arg-type]
+        return True
+
+    def begun(self, configuration: Configuration, context: Context, end: ReadingEnd) -> bool:
+        """Whether a sample may have been missed at an end: its process has read there before. Unknown counts as that."""
+        if not self._follows_sessions(context):
+            return True
+        return bool(self.slot_value(configuration, ("begun", end)))
+
+    def beginning(self, configuration: Configuration, context: Context, end: ReadingEnd) -> Configuration:
+        """A read at an end: the session has begun."""
+        if not self._follows_sessions(context):
+            return configuration
+        return self.with_slot(configuration, ("begun", end), True)
+
+    def closed(self, configuration: Configuration, context: Context) -> Configuration:
+        """The process ends, and with it the sessions of its ends."""
+        for key in self._sessions.get(context.path, ()):
+            configuration = self.with_slot(configuration, key, False)
+        return configuration
+
+    def _follows_sessions(self, context: Context) -> bool:
+        whole = context is not self.root or self.node is context.definition.body
+        return whole and not context.definition.has_parallel
+
+    def abstracted(self, what: str, span: Span | None) -> None:
+        """Notes what is left open."""
+        self.template.abstractions[Abstraction(what, span)] = None
+
+
+def _is_session(key: object) -> bool:
+    return isinstance(key, tuple) and key[0] == "begun"
+
+
+def resolve(occurrence: Occurrence, reference: Reference) -> Medium:
+    """The medium of a reference of a thread whose own instance is ``occurrence``."""
+    if reference[0] == "port":
+        return occurrence.ports[reference[1], reference[2]]
+    return occurrence.at(reference[1]).channel(reference[2])
+
+
+def reading_end(context: Context, end: End) -> ReadingEnd:
+    """The identity of an end at which a process reads."""
+    return (context.path, end)

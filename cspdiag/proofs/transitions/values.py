@@ -1,0 +1,238 @@
+"""Values of expressions while a process is followed: known ones, ranges of whole numbers, and the unknown.
+
+A variable has a known value, a range in which it is (what the environment gave, or what takes too many values to be told apart), or ``UNKNOWN``: what a control law computed.
+"""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from itertools import product
+from typing import Any, Final, Literal, TypeAlias
+
+from cspdiag.model.constants import arithmetic
+from cspdiag.model.types import BoolType, EnumType, IntType, RealType, StructType, Type
+from cspdiag.network.ir.expression_walk import walk
+from cspdiag.network.ir.expressions import (
+    ArrayElements,
+    BinaryOperation,
+    ConditionalValue,
+    Conversion,
+    ElementValue,
+    Expression,
+    FieldValue,
+    FunctionCall,
+    LiteralValue,
+    ParameterValue,
+    StructValue,
+    UnaryOperation,
+    Value,
+    VariableValue,
+)
+from cspdiag.proofs.transitions.ranges import Range, computed
+from cspdiag.proofs.transitions.ranges import compared as compared_ranges
+
+
+class Unknown:
+    """The type of ``UNKNOWN``."""
+
+    __slots__ = ()
+
+    def __repr__(self) -> str:
+        return "?"
+
+
+UNKNOWN: Final = Unknown()
+
+
+@dataclass(frozen=True, order=True, slots=True)
+class Given:
+    """A value of an input that was handed on, and of which nothing else is known: the ``one`` that stands for each, ``another``, or ``any`` that a specification chooses."""
+
+    which: Literal["one", "another", "any"]
+
+    def __str__(self) -> str:
+        return f"({self.which} value)"
+
+
+GIVEN: Final = (Given("one"), Given("another"))
+ANY: Final = Given("any")
+Known: TypeAlias = "Value | Range | Given | Unknown"
+"""A value, the range in which it is, that it was handed on, or that it is not known."""
+
+Variables: TypeAlias = Callable[[str], Known]
+"""The present value of a variable of the class."""
+
+Parameters: TypeAlias = Callable[[str], Known]
+
+
+class EvaluationFault(Exception):  # noqa: N818 - the language's own word
+    """The evaluation ends in a fault, whatever is not known."""
+
+
+def evaluated(expression: Expression, variables: Variables, parameters: Parameters) -> Known:
+    """The value of an expression as far as it is known. Raises EvaluationFault where it certainly fails."""
+    try:
+        return _Evaluation(variables, parameters).value(expression)  # type: ignore[no-any-return]
+    except (arithmetic.UndefinedError, arithmetic.OutOfRangeError, ArithmeticError, ValueError, IndexError) as problem:
+        raise EvaluationFault(str(problem)) from None
+
+
+class _Evaluation:
+    def __init__(self, variables: Variables, parameters: Parameters) -> None:
+        self.variables = variables
+        self.parameters = parameters
+
+    def value(self, expression: Expression) -> Any:
+        match expression:
+            case LiteralValue():
+                return expression.value
+            case VariableValue():
+                return self.variables(expression.channel)
+            case ParameterValue():
+                return self.parameters(expression.name)
+            case BinaryOperation():
+                return self._binary(expression)
+            case UnaryOperation():
+                operand = self.value(expression.operand)
+                if _is_opaque(operand):
+                    return UNKNOWN
+                if isinstance(operand, Range):
+                    return _ranged(computed("-", 0, operand, expression.type))
+                return -operand if expression.operator == "-" else not operand
+            case ConditionalValue():
+                condition = self.value(expression.condition)
+                if condition is not UNKNOWN:
+                    return self.value(expression.then if condition else expression.otherwise)
+                then, otherwise = self.value(expression.then), self.value(expression.otherwise)
+                return then if same(then, otherwise) else UNKNOWN
+            case FunctionCall():
+                arguments = [self.value(argument) for argument in expression.arguments]
+                if not all(map(_is_exact, arguments)):
+                    return UNKNOWN
+                if expression.function == "seconds":
+                    return arguments[0] / 1_000_000_000
+                return arithmetic.function(expression.function, arguments, expression.type)
+            case Conversion():
+                operand = self.value(expression.operand)
+                assert isinstance(expression.type, IntType | RealType)
+                return self._converted(operand, expression.type)
+            case FieldValue():
+                assert isinstance(expression.operand.type, StructType)
+                whole = self.value(expression.operand)
+                names = [name for name, _ in expression.operand.type.fields]
+                return UNKNOWN if _is_opaque(whole) else whole[names.index(expression.field)]
+            case ElementValue():
+                return self._element(expression)
+            case StructValue() | ArrayElements():
+                parts = tuple(map(self.value, expression.values))
+                return parts if all(map(_is_exact, parts)) else UNKNOWN
+        return UNKNOWN
+
+    def _converted(self, operand: Known, kind: IntType | RealType) -> Known:
+        if not _is_exact(operand):
+            return UNKNOWN
+        try:
+            return arithmetic.convert(operand, kind)  # type: ignore[arg-type]
+        except arithmetic.OutOfRangeError:
+            if isinstance(kind, RealType):
+                return UNKNOWN
+            raise
+
+    def _element(self, expression: ElementValue) -> Any:
+        index, whole = self.value(expression.index), self.value(expression.operand)
+        if not _is_exact(index) or _is_opaque(whole):
+            return UNKNOWN
+        if index < 0:
+            raise IndexError(f"there is no element {index}")
+        return whole[index]
+
+    def _binary(self, expression: BinaryOperation) -> Any:
+        left = self.value(expression.left)
+        if expression.operator in ("and", "or"):
+            decisive = expression.operator == "or"
+            if left is not UNKNOWN and left == decisive:
+                return left
+            right = self.value(expression.right)
+            if left is UNKNOWN:
+                return right if right is not UNKNOWN and right == decisive else UNKNOWN
+            return right
+        right = self.value(expression.right)
+        if _is_opaque(left) or _is_opaque(right):
+            return UNKNOWN
+        if isinstance(left, Range) or isinstance(right, Range):
+            if expression.operator in _COMPARISONS:
+                return _ranged(compared_ranges(expression.operator, left, right))
+            return _ranged(computed(expression.operator, left, right, expression.type))
+        compare = _COMPARISONS.get(expression.operator)
+        if compare is not None:
+            return compare(left, right)
+        try:
+            return arithmetic.operate(expression.operator, left, right, expression.type)
+        except arithmetic.OutOfRangeError:
+            if isinstance(expression.type, RealType):
+                return UNKNOWN  # Within an expression an infinity goes on.
+            raise
+
+
+_COMPARISONS: dict[str, Callable[[Any, Any], bool]] = {
+    "==": operator.eq, "!=": operator.ne, "<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge,
+}  # fmt: skip
+
+
+def _is_exact(value: Known) -> bool:
+    return not isinstance(value, Unknown | Range | Given)
+
+
+def _is_opaque(value: Known) -> bool:
+    return isinstance(value, Unknown | Given)
+
+
+def _ranged(found: Known | None) -> Known:
+    return UNKNOWN if found is None else found
+
+
+def same(one: Known, other: Known) -> bool:
+    """Whether two values are the same one: ``1`` and ``true`` are not, nor are ``0.0`` and ``-0.0``."""
+    return one is other or (type(one) is type(other) and repr(one) == repr(other))
+
+
+def replaced_element(whole: Known, indexes: tuple[Known, ...], value: Known) -> Known:
+    """An array with one element, at nested ``indexes``, replaced. Raises EvaluationFault for an index out of range."""
+    if not indexes:
+        return value
+    index = indexes[0]
+    if _is_opaque(whole) or not _is_exact(index):
+        return UNKNOWN
+    assert isinstance(whole, tuple)
+    assert isinstance(index, int)
+    if not 0 <= index < len(whole):
+        raise EvaluationFault(f"there is no element {index}")
+    inner = replaced_element(whole[index], indexes[1:], value)
+    return UNKNOWN if isinstance(inner, Unknown | Range | Given) else (*whole[:index], inner, *whole[index + 1 :])
+
+
+def values_of_type(kind: Type) -> tuple[Value, ...] | None:
+    """All values of a type with few of them; None for others."""
+    match kind:
+        case BoolType():
+            return (False, True)
+        case EnumType(literals=literals) if len(literals) <= MOST_VALUES:
+            return tuple(range(len(literals)))
+        case StructType(fields=fields):
+            parts = [values_of_type(field) for _, field in fields]
+            if all(part is not None for part in parts):
+                combined = list(product(*(part for part in parts if part is not None)))
+                return tuple(combined) if len(combined) <= _FEW else None
+    return None
+
+
+MOST_VALUES = 64
+"""More values of a variable or a channel are not told apart."""
+_FEW = 8
+
+
+def variables_in(expression: Expression) -> Iterator[VariableValue]:
+    """The variables that an expression mentions."""
+    return (part for part in walk(expression) if isinstance(part, VariableValue))

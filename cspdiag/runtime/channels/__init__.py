@@ -1,0 +1,1 @@
+"""Channels, and what processes see of them."""

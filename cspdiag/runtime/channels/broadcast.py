@@ -1,0 +1,203 @@
+"""The broadcast channel: every reading end gets every value.
+
+Invariants: an end is *fresh* from the write until its reader has taken the value; the writer waits while any end is fresh.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from ..choice.selector import Selector, Watchers, attend, lower_bits, raise_bits, without
+from ..kernel.exceptions import ChannelMisuse
+from ..kernel.scheduler import Party, Waits, scheduler
+from .ports import In, Out, T
+
+if TYPE_CHECKING:
+    from ..choice.guards import Choice
+    from ..kernel.routine import Part
+    from ..process import Process
+
+
+class Broadcast(In[T], Out[T]):
+    """One writer, and as many readers as ``reader`` has made ends; the writer goes on when all have taken the value."""
+
+    __slots__ = ("_ends", "_outputs", "_value", "_writer", "name")
+
+    def __init__(self, name: str = "broadcast") -> None:
+        self.name = name
+        self._ends: list[BroadcastEnd[T]] = []
+        self._writer: Party | None = None
+        self._value: Any = None
+        self._outputs: Watchers = ()
+
+    def reader(self, owner: Process | Part | None = None) -> BroadcastEnd[T]:
+        """A reading end of its own."""
+        end = BroadcastEnd(self)
+        self._ends.append(end)
+        self.readers_changed()
+        return end
+
+    def offer(self, party: Party, value: T, /) -> bool:
+        """See ``Out.offer``."""
+        if self._writer is not None:
+            raise ChannelMisuse(f"{self.name} is written by two processes at the same time")
+        self._writer = party
+        self._value = value
+        for end in self._ends:
+            end.receive(value)
+        if any(end.fresh for end in self._ends):
+            return False
+        self._writer = None
+        return True
+
+    def choose_output(self, party: Party, value: T, /) -> bool:
+        """See ``Out.choose_output``."""
+        for end in self._ends:
+            if end.waiting_choice is not None:
+                choice, index = end.waiting_choice
+                if choice.only_promises(index):
+                    choice.resolve(index, None)
+                else:
+                    choice.resolve(index, value)
+                    end.resolved = True
+                    if scheduler.observe is not None:
+                        scheduler.observe(self.name, value, scheduler.current, choice.task)
+        return self.offer(party, value)
+
+    def withdraw(self, party: Party) -> bool:
+        """See ``Out.withdraw``: who has not taken the value yet does not get it."""
+        if self._writer is not party:
+            return False
+        self._writer = None
+        for end in self._ends:
+            end.recall()
+        return True
+
+    def waits_for(self, party: Party) -> Waits:
+        """See ``Out.waits_for``."""
+        return (("to write", self),)
+
+    def taken(self, end: BroadcastEnd[T], reader: Party) -> T:
+        """The value of an end, which is not fresh any longer; the last one readies the writer."""
+        writer = self._writer
+        assert writer is not None
+        if not any(other.fresh for other in self._ends if other is not end):
+            scheduler.push(writer)
+            self._writer = None
+        end.recall()
+        if scheduler.observe is not None:
+            scheduler.observe(self.name, self._value, writer, reader)
+        return self._value  # type: ignore[no-any-return]
+
+    @property
+    def has_output_guards(self) -> bool:
+        """Whether an alternative may write here."""
+        return bool(self._outputs)
+
+    def readers_changed(self) -> None:
+        """An output guard is ready while all readers wait."""
+        if self._outputs:
+            if all(end.awaited for end in self._ends):
+                raise_bits(self._outputs)
+            else:
+                lower_bits(self._outputs)
+
+    def watch_output(self, selector: Selector, bit: int) -> None:
+        """See ``Out.watch_output``."""
+        self._outputs = (*self._outputs, (selector, bit))
+        for end in self._ends:
+            end.attend()
+        self.readers_changed()
+
+    def unwatch_output(self, selector: Selector) -> None:
+        """See ``Out.unwatch_output``."""
+        self._outputs = without(self._outputs, selector)
+
+
+class BroadcastEnd(In[T]):
+    """A reading end of a broadcast; ``fresh`` while it has a value that was not taken."""
+
+    __slots__ = ("_inputs", "_reader", "channel", "fresh", "name", "resolved", "waiting_choice")
+
+    def __init__(self, channel: Broadcast[T]) -> None:
+        self.name = channel.name
+        self.fresh = False
+        self.resolved = False
+        self.waiting_choice: tuple[Choice, int] | None = None
+        self.channel = channel
+        self._reader: Party | None = None
+        self._inputs: Watchers = ()
+
+    @property
+    def awaited(self) -> bool:
+        """Whether its reader waits."""
+        return self._reader is not None or self.waiting_choice is not None
+
+    def receive(self, value: T) -> None:
+        """A value was written: hands it to the reader that waits, or keeps it."""
+        if self.resolved:
+            self.resolved = False
+        elif self._reader is not None:
+            reader, self._reader = self._reader, None
+            scheduler.enqueue(reader)
+            reader.received = value
+            self.channel.readers_changed()
+            if scheduler.observe is not None:
+                scheduler.observe(self.name, value, scheduler.current, reader)
+        else:
+            self.fresh = True
+            raise_bits(self._inputs)
+
+    def recall(self) -> None:
+        """The value is not to be had any longer."""
+        self.fresh = False
+        lower_bits(self._inputs)
+
+    def request(self, party: Party) -> bool:
+        """See ``In.request``."""
+        if self.fresh:
+            party.received = self.channel.taken(self, party)
+            return True
+        if self._reader is not None:
+            raise ChannelMisuse(f"one end of {self.name} is read by two processes at the same time")
+        self._reader = party
+        self.channel.readers_changed()
+        return False
+
+    def withdraw(self, party: Party) -> bool:
+        """See ``In.withdraw``."""
+        if self._reader is not party:
+            return False
+        self._reader = None
+        self.channel.readers_changed()
+        return True
+
+    def take(self) -> T:
+        """See ``In.take``."""
+        return self.channel.taken(self, scheduler.current)
+
+    def watch_input(self, selector: Selector, bit: int) -> None:
+        """See ``In.watch_input``."""
+        self._inputs = (*self._inputs, (selector, bit))
+        if self.fresh:
+            selector.ready |= bit
+        if self.channel.has_output_guards:
+            selector.attend |= bit
+
+    def attend(self) -> None:
+        """An output guard wants to know when alternatives wait here."""
+        attend(self._inputs)
+
+    def unwatch_input(self, selector: Selector) -> None:
+        """See ``In.unwatch_input``."""
+        self._inputs = without(self._inputs, selector)
+
+    def enroll_input(self, choice: Choice, index: int) -> None:
+        """See ``In.enroll_input``."""
+        self.waiting_choice = (choice, index)
+        self.channel.readers_changed()
+
+    def dismiss_input(self, choice: Choice) -> None:
+        """See ``In.dismiss_input``."""
+        self.waiting_choice = None
+        self.channel.readers_changed()

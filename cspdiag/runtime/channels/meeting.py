@@ -1,0 +1,77 @@
+"""What a rendezvous channel knows of the alternatives at its two ends.
+
+Made when the first alternative watches the channel; channels without have none and do not pay for it.
+
+Invariants:
+
+- A guard is ready while somebody waits at the other end: a plain party, or an alternative that has enrolled.
+- An alternative is enrolled with a channel exactly while it waits with an enabled guard on it and has not chosen.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ..choice.selector import Selector, Watchers, attend, lower_bits, raise_bits, without
+
+if TYPE_CHECKING:
+    from ..choice.guards import Choice
+
+
+class Meeting:
+    """Alternatives that may read (``inputs``) and that may write (``outputs``), and which of them wait now."""
+
+    __slots__ = ("inputs", "outputs", "reading", "writing")
+
+    def __init__(self) -> None:
+        self.inputs: Watchers = ()
+        self.outputs: Watchers = ()
+        self.reading: list[tuple[Choice, int]] = []
+        self.writing: list[tuple[Choice, int]] = []
+
+    @staticmethod
+    def enter(waiting: list[tuple[Choice, int]], choice: Choice, index: int) -> None:
+        """Enrols an alternative in the order in which they began to wait; it enrols late where the other side begins to alternate after that."""
+        position = len(waiting)
+        while position > 0 and waiting[position - 1][0].began > choice.began:
+            position -= 1
+        waiting.insert(position, (choice, index))
+
+    def writer_came(self) -> None:
+        """Input guards become ready."""
+        raise_bits(self.inputs)
+
+    def writer_left(self) -> None:
+        """No writer waits any longer."""
+        lower_bits(self.inputs)
+
+    def reader_came(self) -> None:
+        """Output guards become ready."""
+        raise_bits(self.outputs)
+
+    def reader_left(self) -> None:
+        """No reader waits any longer."""
+        lower_bits(self.outputs)
+
+    def watch_input(self, selector: Selector, bit: int, writer_waits: bool) -> None:
+        """An alternative has an input guard on the channel."""
+        self.inputs = (*self.inputs, (selector, bit))
+        if writer_waits:
+            selector.ready |= bit
+        if self.outputs:
+            selector.attend |= bit
+            attend(self.outputs)
+
+    def watch_output(self, selector: Selector, bit: int, reader_waits: bool) -> None:
+        """An alternative has an output guard on the channel."""
+        self.outputs = (*self.outputs, (selector, bit))
+        if reader_waits:
+            selector.ready |= bit
+        if self.inputs:
+            selector.attend |= bit
+            attend(self.inputs)
+
+    def unwatch(self, selector: Selector) -> None:
+        """An alternative is given up."""
+        self.inputs = without(self.inputs, selector)
+        self.outputs = without(self.outputs, selector)

@@ -1,0 +1,151 @@
+"""What processes see of channels: the end to read from and the end to write to.
+
+``read`` and ``write`` are for processes. The other operations are the runtime's: alternatives, submodels and interrupts work with ends
+of every kind through them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from types import coroutine
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
+
+from ..kernel.exceptions import Cancelled
+from ..kernel.scheduler import Party, Waits, scheduler
+
+if TYPE_CHECKING:
+    from ..choice.guards import Choice
+    from ..choice.selector import Selector
+    from ..kernel.routine import Part
+    from ..process import Process
+
+T = TypeVar("T")
+T_co = TypeVar("T_co", covariant=True)
+T_contra = TypeVar("T_contra", contravariant=True)
+
+
+class In(Generic[T_co]):
+    """An end to read from."""
+
+    __slots__ = ()
+
+    name: str
+
+    @property
+    def collectable(self) -> bool:
+        """Whether a waiting party would find something, of which it has not yet been told."""
+        return False
+
+    @coroutine
+    def read(self) -> Generator[None, None, T_co]:
+        """One communication: waits for a value and takes it."""
+        task = scheduler.current
+        if task.cancelled:
+            raise Cancelled
+        if not self.request(task):
+            task.waiting = self
+            yield
+            scheduler.current = task
+            while not self.collect(task):
+                yield
+                scheduler.current = task
+        return task.received  # type: ignore[no-any-return]
+
+    def reader(self, owner: Process | Part | None = None) -> In[T_co]:
+        """The end that ``owner`` reads from; it is closed when ``owner`` ends.
+
+        Ends of broadcasts and of external ports keep books for their reader, so every process makes its own.
+        """
+        return self
+
+    def close(self) -> None:
+        """The process that owns this end has ended."""
+
+    def request(self, party: Party) -> bool:
+        """A plain read: True if ``party.received`` is the value; False if the party waits for it."""
+        raise NotImplementedError
+
+    def collect(self, party: Party) -> bool:
+        """For a party that was readied: True if ``party.received`` is the value; False if it waits again."""
+        return True
+
+    def withdraw(self, party: Party) -> bool:
+        """Takes a waiting party back; False if it does not wait here any longer."""
+        raise NotImplementedError
+
+    def waits_for(self, party: Party) -> Waits:
+        """What a waiting party waits for."""
+        return (("to read", self),)
+
+    def watch_input(self, selector: Selector, bit: int) -> None:
+        """Keeps ``bit`` of the selector set while a guard on this end is ready."""
+        raise NotImplementedError
+
+    def unwatch_input(self, selector: Selector) -> None:
+        """Ends what ``watch_input`` began."""
+        raise NotImplementedError
+
+    def take(self) -> T_co:
+        """An input guard on this end was chosen: the value."""
+        raise NotImplementedError
+
+    def settle_input(self) -> None:
+        """A ``Ready`` guard on this end was chosen: the process is going to read."""
+
+    def enroll_input(self, choice: Choice, index: int) -> None:
+        """An alternative begins to wait with a guard on this end."""
+
+    def dismiss_input(self, choice: Choice) -> None:
+        """The alternative does not wait any longer."""
+
+
+class Out(Generic[T_contra]):
+    """An end to write to."""
+
+    __slots__ = ()
+
+    name: str
+
+    @coroutine
+    def write(self, value: T_contra, /) -> Generator[None, None, None]:
+        """One communication: goes on when the value has been taken."""
+        task = scheduler.current
+        if task.cancelled:
+            raise Cancelled
+        if not self.offer(task, value):
+            task.waiting = self
+            yield
+
+    def offer(self, party: Party, value: T_contra, /) -> bool:
+        """A plain write: True if the writer may go on; False if the party waits."""
+        raise NotImplementedError
+
+    def withdraw(self, party: Party) -> bool:
+        """Takes a waiting party back; False if it does not wait here any longer."""
+        raise NotImplementedError
+
+    def waits_for(self, party: Party) -> Waits:
+        """What a waiting party waits for."""
+        return (("to write", self),)
+
+    def watch_output(self, selector: Selector, bit: int) -> None:
+        """Keeps ``bit`` of the selector set while an output guard on this end is ready."""
+        raise NotImplementedError
+
+    def unwatch_output(self, selector: Selector) -> None:
+        """Ends what ``watch_output`` began."""
+        raise NotImplementedError
+
+    def choose_output(self, party: Party, value: T_contra, /) -> bool:
+        """An output guard was chosen: as ``offer``, but may also meet an alternative on the other side."""
+        return self.offer(party, value)
+
+    def enroll_output(self, choice: Choice, index: int) -> None:
+        """An alternative begins to wait with an output guard on this end."""
+
+    def dismiss_output(self, choice: Choice) -> None:
+        """The alternative does not wait any longer."""
+
+
+AnyIn = In[Any]
+AnyOut = Out[Any]

@@ -1,0 +1,150 @@
+"""Ends that never wait: variables, constants, and the sink that takes everything.
+
+Their accesses are no communications: they are in no trace, and no process is cancelled there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from types import coroutine
+from typing import Any
+
+from ..choice.selector import Selector
+from ..kernel.exceptions import Fault
+from ..kernel.scheduler import Party
+from .ports import In, Out, T, T_co, T_contra
+
+_NOT_WRITTEN: Any = object()
+
+
+class Variable(In[T], Out[T]):
+    """The channel between processes in sequence: one place, the last value wins, reading does not take it away.
+
+    ``value`` is for conditions and assignments. Reading before anything was written is a ``Fault``.
+    """
+
+    __slots__ = ("name", "value")
+
+    value: T
+
+    def __init__(self, name: str = "variable", initial: T = _NOT_WRITTEN) -> None:
+        self.name = name
+        if initial is not _NOT_WRITTEN:
+            self.value = initial
+
+    def __getattr__(self, attribute: str) -> Any:
+        """Reached only while ``value`` is not set."""
+        if attribute == "value":
+            raise Fault(f"{self.name} is read before it was written")
+        raise AttributeError(attribute)
+
+    @coroutine
+    def read(self) -> Generator[None, None, T]:
+        """The last value that was written."""
+        return self.value
+        yield
+
+    @coroutine
+    def write(self, value: T, /) -> Generator[None, None, None]:
+        """Overwrites the value."""
+        self.value = value
+        return
+        yield
+
+    def request(self, party: Party) -> bool:
+        """See ``In.request``."""
+        party.received = self.value
+        return True
+
+    def offer(self, party: Party, value: T, /) -> bool:
+        """See ``Out.offer``."""
+        self.value = value
+        return True
+
+    def take(self) -> T:
+        """See ``In.take``."""
+        return self.value
+
+    def withdraw(self, party: Party) -> bool:
+        """See ``In.withdraw``."""
+        return False
+
+    def watch_input(self, selector: Selector, bit: int) -> None:
+        """See ``In.watch_input``."""
+        selector.ready |= bit
+
+    def unwatch_input(self, selector: Selector) -> None:
+        """See ``In.unwatch_input``."""
+
+    def watch_output(self, selector: Selector, bit: int) -> None:
+        """See ``Out.watch_output``."""
+        selector.ready |= bit
+
+    def unwatch_output(self, selector: Selector) -> None:
+        """See ``Out.unwatch_output``."""
+
+
+class Constant(In[T_co]):
+    """An input that was left to its default."""
+
+    __slots__ = ("name", "value")
+
+    def __init__(self, value: T_co, name: str = "constant") -> None:
+        self.name = name
+        self.value = value
+
+    @coroutine
+    def read(self) -> Generator[None, None, T_co]:
+        """The constant."""
+        return self.value
+        yield
+
+    def request(self, party: Party) -> bool:
+        """See ``In.request``."""
+        party.received = self.value
+        return True
+
+    def take(self) -> T_co:
+        """See ``In.take``."""
+        return self.value
+
+    def withdraw(self, party: Party) -> bool:
+        """See ``In.withdraw``."""
+        return False
+
+    def watch_input(self, selector: Selector, bit: int) -> None:
+        """See ``In.watch_input``."""
+        selector.ready |= bit
+
+    def unwatch_input(self, selector: Selector) -> None:
+        """See ``In.unwatch_input``."""
+
+
+class Discard(Out[T_contra]):
+    """Takes everything at once, and forgets it."""
+
+    __slots__ = ("name",)
+
+    def __init__(self, name: str = "_") -> None:
+        self.name = name
+
+    @coroutine
+    def write(self, value: T_contra, /) -> Generator[None, None, None]:
+        """Goes on at once."""
+        return
+        yield
+
+    def offer(self, party: Party, value: T_contra, /) -> bool:
+        """See ``Out.offer``."""
+        return True
+
+    def withdraw(self, party: Party) -> bool:
+        """See ``Out.withdraw``."""
+        return False
+
+    def watch_output(self, selector: Selector, bit: int) -> None:
+        """See ``Out.watch_output``."""
+        selector.ready |= bit
+
+    def unwatch_output(self, selector: Selector) -> None:
+        """See ``Out.unwatch_output``."""

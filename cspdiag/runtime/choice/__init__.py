@@ -1,0 +1,1 @@
+"""Guards, alternatives and interrupts."""

@@ -1,0 +1,314 @@
+"""Guards, and waiting for one of several to become ready.
+
+``Choice`` is what alternatives and interrupts have in common: it waits with its guards at their ends, and it makes the communication of the guard that is
+chosen, by itself or by an alternative on the other side of a channel.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Mapping, Sequence
+from itertools import count
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from ..channels.ports import AnyIn, AnyOut
+from ..kernel.durations import shown
+from ..kernel.scheduler import Party, Task, scheduler
+from .selector import Selector, raise_bits
+
+if TYPE_CHECKING:
+    from ..kernel.routine import Part
+    from ..process import Process
+
+
+_BEGUN = count(1)
+
+
+class Ready:
+    """Ready when the end has something to read; the guarded process begins by reading it."""
+
+    __slots__ = ("end",)
+
+    def __init__(self, end: AnyIn) -> None:
+        self.end = end
+
+    def __str__(self) -> str:
+        return self.end.name
+
+
+class Input:
+    """Reads the end; the value is then the alternative's ``value``, or this guard's when it interrupted something."""
+
+    __slots__ = ("end", "value")
+
+    def __init__(self, end: AnyIn) -> None:
+        self.end = end
+        self.value: Any = None
+
+    def __str__(self) -> str:
+        return f"{self.end.name} ?"
+
+
+class Output:
+    """Writes the value that ``select`` is given for this guard, or else ``value``."""
+
+    __slots__ = ("end", "value")
+
+    def __init__(self, end: AnyOut, value: Any = None) -> None:
+        self.end = end
+        self.value = value
+
+    def __str__(self) -> str:
+        return f"{self.end.name} !"
+
+
+class After:
+    """A time-out: ready when ``duration`` has passed since the alternative began."""
+
+    __slots__ = ("duration",)
+
+    def __init__(self, duration: int = 0) -> None:
+        self.duration = duration
+
+    def __str__(self) -> str:
+        return f"after {shown(self.duration)}"
+
+
+class Skip:
+    """Always ready."""
+
+    __slots__ = ()
+
+    def __str__(self) -> str:
+        return "skip"
+
+
+Guard: TypeAlias = Ready | Input | Output | After | Skip
+
+
+def waits_of_guard(guard: Guard) -> tuple[str, Any]:
+    """An entry of ``Waits``."""
+    match guard:
+        case Ready(end=end) | Input(end=end):
+            return "to read", end
+        case Output(end=end):
+            return "to write", end
+        case _:
+            return str(guard), None
+
+
+class _TimeOut:
+    """The timer of an ``After``."""
+
+    __slots__ = ("_bit", "_selector", "instant")
+
+    def __init__(self, selector: Selector, bit: int, instant: int) -> None:
+        self._selector = selector
+        self._bit = bit
+        self.instant = instant
+
+    def due(self) -> None:
+        raise_bits(((self._selector, self._bit),))
+
+
+class _Pledge:
+    """A writing alternative that was chosen by a ``Ready`` guard: its choice is made, its value not yet taken."""
+
+    __slots__ = ("_choice", "end", "received")
+
+    def __init__(self, choice: Choice, end: AnyOut) -> None:
+        self._choice = choice
+        self.end = end
+        self.received: Any = None
+
+    @property
+    def process(self) -> Process | Part | None:
+        return self._choice.task.process
+
+    @property
+    def ready_queue(self) -> list[Party] | deque[Party]:
+        return self._choice.task.ready_queue
+
+    def resume(self, _: None) -> None:
+        self._choice.pledged = None
+        self._choice.redeem()
+
+
+class Choice:
+    """Guards that wait together.
+
+    Bits and indexes number the guards in text order. ``chosen`` is the index of the guard that the other side has chosen for this
+    one, -1 while there is none; ``mask`` are the guards that it waits with; ``value`` is what the last input guard read.
+    """
+
+    value: Any
+    task: Task
+
+    def __init__(self, guards: Sequence[Guard]) -> None:
+        self.guards = tuple(guards)
+        self.selector = Selector()
+        self.value = None
+        self.chosen = -1
+        self.pledged: _Pledge | None = None
+        self.woken = False
+        self._values: Mapping[int, Any] = {}
+        self.mask = 0
+        self.began = 0
+        """The alternatives that wait are numbered in the order in which they began to."""
+        self._enrolled = 0
+        self._time_outs: list[_TimeOut] = []
+        self.after_guards = tuple((index, guard) for index, guard in enumerate(guards) if isinstance(guard, After))
+        self._communicate = tuple(self._communication_of(guard) for guard in self.guards)
+        for index, guard in enumerate(self.guards):
+            self._watch(guard, 1 << index)
+
+    @staticmethod
+    def _communication_of(guard: Guard) -> Callable[[], Any] | None:
+        match guard:
+            case Input(end=end):
+                return end.take
+            case Ready(end=end):
+                return end.settle_input
+            case _:
+                return None
+
+    def _watch(self, guard: Guard, bit: int) -> None:
+        match guard:
+            case Input(end=end) | Ready(end=end):
+                end.watch_input(self.selector, bit)
+            case Output(end=end):
+                end.watch_output(self.selector, bit)
+            case Skip():
+                self.selector.ready |= bit
+            case After():
+                pass
+
+    def __del__(self) -> None:
+        self.give_up()
+
+    def give_up(self) -> None:
+        """Lets go of the ends; the choice cannot be used again."""
+        for guard in self.guards:
+            match guard:
+                case Input(end=end) | Ready(end=end):
+                    end.unwatch_input(self.selector)
+                case Output(end=end):
+                    end.unwatch_output(self.selector)
+                case _:
+                    pass
+
+    def time_outs_passed(self, mask: int, delays: Mapping[int, int]) -> int:
+        """The enabled time-outs that are over before they begin."""
+        passed = 0
+        for index, guard in self.after_guards:
+            if delays.get(index, guard.duration) <= 0:
+                passed |= 1 << index
+        return passed & mask
+
+    def begin_waiting(self, task: Task, mask: int, values: Mapping[int, Any], delays: Mapping[int, int]) -> None:
+        """From now on the first enabled guard that becomes ready wakes the choice."""
+        self.task = task
+        self.mask = mask
+        self.chosen = -1
+        self.began = next(_BEGUN)
+        self._values = values
+        selector = self.selector
+        selector.waiting = self
+        for index, guard in self.after_guards:
+            if mask >> index & 1:
+                time_out = _TimeOut(selector, 1 << index, scheduler.now + delays.get(index, guard.duration))
+                scheduler.timers.begin(time_out.instant, time_out)
+                self._time_outs.append(time_out)
+        selector.armed = mask
+        attended = self._enrolled = selector.attend & mask
+        while attended:
+            bit = attended & -attended
+            attended ^= bit
+            self._enroll(bit.bit_length() - 1)
+
+    def enroll_late(self, bit: int) -> None:
+        """Somebody at the other side of a guard begins to alternate while this choice waits already."""
+        if self.mask & bit & ~self._enrolled:
+            self._enrolled |= bit
+            self._enroll(bit.bit_length() - 1)
+
+    def _enroll(self, index: int) -> None:
+        match self.guards[index]:
+            case Input(end=end) | Ready(end=end):
+                end.enroll_input(self, index)
+            case Output(end=end):
+                end.enroll_output(self, index)
+            case _:
+                pass
+
+    def end_waiting(self) -> None:
+        """Takes the choice back from all its ends."""
+        selector = self.selector
+        selector.waiting = None
+        selector.armed = 0
+        for time_out in self._time_outs:
+            scheduler.timers.stop(time_out.instant, time_out)
+        self._time_outs.clear()
+        for index, _ in self.after_guards:
+            selector.ready &= ~(1 << index)
+        enrolled = self._enrolled
+        self._enrolled = 0
+        while enrolled:
+            bit = enrolled & -enrolled
+            enrolled ^= bit
+            match self.guards[bit.bit_length() - 1]:
+                case Input(end=end) | Ready(end=end):
+                    end.dismiss_input(self)
+                case Output(end=end):
+                    end.dismiss_output(self)
+                case _:
+                    pass
+
+    def wake(self) -> None:
+        """A first guard has become ready, or the other side has chosen."""
+        if not self.woken:
+            self.woken = True
+            scheduler.enqueue(self.task)
+
+    def communicate(self, index: int, values: Mapping[int, Any]) -> bool:
+        """Makes the communication of a guard that is ready; False if the task still has to wait in the channel."""
+        guard = self.guards[index]
+        if isinstance(guard, Output):
+            task = scheduler.current
+            task.waiting = guard.end
+            return guard.end.choose_output(task, values.get(index, guard.value))
+        communicate = self._communicate[index]
+        if communicate is not None:
+            self.value = communicate()
+        return True
+
+    def value_offered(self, index: int) -> Any:
+        """The value of an output guard, for the other side."""
+        guard = self.guards[index]
+        assert isinstance(guard, Output)
+        return self._values.get(index, guard.value)
+
+    def only_promises(self, index: int) -> bool:
+        """Whether choosing the guard leaves the communication to the guarded process."""
+        return isinstance(self.guards[index], Ready)
+
+    def resolve(self, index: int, value: Any) -> None:
+        """The other side has chosen guard ``index``, and made the communication."""
+        self.end_waiting()
+        self.chosen = index
+        self.value = value
+        self.wake()
+
+    def redeem(self) -> None:
+        """The value that was promised has been read: the task goes on."""
+        scheduler.current = self.task
+        self.task.resume(None)
+
+    def pledge(self, index: int) -> Party:
+        """The other side has chosen output guard ``index`` and will read later; the party waits for that."""
+        self.end_waiting()
+        self.chosen = index
+        guard = self.guards[index]
+        assert isinstance(guard, Output)
+        self.pledged = _Pledge(self, guard.end)
+        return self.pledged

@@ -1,0 +1,143 @@
+"""Interrupt: a process that is abandoned at its next communication once a guard is ready."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable, Generator
+from inspect import iscoroutine
+from types import coroutine
+from typing import Any, cast
+
+from ..composition import Body, Branches
+from ..kernel.exceptions import Cancelled
+from ..kernel.routine import Branch, CheckedTask, RoutineTask
+from ..kernel.scheduler import Party, Task, Waits, scheduler
+from .alternative import Alternative
+from .guards import Choice, Guard, Input, Output, Ready, waits_of_guard
+
+
+class _Interruption(Choice):
+    """The guard of an interrupt: it does not wake a task that waits, it cancels the body."""
+
+    body: Task
+    body_has_ended = False
+
+    def wake(self) -> None:
+        """The guard has become ready."""
+        self.woken = True
+        self.body.cancel()
+
+    def pledge(self, index: int) -> Party:
+        """See ``Choice.pledge``; the body goes on to its next communication while the value waits to be read."""
+        party = super().pledge(index)
+        self.wake()
+        return party
+
+    def redeem(self) -> None:
+        """See ``Choice.redeem``: before the body has ended, nobody waits for it."""
+        if self.body_has_ended:
+            super().redeem()
+
+    def retract(self) -> None:
+        """Offers the guard no longer, and what was promised is not kept."""
+        if self.selector.waiting is not None:
+            self.end_waiting()
+        if self.pledged is not None and self.pledged.end.withdraw(self.pledged):
+            self.pledged = None
+            self.chosen = -1
+
+    def withdraw(self, party: Party) -> bool:
+        """See ``Waiting.withdraw``: the body has ended, and the value waits to be read."""
+        self.retract()
+        return self.pledged is None
+
+    def waits_for(self, party: Party) -> Waits:
+        """See ``Waiting.waits_for``."""
+        return (waits_of_guard(self.guards[0]),)
+
+
+class _Body(Branches):
+    """The body of an interrupt as the only branch; who cancels the interrupt takes its guard back."""
+
+    __slots__ = ("interruption",)
+
+    interruption: _Interruption
+
+    def _task_for(self, body: Body) -> Task:
+        """What executes the body: optimized code of it asks if it was cancelled, also below a process whose code does not."""
+        task = super()._task_for(body)
+        if isinstance(task, RoutineTask) and not isinstance(task, CheckedTask) and not isinstance(body, Awaitable):
+            return CheckedTask(cast("Branch", body), self, self._parent)
+        return task
+
+    def branch_ended(self, branch: Task, error: BaseException | None) -> None:
+        """See ``Join.branch_ended``. A body that ends by itself takes the guard with it, unless somebody has chosen it."""
+        super().branch_ended(branch, error)
+        if not isinstance(error, Cancelled) and self.interruption.selector.waiting is not None:
+            self.interruption.end_waiting()
+
+    def withdraw(self, party: Party) -> bool:
+        """See ``Branches.withdraw``."""
+        if self.pending:
+            self.interruption.retract()
+        return super().withdraw(party)
+
+
+@coroutine
+def interrupt(body: Body, guard: Guard, handler: Callable[[], Awaitable[object]]) -> Generator[None, None, None]:
+    """Runs ``body``; once ``guard`` is ready, abandons it at its next communication, and then runs ``handler``; see ``interrupted``."""
+    taken = yield from interrupted(body, guard)
+    if taken:
+        yield from handler().__await__()
+
+
+def interrupted(body: Body, guard: Guard) -> Generator[None, None, bool]:
+    """Runs ``body``; once ``guard`` is ready, abandons it at its next communication. Whether it did.
+
+    The communication of the guard is made when the body has ended. If the body ends by itself, nothing else happens. An ``Input`` guard keeps
+    what it read as its ``value``.
+    """
+    task = scheduler.current
+    if task.cancelled:
+        if iscoroutine(body):
+            body.close()
+        raise Cancelled
+    branches = _Body(task)
+    branches.start((body,))
+    interruption = branches.interruption = _Interruption((guard,))
+    interruption.body = branches.tasks[0]
+    interruption.begin_waiting(task, 1, {}, {})
+    if interruption.selector.ready or interruption.time_outs_passed(1, {}):
+        interruption.wake()
+    try:
+        yield from branches.wait()
+        scheduler.current = task
+        interruption.body_has_ended = True
+        while interruption.pledged is not None:
+            if task.cancelled and interruption.withdraw(task):
+                raise Cancelled
+            task.waiting = interruption
+            yield
+            scheduler.current = task
+    finally:
+        interruption.retract()
+        interruption.give_up()
+    if interruption.chosen >= 0:
+        value = interruption.value
+    elif interruption.woken and branches.cancelled:
+        value = yield from _communication(guard)
+    else:
+        return False  # The body came to its end before its next communication.
+    if isinstance(guard, Input):
+        guard.value = value
+    return True
+
+
+def _communication(guard: Guard) -> Generator[None, None, Any]:
+    """What the guard reads or writes, as an alternative of this guard alone; it waits if somebody else was faster."""
+    if not isinstance(guard, Input | Output | Ready):
+        if scheduler.current.cancelled:
+            raise Cancelled
+        return None
+    alternative = Alternative(guard)
+    yield from alternative.select()
+    return alternative.value

@@ -1,0 +1,1 @@
+"""What optimized code calls."""

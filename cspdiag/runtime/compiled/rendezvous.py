@@ -1,0 +1,151 @@
+"""Rendezvous channels for optimized code, which reads and writes their slots in place.
+
+Invariants:
+
+- At most one of ``reading`` and ``writing`` is set: the party that arrived first and waits. Who takes it out puts it into the ready queue.
+- ``offered`` is the value of the waiting writer, ``value`` what was handed over to the reader that waited. There are two places because the next
+  writer may offer before the reader that was readied has run.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ..channels.ports import In, Out, T
+from ..choice.selector import Selector, Watchers, lower_bits, raise_bits, without
+from ..kernel.scheduler import Party, Waits, scheduler
+
+
+class Rendezvous(In[T], Out[T]):
+    """As ``Channel``, for one writer and one reader neither of which alternates; the methods are for parties that are not optimized code."""
+
+    __slots__ = ("name", "offered", "reading", "value", "writing")
+
+    def __init__(self, name: str = "channel") -> None:
+        self.name = name
+        self.reading: Any = None
+        self.writing: Any = None
+        self.offered: Any = None
+        self.value: Any = None
+
+    def request(self, party: Party) -> bool:
+        """See ``In.request``."""
+        if self.writing is not None:
+            party.received = self.take()
+            return True
+        self.reading = party
+        return False
+
+    def collect(self, party: Party) -> bool:
+        """See ``In.collect``: the value was handed over."""
+        party.received = self.value
+        return True
+
+    def offer(self, party: Party, value: T, /) -> bool:
+        """See ``Out.offer``."""
+        reader = self.reading
+        if reader is None:
+            self.writing = party
+            self.offered = value
+            return False
+        scheduler.push(reader)
+        self.reading = None
+        self.value = value
+        if scheduler.observe is not None:
+            scheduler.observe(self.name, value, scheduler.current, reader)
+        return True
+
+    def take(self) -> T:
+        """See ``In.take``."""
+        writer = self.writing
+        assert writer is not None
+        scheduler.push(writer)
+        self.writing = None
+        if scheduler.observe is not None:
+            scheduler.observe(self.name, self.offered, writer, scheduler.current)
+        return self.offered  # type: ignore[no-any-return]
+
+    def withdraw(self, party: Party) -> bool:
+        """See ``In.withdraw``."""
+        if self.reading is party:
+            self.reading = None
+            return True
+        if self.writing is party:
+            self.writing = None
+            return True
+        return False
+
+    def waits_for(self, party: Party) -> Waits:
+        """See ``In.waits_for``."""
+        return (("to read" if self.reading is party else "to write", self),)
+
+
+class Alternated(Rendezvous[T]):
+    """A rendezvous whose reader may alternate.
+
+    Whoever begins to wait with a value sets ``bit`` in ``selector.ready`` and wakes the selector if that has ``bit`` armed; whoever takes the value
+    calls ``lower``. With several alternatives on the channel the selector is a ``Fan``.
+    """
+
+    __slots__ = ("_watchers", "bit", "selector")
+
+    def __init__(self, name: str = "channel") -> None:
+        super().__init__(name)
+        self._watchers: Watchers = ()
+        self.selector: Selector = Fan()
+        self.bit = 1
+
+    def offer(self, party: Party, value: T, /) -> bool:
+        """See ``Out.offer``."""
+        done = super().offer(party, value)
+        if not done:
+            raise_bits(self._watchers)
+        return done
+
+    def take(self) -> T:
+        """See ``In.take``."""
+        value = super().take()
+        self.lower()
+        return value
+
+    def lower(self) -> None:
+        """No writer waits any longer."""
+        lower_bits(self._watchers)
+
+    def withdraw(self, party: Party) -> bool:
+        """See ``In.withdraw``."""
+        if self.writing is party:
+            self.lower()
+        return super().withdraw(party)
+
+    def watch_input(self, selector: Selector, bit: int) -> None:
+        """See ``In.watch_input``."""
+        self._watched((*self._watchers, (selector, bit)))
+        if self.writing is not None:
+            selector.ready |= bit
+
+    def unwatch_input(self, selector: Selector) -> None:
+        """See ``In.unwatch_input``."""
+        self._watched(without(self._watchers, selector))
+
+    def _watched(self, watchers: Watchers) -> None:
+        self._watchers = watchers
+        if len(watchers) == 1:
+            ((self.selector, self.bit),) = watchers
+        else:
+            self.selector, self.bit = Fan(watchers), 1
+
+
+class Fan(Selector):
+    """Stands for the selectors of several alternatives, or of none, on one channel: it is woken every time, and tells them."""
+
+    __slots__ = ("_watchers",)
+
+    def __init__(self, watchers: Watchers = ()) -> None:
+        super().__init__()
+        self.armed = -1
+        self._watchers = watchers
+
+    def wake(self) -> None:
+        """A writer has come."""
+        raise_bits(self._watchers)

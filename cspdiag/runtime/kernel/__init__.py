@@ -1,0 +1,1 @@
+"""Scheduling, time, and how runs end."""

@@ -1,0 +1,87 @@
+"""How a run ended."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from math import sqrt
+from typing import Literal
+
+from ..deadlock import DeadlockReport
+from .durations import shown
+from .exceptions import Deadlock
+from .signals import exit_code_of
+
+Ending = Literal["terminated", "deadlock", "time limit", "stopped", "failed"]
+
+
+@dataclass
+class Jitter:
+    """By how much the ticks of a period came late in a real-time run, in nanoseconds."""
+
+    count: int = 0
+    worst: int = 0
+    _sum: float = 0.0
+    _squares: float = 0.0
+
+    def add(self, late: int) -> None:
+        """One tick."""
+        self.count += 1
+        self.worst = max(self.worst, late)
+        self._sum += late
+        self._squares += late * late
+
+    @property
+    def mean(self) -> float:
+        """Mean lateness."""
+        return self._sum / self.count if self.count else 0.0
+
+    @property
+    def deviation(self) -> float:
+        """Standard deviation of the lateness."""
+        return sqrt(max(0.0, self._squares / self.count - self.mean**2)) if self.count else 0.0
+
+    def __str__(self) -> str:
+        return f"mean {shown(round(self.mean))}, deviation {shown(round(self.deviation))}, worst {shown(self.worst)}"
+
+
+@dataclass
+class Outcome:
+    """How a run ended.
+
+    ``time`` is the instant in nanoseconds, ``wall_time`` the seconds it took. ``missed`` counts for every sampled input the samples that
+    were overwritten untaken, ``jitter`` has the lateness of the ticks of each period (real time only).
+    """
+
+    ended: Ending
+    time: int
+    error: BaseException | None = None
+    deadlock: DeadlockReport | None = None
+    missed: dict[str, int] = field(default_factory=dict)
+    jitter: dict[int, Jitter] = field(default_factory=dict)
+    wall_time: float = 0.0
+    signal: int = 0
+    """The signal that stopped it."""
+    real_time: bool = False
+    """Whether it ran against the clock."""
+    release_errors: list[BaseException] = field(default_factory=list)
+    """Drivers that failed while their outputs were released or they were closed."""
+
+    @property
+    def exit_code(self) -> int:
+        """For a command that consists of the run: 0, 128 and the signal that stopped it, or 1: above all where an output was not released."""
+        if self.release_errors:
+            return 1
+        match self.ended:
+            case "terminated" | "time limit":
+                return 0
+            case "stopped":
+                return exit_code_of(self.signal)
+            case _:
+                return 1
+
+    def raise_if_unsuccessful(self) -> None:
+        """Raises what a run failed with, or Deadlock with the report."""
+        if self.error is not None:
+            raise self.error
+        if self.deadlock is not None:
+            raise Deadlock(self.deadlock.text)

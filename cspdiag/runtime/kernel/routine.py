@@ -1,0 +1,206 @@
+"""Optimized processes: generator functions that the scheduler resumes directly.
+
+The code of a process, of all that was flattened into it, and of each of its parallel branches is one generator, whose first argument is the task
+that executes it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator, Iterator
+from types import FrameType
+from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
+
+from ..compiled.rendezvous import Rendezvous
+from .exceptions import ProcessError, fault_of
+from .places import note_place, place_of
+from .scheduler import Join, Task, Waits, scheduler
+
+if TYPE_CHECKING:
+    from ..channels.ports import In
+
+E = TypeVar("E", bound="In[Any]")
+
+Steps: TypeAlias = Generator[None, None, None]
+"""The run of an optimized process; it yields where it waits."""
+
+push = scheduler.queue.append
+"""Readies a party; for programs without prioritized parallel."""
+
+
+class Part:
+    """What is executed: a process with code of its own, or a process or a control law that is executed by the code around it.
+
+    ``name`` is its path. ``kind`` is its class in the text, or "" for a control law, of which observers are not told; ``source`` is the file and line
+    of its definition. ``ends`` are its reading ends, closed when it ends.
+    """
+
+    __slots__ = ("_enclosing", "ends", "name")
+
+    kind: str
+    source: str | None
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        self.ends: tuple[In[Any], ...] = ()
+        self._enclosing: Any = None
+
+    def owns(self, end: E) -> E:
+        """Makes ``end`` one that is closed when this process ends."""
+        self.ends = (*self.ends, end)
+        return end
+
+    def start(self, me: Task) -> None:
+        """From now on ``me`` executes this process."""
+        self._enclosing = me.process
+        me.process = self
+        if scheduler.watcher is not None:
+            scheduler.watcher.process_started(scheduler.now, self.name, self.kind)
+
+    def end(self, me: Task) -> None:
+        """It has ended, in whatever way."""
+        me.process = self._enclosing
+        for end in self.ends:
+            end.close()
+        if scheduler.watcher is not None:
+            scheduler.watcher.process_ended(scheduler.now, self.name)
+
+    def fail(self, me: Task, error: BaseException) -> None:
+        """It is ended by ``error``, which is given its place; raises another if that says it better."""
+        try:
+            self.blame(error)
+        finally:
+            self.end(me)
+
+    def blame(self, error: BaseException) -> None:
+        """Gives an error that leaves this process its place; raises a Fault for an error of arithmetic."""
+        if isinstance(error, ProcessError):
+            if error.place is None:
+                error.place = place_of(error, self)
+        elif isinstance(error, ArithmeticError):
+            raise fault_of(error, place_of(error, self)) from error
+        else:
+            note_place(error, self)
+
+
+class Inlined(Part):
+    """A process or a control law whose code is part of the code of another process."""
+
+    __slots__ = ("kind", "source")
+
+    def __init__(self, name: str, kind: str = "", *, source: str | None = None) -> None:
+        super().__init__(name)
+        self.kind = kind
+        self.source = source
+
+
+class Routine(Part):
+    """A process with code of its own: ``steps``.
+
+    ``checked``: whether the code asks before each communication if it was cancelled; else it is abandoned where it stands. ``tracked``, of the outermost
+    process: whether the program has parts written by hand, which ask who runs.
+    """
+
+    __slots__ = ()
+
+    kind = ""
+    source: str | None = None
+    checked = False
+    tracked = False
+
+    def steps(self, me: Task) -> Steps:
+        """What the process does."""
+        raise NotImplementedError
+
+
+Branch: TypeAlias = "Routine | Callable[[Task], Steps]"
+"""What an optimized process can run beside others."""
+
+
+class _Done:
+    """Stands in the ready queue for a communication of a task that was cancelled."""
+
+    resume = staticmethod(lambda _: None)
+
+
+_DONE = _Done()
+
+
+class RoutineTask(Task):
+    """A task that executes optimized code.
+
+    That code does not note in ``waiting`` at which rendezvous it waits: these are found among the variables of the code, where that is asked for.
+    """
+
+    __slots__ = ()
+
+    def __init__(self, branch: Branch, join: Join, parent: Task | None) -> None:
+        steps = branch.steps if isinstance(branch, Routine) else branch
+        super().__init__(steps(self), join, parent)
+
+    def _cancel_ready(self) -> None:
+        self.resume = self._abandon
+
+    def withdraw(self) -> bool:
+        """Takes it back from where it waits; False if it does not wait."""
+        waits = False
+        for channel in self._channels():
+            waits |= channel.withdraw(self)
+        if waits:
+            self._forget_done()
+        return waits or super().withdraw()
+
+    def _forget_done(self) -> None:
+        """Of several communications offered at once some may be done: they have put it into the queue."""
+        queue: Any = self.ready_queue
+        for position, party in enumerate(queue):
+            if party is self:
+                queue[position] = _DONE
+
+    def waits(self) -> Waits:
+        """What it waits for."""
+        channels = [channel for channel in self._channels() if self in (channel.reading, channel.writing)]
+        if channels:
+            return tuple([wait for channel in channels for wait in channel.waits_for(self)])
+        return super().waits()
+
+    def _channels(self) -> Iterator[Rendezvous[Any]]:
+        """The rendezvous channels that its code can see, each once."""
+        seen: dict[int, Rendezvous[Any]] = {}
+        generator: Any = self.coroutine
+        while generator is not None:
+            frame: FrameType | None = getattr(generator, "gi_frame", None)
+            for value in () if frame is None else frame.f_locals.values():
+                for item in value if isinstance(value, list | tuple) else (value,):
+                    if isinstance(item, Rendezvous):
+                        seen[id(item)] = item
+            generator = getattr(generator, "gi_yieldfrom", None)
+        yield from seen.values()
+
+
+class CheckedTask(RoutineTask):
+    """A task that executes code that is ``checked``."""
+
+    __slots__ = ()
+
+    def _cancel_ready(self) -> None:
+        self.resume = self._go_on_until_communication
+
+
+def routine_task(branch: Branch, join: Join, parent: Task | None) -> RoutineTask:
+    """What executes ``branch``."""
+    checked = branch.checked if isinstance(branch, Routine) else isinstance(parent, CheckedTask)
+    return (CheckedTask if checked else RoutineTask)(branch, join, parent)
+
+
+def start_group(me: Task, label: str) -> str:
+    """A labelled part begins, for traces and progress; its path."""
+    path = label if me.process is None else f"{me.process.name}.{label}"
+    if scheduler.watcher is not None:
+        scheduler.watcher.group_started(scheduler.now, path)
+    return path
+
+
+def end_group(path: str) -> None:
+    """It has ended, in whatever way."""
+    if scheduler.watcher is not None:
+        scheduler.watcher.group_ended(scheduler.now, path)

@@ -1,0 +1,348 @@
+"""The scheduler: which process runs next.
+
+A *task* is a thread of control: the outermost process, or a branch of a parallel. What waits in a channel is a
+*party*: a task, or one of several communications that a task has offered at once.
+
+Invariants:
+
+- At most one task runs; ``scheduler.current`` is that task, or ``nobody``.
+- A party is either registered with the thing it waits for, or in a ready queue, and in at most one of the two. Whoever
+  takes it out of the first puts it into the second; nobody resumes a task directly.
+- Within a level of priority the ready queue is first come, first served. Level ``()`` is the highest; a task of a
+  lower level runs only while no task of a higher level is ready.
+- A task that is cancelled never registers anywhere, and never completes a communication.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Coroutine, Generator
+from itertools import islice
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
+
+from .child import end_of_child
+from .exceptions import Cancelled
+from .stopping import stopping
+from .timers import Timers
+
+if TYPE_CHECKING:
+    from ..process import Process
+    from .routine import Part
+
+Priority: TypeAlias = tuple[int, ...]
+"""Ranks from the outermost prioritized parallel inwards; the smallest is the most urgent."""
+
+
+class Party(Protocol):
+    """What can wait in a channel and then be in a ready queue.
+
+    ``resume`` goes on with it; only the scheduler calls it. A party that is no task makes its task the current one
+    before it resumes it.
+    """
+
+    received: Any
+    """The value that was handed over to a waiting reader."""
+
+    @property
+    def resume(self) -> Callable[[None], object]:
+        """Goes on; called by the scheduler only."""
+        ...
+
+    @property
+    def ready_queue(self) -> list[Party] | deque[Party]:
+        """The queue of its level of priority."""
+        ...
+
+    @property
+    def process(self) -> Process | Part | None:
+        """The process on whose behalf it waits."""
+        ...
+
+
+Waits: TypeAlias = "tuple[tuple[str, Any], ...]"
+"""What a party waits for: words (``to read``) and the end of a channel, or words alone and None; one of several is enough, or all."""
+
+
+class Waiting(Protocol):
+    """What a task can wait for."""
+
+    def withdraw(self, party: Party) -> bool:
+        """Takes a waiting party back; False if it does not wait here any longer."""
+        ...
+
+    def waits_for(self, party: Party) -> Waits:
+        """What the party waits for, for the deadlock report."""
+        ...
+
+
+class Task:
+    """A thread of control, driven by sending None into its coroutine.
+
+    ``waiting`` is what it waited for last; only that object knows whether it still does. ``process`` is the innermost
+    process that it executes.
+    """
+
+    __slots__ = (
+        "cancelled",
+        "coroutine",
+        "ended",
+        "join",
+        "priority",
+        "process",
+        "ready_queue",
+        "received",
+        "resume",
+        "waiting",
+    )
+
+    def __init__(
+        self, body: Coroutine[Any, Any, object] | Generator[None, None, None], join: Join, parent: Task | None
+    ) -> None:
+        self.coroutine = body
+        self.resume: Callable[[None], object] = body.send
+        self.join = join
+        self.process: Process | Part | None
+        self.priority: Priority
+        self.ready_queue: list[Party] | deque[Party]
+        self.received: Any = None
+        self.waiting: Waiting | None = None
+        self.cancelled = False
+        self.ended = False
+        if parent is None:
+            self.process, self.priority, self.ready_queue = None, (), scheduler.queue
+        else:
+            self.process, self.priority, self.ready_queue = parent.process, parent.priority, parent.ready_queue
+
+    def cancel(self) -> None:
+        """Ends the task at its next communication: the one at which it waits, or else the next that it begins."""
+        if self.cancelled or self.ended:
+            return
+        self.cancelled = True
+        if self is scheduler.current:
+            self._cancel_running()
+        elif self.withdraw():
+            self.resume = self._abandon
+            scheduler.enqueue(self)
+        else:
+            self._cancel_ready()
+
+    def _cancel_ready(self) -> None:
+        """It is in a ready queue, or waits for its branches, which were cancelled."""
+        self.resume = self._go_on_until_communication
+
+    def withdraw(self) -> bool:
+        """Takes it back from where it waits; False if it does not wait."""
+        return self.waiting is not None and self.waiting.withdraw(self)
+
+    def waits(self) -> Waits:
+        """What it waits for."""
+        return () if self.waiting is None else self.waiting.waits_for(self)
+
+    def _cancel_running(self) -> None:
+        """It has itself made the guard ready that interrupts it, and may be about to park in that very communication.
+
+        The entry in the queue comes before any that a partner could make; by then the task has parked, or ended.
+        """
+        scheduler.push = _push_unless_cancelled
+        self.resume = self._abandon_if_parked
+        scheduler.enqueue(self)
+
+    def _abandon_if_parked(self, _: None) -> None:
+        self.resume = self._go_on_until_communication
+        if not self.ended and self.withdraw():
+            self._abandon(None)
+
+    def _abandon(self, _: None) -> None:
+        self.resume = self._go_on_until_communication
+        scheduler.push = _push_unless_cancelled
+        try:
+            self.coroutine.throw(Cancelled())
+        finally:
+            scheduler.push = scheduler.enqueue
+
+    def _go_on_until_communication(self, _: None) -> None:
+        scheduler.push = _push_unless_cancelled
+        try:
+            self.coroutine.send(None)
+        finally:
+            scheduler.push = scheduler.enqueue
+
+
+class Watcher(Protocol):
+    """What is told when processes and groups start and end; see ``Observer``."""
+
+    def process_started(self, time: int, path: str, class_name: str) -> None: ...  # noqa: D102
+    def process_ended(self, time: int, path: str) -> None: ...  # noqa: D102
+    def group_started(self, time: int, path: str) -> None: ...  # noqa: D102
+    def group_ended(self, time: int, path: str) -> None: ...  # noqa: D102
+
+
+class Join(Protocol):
+    """What is told of the end of a branch."""
+
+    def branch_ended(self, branch: Task, error: BaseException | None) -> None:
+        """Called once for every branch."""
+        ...
+
+
+def _push_unless_cancelled(party: Party) -> None:
+    """Stands in for ``push`` while a cancelled task runs.
+
+    Channels push the partner before they change anything, so that this ends the task with the communication undone.
+    """
+    if scheduler.current.cancelled:
+        raise Cancelled
+    scheduler.enqueue(party)
+
+
+class Scheduler:
+    """The ready queues and the present instant.
+
+    ``push`` readies a party on behalf of the running task; ``enqueue`` is the same for the runtime's own use, and works
+    also while a cancelled task runs.
+    """
+
+    __slots__ = (
+        "_levels",
+        "current",
+        "enqueue",
+        "now",
+        "observe",
+        "push",
+        "queue",
+        "running",
+        "sample_log",
+        "timers",
+        "watcher",
+    )
+
+    current: Task
+
+    def __init__(self) -> None:
+        self.running = False
+        self.queue: list[Party] = []
+        """That of the highest level, one list for all runs."""
+        self.reset()
+
+    def reset(self) -> None:
+        """Forgets everything, for a new run."""
+        self.now = 0
+        self.queue.clear()
+        self._levels: list[tuple[Priority, deque[Party]]] = []
+        self.enqueue: Callable[[Party], None] = self.queue.append
+        self.push: Callable[[Party], None] = self.enqueue
+        self.timers = Timers()
+        self.watcher: Watcher | None = None
+        self.observe: Callable[[str, Any, Party | None, Party | None], None] | None = None
+        self.sample_log: list[Any] | None = None
+
+    def leave(self) -> None:
+        """In a child that was forked: whatever would be resumed next, wherever the queue is being walked, ends it."""
+        self.queue[:] = [end_of_child] * (len(self.queue) + 1)
+
+    def set_priority(self, task: Task, priority: Priority) -> None:
+        """Gives a task that is not in a queue its level.
+
+        Levels compare as if padded with zeros: the first branch of a prioritized parallel stays at the level of its parent.
+        """
+        task.priority = priority
+        while priority and priority[-1] == 0:
+            priority = priority[:-1]
+        task.ready_queue = self._queue_of(priority)
+
+    def _queue_of(self, priority: Priority) -> list[Party] | deque[Party]:
+        if not priority:
+            return self.queue
+        for level, queue in self._levels:
+            if level == priority:
+                return queue
+        created: deque[Party] = deque()
+        self._levels.append((priority, created))
+        self._levels.sort(key=lambda entry: entry[0])
+        self.enqueue = _enqueue_by_level
+        self.push = _enqueue_by_level
+        return created
+
+    def run_ready_routines(self, most: int = 4096) -> bool:
+        """As ``run_ready``, where all processes are optimized code: that says by itself who runs, before it calls what asks."""
+        queue = self.queue
+        if not queue:
+            return self._run_lower_level()
+        batch = islice(queue, most)
+        party: Any = nobody
+        while True:
+            try:
+                for party in batch:
+                    party.resume(None)
+                break
+            except StopIteration:
+                self._party_ended(party, None)
+            except BaseException as error:
+                self._party_ended(party, error)
+        del queue[:most]
+        self.current = nobody
+        return bool(queue or self._levels)
+
+    def _party_ended(self, party: Any, error: BaseException | None) -> None:
+        if isinstance(party, Task):
+            self.current = party
+        self._task_ended(error)
+
+    def run_ready(self, most: int = 4096) -> bool:
+        """Runs up to ``most`` ready parties; False if none is ready any more.
+
+        The queue of the highest level is a list that grows while it is walked, and is then cut: a FIFO without the
+        price of ``popleft``. When a task ends, its StopIteration leaves the loop but not the iterator.
+        """
+        queue = self.queue
+        if not queue:
+            return self._run_lower_level()
+        batch = islice(queue, most)
+        while True:
+            try:
+                for party in batch:
+                    self.current = party  # type: ignore[assignment]
+                    party.resume(None)
+                break
+            except StopIteration:
+                self._task_ended(None)
+            except BaseException as error:
+                self._task_ended(error)
+        del queue[:most]
+        self.current = nobody
+        return bool(queue or self._levels)
+
+    def _run_lower_level(self) -> bool:
+        for _, queue in self._levels:
+            if queue:
+                self._run_one(queue.popleft())
+                self.current = nobody
+                return True
+        return False
+
+    def _run_one(self, party: Party) -> None:
+        self.current = party  # type: ignore[assignment]
+        try:
+            party.resume(None)
+        except StopIteration:
+            self._task_ended(None)
+        except BaseException as error:
+            self._task_ended(error)
+
+    def _task_ended(self, error: BaseException | None) -> None:
+        """A task has come to its end; whatever it raises is the program's, unless it ends the run."""
+        if error is not None and stopping.ends_run(error):
+            raise error
+        ended = self.current
+        ended.ended = True
+        ended.join.branch_ended(ended, error)
+
+
+def _enqueue_by_level(party: Party) -> None:
+    party.ready_queue.append(party)
+
+
+nobody: Task = None  # type: ignore[assignment]
+"""The current task while no process runs."""
+
+scheduler = Scheduler()

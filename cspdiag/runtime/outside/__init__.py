@@ -1,0 +1,1 @@
+"""Where a program meets its environment: ports, drivers, their release."""

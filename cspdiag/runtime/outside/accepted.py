@@ -1,0 +1,112 @@
+"""Values that a port takes from its driver: functions that make a value of the port's type of what a driver has returned, or refuse it.
+
+What numpy makes is taken by what it is of: ``dtype.kind`` tells that of a scalar and of an array without dimensions, and numpy is not imported for it.
+"""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable
+from enum import IntEnum
+from typing import Any, TypeAlias, TypeVar
+
+from ..compiled.arithmetic import float32
+
+Enumerator = TypeVar("Enumerator", bound=IntEnum)
+
+Accept: TypeAlias = Callable[[Any], Any]
+"""Raises TypeError, ValueError, OverflowError or Fault for what is no value of the type."""
+
+
+def double(value: Any) -> float:
+    """A number; NaN and infinities are numbers."""
+    if type(value) is float:
+        return value
+    if _kind(value) not in ("", "i", "u", "f") or not hasattr(type(value), "__float__"):
+        raise TypeError(f"{value!r} is no number")
+    return float(value)
+
+
+def single(value: Any) -> float:
+    """A number, rounded to 32 bits."""
+    return float32(double(value))
+
+
+def boolean(value: Any) -> bool:
+    """True or False, or the integers 1 or 0."""
+    if _kind(value) == "b" or (_is_integer(value) and operator.index(value) in (0, 1)):
+        return bool(value)
+    raise TypeError(f"{value!r} is neither True nor False")
+
+
+def integer(of: Callable[[int], int]) -> Accept:
+    """An integer that ``of``, such as ``int8``, takes."""
+
+    def accept(value: Any) -> int:
+        if not _is_integer(value):
+            raise TypeError(f"{value!r} is no integer")
+        return of(operator.index(value))
+
+    return accept
+
+
+def enumeration(of: type[Enumerator]) -> Callable[[Any], Enumerator]:
+    """A member of an enum of the program, or its number."""
+
+    def accept(value: Any) -> Enumerator:
+        if not _is_integer(value):
+            raise TypeError(f"{value!r} is no {of.__name__}")
+        return of(operator.index(value))
+
+    return accept
+
+
+def text(value: Any) -> str:
+    """A text."""
+    if not isinstance(value, str):
+        raise TypeError(f"{value!r} is no text")
+    return value
+
+
+def array(element: Accept, size: int) -> Accept:
+    """A sequence of ``size`` elements, as a tuple."""
+
+    def accept(value: Any) -> tuple[Any, ...]:
+        parts = _parts(value, size)
+        return tuple([element(part) for part in parts])
+
+    return accept
+
+
+def record(made: Callable[..., Any], *fields: Accept) -> Accept:
+    """A sequence of the fields of a struct, as the struct; ``made`` is its class."""
+
+    def accept(value: Any) -> Any:
+        parts = _parts(value, len(fields))
+        return made(*[field(part) for field, part in zip(fields, parts, strict=True)])
+
+    return accept
+
+
+def _kind(value: Any) -> str:
+    """What numpy calls it: ``b`` of True and False, ``i``, ``u`` and ``f`` of its own numbers, others of what is none; empty for what is for its class to say."""
+    if isinstance(value, bool):
+        return "b"
+    if isinstance(value, str | bytes):
+        return "U"
+    if getattr(value, "ndim", 0):
+        return "V"
+    return str(getattr(getattr(value, "dtype", None), "kind", ""))
+
+
+def _is_integer(value: Any) -> bool:
+    return type(value) is int or (_kind(value) in ("", "i", "u") and hasattr(type(value), "__index__"))
+
+
+def _parts(value: Any, size: int) -> list[Any]:
+    # What has an order: no set, and no dict, whose elements are asked for by keys.
+    ordered = hasattr(type(value), "__iter__") and hasattr(type(value), "__getitem__")
+    parts = list(value) if ordered and not isinstance(value, str | bytes | dict) else None
+    if parts is None or len(parts) != size:
+        raise TypeError(f"{value!r} is no sequence of {size} values")
+    return parts

@@ -1,0 +1,76 @@
+"""Drivers: what stands behind the ports of the outermost process."""
+
+from __future__ import annotations
+
+from typing import Any, Generic, Protocol, TypeVar
+
+from ..kernel.exceptions import DriverError, RunFailed
+
+T = TypeVar("T")
+
+
+class Driver(Protocol):
+    """One port's side of a device: ``read`` behind an input, ``write`` behind an output.
+
+    It may have ``open()`` and ``close()``, called before and after the run, and ``blocking = True`` if its calls may wait:
+    in real time they are then made outside the scheduler's thread. How long a call may take: ``watch``.
+    """
+
+
+class DriverFailed(RunFailed):
+    """A driver has failed."""
+
+    def __init__(self, error: DriverError) -> None:
+        super().__init__(error)
+
+
+class _NoSample:
+    """What a line returns while the device has no new sample."""
+
+
+NO_SAMPLE: Any = _NoSample()
+
+
+class DevicePort:
+    """One port of a device with several: calls ``device.read(port)`` and ``device.write(port, value)``."""
+
+    def __init__(self, device: Any, port: str) -> None:
+        self.device = device
+        self.port = port
+        self.name = name_of(device)
+        self.blocking = bool(getattr(device, "blocking", False))
+
+    def read(self) -> Any:
+        """One value of the port."""
+        return self.device.read(self.port)
+
+    def write(self, value: Any) -> None:
+        """Hands a value to the port."""
+        self.device.write(self.port, value)
+
+
+class Signal(Generic[T]):
+    """A value that an environment and a port share."""
+
+    __slots__ = ("value",)
+
+    def __init__(self, initial: T) -> None:
+        self.value = initial
+
+    def read(self) -> T:
+        """The present value."""
+        return self.value
+
+    def write(self, value: T) -> None:
+        """Sets the value."""
+        self.value = value
+
+
+def name_of(driver: object) -> str:
+    """What people know a driver by: its ``name``, or its class."""
+    return str(getattr(driver, "name", None) or type(driver).__name__)
+
+
+def device_of(driver: Any) -> Any:
+    """What is opened and closed: the device of which a driver is one port, or the driver."""
+    return getattr(driver, "device", driver)

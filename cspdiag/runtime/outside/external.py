@@ -1,0 +1,145 @@
+"""Ports of the outermost process: where a program meets its environment.
+
+A *sampled* port communicates at the instants k·period. A sampled output is a one-place latch that is handed to the driver at the tick, which is when it
+communicates; any other output communicates when it is written. Inputs: see ``inputs``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from math import isfinite
+from typing import Any, Generic, TypeAlias
+
+from ..channels.ports import Out, T
+from ..choice.selector import Selector
+from ..kernel.exceptions import Fault
+from ..kernel.scheduler import Party, scheduler
+from .drivers import Driver, Signal
+from .inputs import EventInput, SampledInput
+
+
+class _ExternalOutput(Out[T]):
+    """An output of the outermost process; any number of processes may write it, one after the other."""
+
+    __slots__ = ("driver", "line", "name", "safe")
+
+    @property
+    def can_come(self) -> bool:
+        """Whether a value will be handed over at a tick."""
+        return False
+
+    def __init__(self, name: str, driver: Driver | None, safe: T | None) -> None:
+        self.name = name
+        self.driver = driver
+        self.line: Any = driver
+        self.safe = safe
+
+    def _hand_over(self, value: T, writer: Party | None) -> None:
+        if self.line is not None:
+            self.line.write(value)
+        if scheduler.observe is not None:
+            scheduler.observe(self.name, value, writer, None)
+
+    def withdraw(self, party: Party) -> bool:
+        """See ``Out.withdraw``: nobody waits here."""
+        return False
+
+    def watch_output(self, selector: Selector, bit: int) -> None:
+        """See ``Out.watch_output``: always ready."""
+        selector.ready |= bit
+
+    def unwatch_output(self, selector: Selector) -> None:
+        """See ``Out.unwatch_output``."""
+
+
+class SampledOutput(_ExternalOutput[T], Generic[T]):
+    """A sampled output: the last value written in a period is handed over at its tick, or at once if ``immediate``."""
+
+    __slots__ = ("immediate", "latched", "period", "writer", "written")
+
+    def __init__(
+        self,
+        name: str,
+        *,
+        period: int,
+        driver: Driver | None = None,
+        safe: T | None = None,
+        immediate: bool = False,
+    ) -> None:
+        super().__init__(name, driver, safe)
+        self.period = period
+        self.immediate = immediate
+        self.written = False
+        self.latched: Any = None
+        self.writer: Party | None = None
+
+    def offer(self, party: Party, value: T, /) -> bool:
+        """See ``Out.offer``. Raises Fault for a NaN or an infinity."""
+        if not isinstance(value, float) or not isfinite(value):
+            _require_finite(self.name, value)
+        if self.immediate:
+            self._hand_over(value, party)
+        else:
+            self.latched = value
+            self.writer = party
+            self.written = True
+        return True
+
+    @property
+    def can_come(self) -> bool:
+        """Whether a value will be handed over at a tick."""
+        return self.written
+
+    def at_tick(self) -> Callable[[], None]:
+        """What to do at a tick of this run."""
+        return self._ticking(self.line) if type(self.line) is Signal else self.tick
+
+    def _ticking(self, signal: Signal[T]) -> Callable[[], None]:
+        """``tick`` in one step for a signal of an environment."""
+
+        def tick() -> None:
+            if self.written:
+                self.written = False
+                signal.value = value = self.latched
+                if scheduler.observe is not None:
+                    scheduler.observe(self.name, value, self.writer, None)
+
+        return tick
+
+    def tick(self) -> None:
+        """Hands over what was written since the last tick."""
+        if self.written:
+            self.written = False
+            self._hand_over(self.latched, self.writer)
+
+
+class EventOutput(_ExternalOutput[T], Generic[T]):
+    """An event output: every value goes to the driver at once."""
+
+    __slots__ = ()
+
+    def __init__(self, name: str, *, driver: Driver | None = None, safe: T | None = None) -> None:
+        super().__init__(name, driver, safe)
+
+    def offer(self, party: Party, value: T, /) -> bool:
+        """See ``Out.offer``. Raises Fault for a NaN or an infinity."""
+        _require_finite(self.name, value)
+        self._hand_over(value, party)
+        return True
+
+
+Port: TypeAlias = "SampledInput[Any] | SampledOutput[Any] | EventInput[Any] | EventOutput[Any]"
+"""A port of the outermost process."""
+
+
+def _require_finite(port: str, value: object) -> None:
+    if type(value) is float:
+        if not isfinite(value):
+            raise Fault(f"{value} is written to {port}")
+    elif isinstance(value, tuple | list):
+        for part in value:
+            _require_finite(port, part)
+    else:
+        fields: Iterable[str] = getattr(value, "__dataclass_fields__", ())
+        for field in fields:
+            _require_finite(port, getattr(value, field))

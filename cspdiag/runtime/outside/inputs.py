@@ -1,0 +1,444 @@
+"""Inputs of the outermost process: where a program takes what its environment offers.
+
+Every process that reads a *sampled* input has an end of its own, with a session that begins when it first waits for a sample and lasts until the
+process ends; within it, each sample must be taken before the next one comes. An *event* input keeps the latest value offered until it is read.
+A value from outside communicates when a reader takes it.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, Literal
+
+from ..channels.latched import LatchedEnd, refuse_cancelled
+from ..channels.ports import In, T
+from ..choice.selector import Selector, lower_bits, raise_bits
+from ..kernel.durations import ms, shown
+from ..kernel.exceptions import ChannelMisuse, Timeout
+from ..kernel.scheduler import Party, Task, scheduler
+from .accepted import Accept
+from .drivers import NO_SAMPLE, Driver, Signal, name_of
+
+if TYPE_CHECKING:
+    from ..choice.guards import Choice
+    from ..kernel.routine import Part
+    from ..process import Process
+
+
+_SILENT_TICKS = 10
+_SILENT_TIME = 500 * ms
+"""A device that brings nothing for so many ticks, and so long, has failed its reader."""
+
+
+class _Pace:
+    """The ends of one process with one period. The process *follows* the period from its first sample until it ends."""
+
+    __slots__ = ("ends", "followed")
+
+    def __init__(self) -> None:
+        self.ends: list[SampledEnd[Any]] = []
+        self.followed = False
+
+
+class SampledEnd(LatchedEnd[T]):
+    """The end of one reader of a sampled input.
+
+    Its session begins when the reader first waits for a sample. Before that, while its process follows the period through another end, it
+    holds the sample of the present tick, so that a first read belongs to the same instant as the reads beside it.
+    """
+
+    __slots__ = ("_lacks", "_port", "begun", "overdue", "pace", "waiter")
+
+    def __init__(self, port: SampledInput[T], pace: _Pace) -> None:
+        super().__init__(port.name)
+        self._port = port
+        self.pace = pace
+        self.begun = False
+        self.overdue = False
+        self._lacks = ""
+        self.waiter: Party | None = None
+        pace.ends.append(self)
+
+    @property
+    def listens(self) -> bool:
+        """Whether it wants the next sample: its session has begun, or its process follows the period."""
+        return self.begun or self.pace.followed
+
+    def sample(self, value: T) -> None:
+        """The tick: a new sample, for an end that listens."""
+        if not self.begun:
+            self._hold(value)
+            return
+        if not self.pace.followed:
+            self.pace.followed = True
+            for end in self.pace.ends:
+                if not end.begun and end._port.sampled:
+                    end._hold(end._port.latest)
+                end._port.sessions_changed()
+        if self.fresh:
+            self.miss()
+        self.value = value
+        self._lacks = ""
+        self._arrived()
+
+    def miss(self) -> None:
+        """A sample that nobody has taken and nobody will take."""
+        self._port.missed += 1
+        self.overdue = self._port.on_miss == "timeout"
+
+    def _arrived(self) -> None:
+        self.fresh = True
+        if self.waiter is not None:
+            scheduler.enqueue(self.waiter)
+            self.waiter = None
+        if self.inputs:
+            raise_bits(self.inputs)
+
+    def lack(self, account: str) -> None:
+        """No sample has come for too long: the reader gets a Timeout."""
+        if not self.fresh:
+            self.overdue = True
+            self._lacks = account
+            self._arrived()
+
+    def _hold(self, value: T) -> None:
+        """Keeps the sample of the present tick for a first read; to overwrite it is no miss."""
+        self.value = value
+        self.fresh = True
+        raise_bits(self.inputs)
+
+    def request(self, party: Party) -> bool:
+        """See ``In.request``. Raises Timeout if a sample was overwritten since the last read."""
+        if self.fresh:
+            party.received = self.taken(party)
+            return True
+        if self.waiter is not None:
+            raise ChannelMisuse(f"one end of {self.name} is read by two processes at the same time")
+        self.waiter = party
+        if not self.begun:
+            self._begin()
+        return False
+
+    def wait(self, task: Task) -> None:
+        """For optimized code that found no sample: ``task`` waits for the next one."""
+        task.waiting = self
+        if self.waiter is not None:
+            raise ChannelMisuse(f"one end of {self.name} is read by two processes at the same time")
+        self.waiter = task
+        if not self.begun:
+            self._begin()
+
+    def collect(self, party: Party) -> bool:
+        """See ``In.collect``."""
+        refuse_cancelled()
+        return self.request(party)
+
+    def taken(self, reader: Party) -> T:
+        """The sample, which ``reader`` takes. Raises Timeout if one was overwritten before it."""
+        if self.overdue:
+            self.overdue = False
+            self._refuse_lack()
+            raise Timeout(f"a sample of {self.name} was overwritten before it had been taken")
+        if not self.begun:
+            self._begin()
+        return self._communicated(reader)
+
+    def _refuse_lack(self) -> None:
+        if self._lacks:
+            account, self._lacks = self._lacks, ""
+            self.fresh = False
+            if self.inputs:
+                lower_bits(self.inputs)
+            raise Timeout(account)
+
+    def _begin(self) -> None:
+        self.begun = True
+        self._port.sessions_changed()
+        for selector, bit in self.inputs:
+            selector.attend &= ~bit
+
+    def close(self) -> None:
+        """The session is over: the next read waits for the next tick again."""
+        self.begun = self.fresh = self.overdue = self.pace.followed = False
+        self._lacks = ""
+        self._port.sessions_changed()
+        for selector, bit in self.inputs:
+            selector.attend |= bit
+            selector.ready &= ~bit
+
+    def withdraw(self, party: Party) -> bool:
+        """See ``In.withdraw``."""
+        if self.waiter is not party:
+            return False
+        self.waiter = None
+        return True
+
+    def watch_input(self, selector: Selector, bit: int) -> None:
+        """See ``In.watch_input``."""
+        super().watch_input(selector, bit)
+        if not self.begun:
+            selector.attend |= bit
+
+    def enroll_input(self, choice: Choice, index: int) -> None:
+        """An alternative waits for the first sample: the session begins."""
+        if not self.begun:
+            self._begin()
+
+
+class SampledInput(In[T]):
+    """A sampled input of the outermost process; ``missed`` counts samples that were overwritten untaken, or did not come.
+
+    ``accepts`` makes values of the port's type of those that a driver returns, and refuses what it cannot take; None: takes anything.
+    """
+
+    __slots__ = (
+        "_listening", "_silent", "accepts", "driver", "ends", "latest", "line", "missed", "name", "on_miss", "period", "sampled",
+    )  # fmt: skip
+
+    def __init__(self, name: str, *, period: int, driver: Driver | None = None, accepts: Accept | None = None) -> None:
+        self.name = name
+        self.accepts = accepts
+        self.period = period
+        self.driver = driver
+        self.line: Any = driver
+        self.ends: list[SampledEnd[T]] = []
+        self._listening: list[SampledEnd[T]] | None = None
+        self._silent = 0
+        """Ticks since the last sample."""
+        self.missed = 0
+        self.on_miss: Literal["timeout", "count"] = "timeout"
+        self.latest: Any = None
+        self.sampled = False
+        """Whether there has been a sample, which is then ``latest``."""
+
+    def begin(self, on_miss: Literal["timeout", "count"]) -> None:
+        """A run begins."""
+        self.on_miss = on_miss
+        self.missed = self._silent = 0
+        self.sampled = False
+
+    def reader(self, owner: Process | Part | None = None) -> SampledEnd[T]:
+        """The end of a process, whose session lasts until the process ends."""
+        end: SampledEnd[T] = SampledEnd(self, _Pace() if owner is None else self._pace_of(owner))
+        self.ends.append(end)
+        return end if owner is None else owner.owns(end)
+
+    def _pace_of(self, owner: Process | Part) -> _Pace:
+        for end in owner.ends:
+            if isinstance(end, SampledEnd) and end._port.period == self.period:
+                return end.pace
+        return _Pace()
+
+    def sessions_changed(self) -> None:
+        """Other ends than before may listen."""
+        self._listening = None
+
+    def _ends_that_listen(self) -> list[SampledEnd[T]]:
+        listening = self._listening
+        if listening is None:
+            listening = self._listening = [end for end in self.ends if end.listens]
+        return listening
+
+    def at_tick(self) -> Callable[[], None]:
+        """What to do at a tick of this run."""
+        return self._sampling(self.line) if type(self.line) is Signal else self.sample
+
+    def _sampling(self, signal: Signal[T]) -> Callable[[], None]:
+        """``sample`` in one step for a signal of an environment; ends that wait for a sample after others are served in place."""
+        log, name = scheduler.sample_log, self.name
+
+        def sample() -> None:
+            self.latest = value = signal.value
+            self.sampled = True
+            if log is not None:
+                log.extend((scheduler.now, name, value))
+            listening = self._listening
+            for end in self._ends_that_listen() if listening is None else listening:
+                if end.begun and end.pace.followed and not end.fresh:
+                    end.value = value
+                    end.fresh = True
+                    waiter = end.waiter
+                    if waiter is not None:
+                        end.waiter = None
+                        scheduler.enqueue(waiter)
+                    if end.inputs:
+                        raise_bits(end.inputs)
+                else:
+                    end.sample(value)
+
+        return sample
+
+    def sample(self) -> None:
+        """The tick: takes the new sample for all readers."""
+        if self.line is None:
+            return
+        value = self.line.read()
+        if value is NO_SAMPLE:
+            self._keep_silent()
+            return
+        self._silent = 0
+        self.latest = value
+        self.sampled = True
+        if scheduler.sample_log is not None:
+            scheduler.sample_log.extend((scheduler.now, self.name, value))
+        for end in self._ends_that_listen():
+            end.sample(value)
+
+    def skip(self) -> None:
+        """A tick that has passed together with the next one: its sample is missed, and the driver is not asked."""
+        if self.line is not None:
+            for end in self.ends:
+                if end.begun:
+                    end.miss()
+
+    def _keep_silent(self) -> None:
+        """A tick for which a blocking driver has brought nothing: a sample that is missed, and after a while a Timeout in those who wait for it."""
+        ends = [end for end in self.ends if end.begun]
+        if not ends:
+            return
+        self.missed += 1
+        self._silent += 1
+        silence = self._silent * self.period
+        if self.on_miss == "timeout" and self._silent >= _SILENT_TICKS and silence >= _SILENT_TIME:
+            self._silent = 0
+            for end in ends:
+                end.lack(f"driver {name_of(self.driver)} has brought no sample of {self.name} for {shown(silence)}")
+
+    @property
+    def can_come(self) -> bool:
+        """Whether a tick can make a process ready: a reader waits for the next sample."""
+        if self.driver is None:
+            return False
+        for end in self._listening or self._ends_that_listen():
+            if end.waiter is not None or (end.inputs and end.alternative_waits()):
+                return True
+        return False
+
+    @property
+    def awaited_end(self) -> SampledEnd[T] | None:
+        """An end at which a reader waits for a sample that will come."""
+        waiting = (end for end in self.ends if end.waiter is not None)
+        return None if self.driver is None else next(waiting, None)
+
+
+class EventEnd(LatchedEnd[T]):
+    """A latch of an event input."""
+
+    __slots__ = ("_readers",)
+
+    def __init__(self, name: str) -> None:
+        super().__init__(name)
+        self._readers: deque[Party] = deque()
+
+    @property
+    def awaited(self) -> bool:
+        """Whether somebody waits for an event."""
+        return bool(self._readers) or self.alternative_waits()
+
+    def occur(self, value: T) -> None:
+        """The environment offers a new value."""
+        self.value = value
+        self.fresh = True
+        if self._readers:
+            scheduler.enqueue(self._readers.popleft())
+        raise_bits(self.inputs)
+
+    def request(self, party: Party) -> bool:
+        """See ``In.request``."""
+        if self.fresh:
+            party.received = self.taken(party)
+            return True
+        self._readers.append(party)
+        return False
+
+    def collect(self, party: Party) -> bool:
+        """See ``In.collect``."""
+        if scheduler.current.cancelled and self.fresh and self._readers:
+            scheduler.enqueue(self._readers.popleft())
+        refuse_cancelled()
+        if self.fresh:
+            party.received = self.taken(party)
+            return True
+        self._readers.appendleft(party)
+        return False
+
+    def withdraw(self, party: Party) -> bool:
+        """See ``In.withdraw``."""
+        if party not in self._readers:
+            return False
+        self._readers.remove(party)
+        return True
+
+
+class EventInput(In[T]):
+    """An event input of the outermost process.
+
+    With ``kind="broadcast"`` every reading end has a latch of its own; otherwise all readers share one, and a value goes to one of them.
+    """
+
+    __slots__ = ("_last", "accepts", "driver", "ends", "kind", "line", "name", "polled")
+
+    def __init__(
+        self,
+        name: str,
+        *,
+        driver: Driver | None = None,
+        kind: Literal["sync", "any", "broadcast"] = "sync",
+        accepts: Accept | None = None,
+    ) -> None:
+        self.name = name
+        self.accepts = accepts
+        self.driver = driver
+        self.line: Any = driver
+        self.polled = driver is not None
+        self.kind = kind
+        self.ends: list[EventEnd[T]] = [] if kind == "broadcast" else [EventEnd(name)]
+        self._last: Any = None
+
+    def reader(self, owner: Process | Part | None = None) -> EventEnd[T]:
+        """The end of a process."""
+        if self.kind == "broadcast":
+            self.ends.append(EventEnd(self.name))
+        return self.ends[-1]
+
+    def start(self) -> None:
+        """The value at the beginning is no event."""
+        self._last = self.line.read()
+
+    def at_grid(self) -> Callable[[], None]:
+        """What to do at an instant of the grid of this run."""
+        return self._polling(self.line) if type(self.line) is Signal else self.poll
+
+    def _polling(self, signal: Signal[T]) -> Callable[[], None]:
+        """``poll`` in one step for a signal of an environment."""
+
+        def poll() -> None:
+            value = signal.value
+            if value != self._last:
+                self._last = value
+                self.occur(value)
+
+        return poll
+
+    def poll(self) -> None:
+        """A grid instant: offers the value if it has changed."""
+        value = self.line.read()
+        if value != self._last:
+            self._last = value
+            self.occur(value)
+
+    def occur(self, value: T) -> None:
+        """The environment offers a new value."""
+        for end in self.ends:
+            end.occur(value)
+
+    @property
+    def can_come(self) -> bool:
+        """Whether an event can make a process ready: a reader waits for it."""
+        if self.driver is None:
+            return False
+        for end in self.ends:  # noqa: SIM110 - asked at every instant, and a generator takes three times as long
+            if end.awaited:
+                return True
+        return False

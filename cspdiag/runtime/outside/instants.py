@@ -1,0 +1,161 @@
+"""The instants at which a program meets its environment, and what happens at one, in order.
+
+The environment advances; events are offered and samples taken, in the order of the ports; latched outputs are handed over; then timers fall due.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from math import gcd, lcm
+from typing import Any, Protocol, TypeAlias
+
+from ..kernel.durations import ms
+from ..kernel.exceptions import EnvironmentFailure, fault_of
+from ..kernel.places import raised_by_program, statement_of
+from ..kernel.scheduler import scheduler
+from ..kernel.stopping import stopping
+from .external import EventOutput, Port, SampledOutput
+from .inputs import EventInput, SampledEnd, SampledInput
+
+Plan: TypeAlias = tuple[Callable[[], None], ...]
+
+_REMEMBERED = 1 << 14
+"""So many phases are remembered: all of any usual hyperperiod, and a bounded number of periods that have nearly no common multiple."""
+
+
+class Environment(Protocol):
+    """A plant and its operator, simulated."""
+
+    step: int
+    """The grid in nanoseconds on which it is evaluated, besides the ticks."""
+    drivers: Mapping[str, Any]
+    """By port of the program."""
+
+    def start(self) -> None:
+        """Evaluates the outputs at time 0."""
+        ...
+
+    def advance(self, now: int) -> None:
+        """Advances to ``now`` with the inputs held, and evaluates the outputs."""
+        ...
+
+
+def start(environment: Environment) -> None:
+    """Evaluates an environment at time 0. Raises EnvironmentFailure with what it raises."""
+    try:
+        environment.start()
+    except BaseException as error:
+        if stopping.ends_run(error):
+            raise
+        raise failure_of(type(environment).__name__, error) from error
+
+
+def failure_of(environment: str, error: BaseException) -> EnvironmentFailure:
+    """What ends the run; an error of arithmetic in an equation is a fault."""
+    place = statement_of(error)
+    if isinstance(error, ArithmeticError) and raised_by_program(error):
+        return EnvironmentFailure(environment, fault_of(error, None), place)
+    return EnvironmentFailure(environment, error, place)
+
+
+class Instants:
+    """Ticks of all periods and the grid of the environment."""
+
+    def __init__(self, ports: Sequence[Port], environment: Environment | None) -> None:
+        self._ports = tuple(ports)
+        self._advance = None if environment is None else environment.advance
+        self._environment = type(environment).__name__
+        periods = {port.period for port in ports if isinstance(port, SampledInput | SampledOutput)}
+        self.periods: tuple[int, ...] = tuple(sorted(periods))
+        self._grid = self._grid_of(environment)
+        self._cycles = tuple(sorted(periods | ({self._grid} if self._grid else set())))
+        self._hyperperiod = lcm(*self._cycles)
+        self._phases: dict[int, tuple[int, Plan | None]] = {}
+        """By the phase of the hyperperiod: the distance to the next instant, and what happens at this one; None where nothing does."""
+        self._hopeful: Port | None = None
+        """The port that could make a process ready when it was asked last."""
+        self.hope: SampledEnd[Any] | None = None
+        """Where a process was found to wait for a sample that will come; it often does so again."""
+
+    def _grid_of(self, environment: Environment | None) -> int:
+        if environment is not None:
+            return environment.step
+        if any(isinstance(port, EventInput) and port.polled for port in self._ports):
+            return gcd(*self.periods) if self.periods else ms
+        return 0
+
+    def after(self, instant: int) -> int | None:
+        """The next instant after ``instant``."""
+        if not self._cycles:
+            return None
+        return instant + self._phase(instant % self._hyperperiod)[0]
+
+    def _phase(self, phase: int) -> tuple[int, Plan | None]:
+        found = self._phases.get(phase)
+        if found is None:
+            found = min([cycle - phase % cycle for cycle in self._cycles]), self._plan(phase)
+            if len(self._phases) < _REMEMBERED:
+                self._phases[phase] = found
+        return found
+
+    def periods_at(self, instant: int) -> list[int]:
+        """The sample periods whose tick ``instant`` is."""
+        return [period for period in self.periods if instant % period == 0]
+
+    def meet(self, instant: int, present: int = 0) -> int | None:
+        """What happens at ``instant`` before any process runs, but for the timers; the next instant after it.
+
+        Where it is ``present`` already, of several ticks that have passed only the last one asks the driver.
+        """
+        if not self._cycles:
+            return None
+        phase = instant % self._hyperperiod
+        distance, plan = self._phases.get(phase) or self._phase(phase)
+        if present and plan is not None and present - instant >= self._cycles[0]:
+            plan = self._plan(phase, present - instant)
+        if plan is not None:
+            if self._advance is not None:
+                try:
+                    self._advance(instant)
+                except BaseException as error:
+                    if stopping.ends_run(error):
+                        raise
+                    raise failure_of(self._environment, error) from error
+            for action in plan:
+                action()
+        return instant + distance
+
+    def _plan(self, phase: int, late: int = 0) -> Plan | None:
+        if all(phase % cycle for cycle in self._cycles):
+            return None
+        inputs: list[Callable[[], None]] = []
+        outputs: list[Callable[[], None]] = []
+        for port in self._ports:
+            match port:
+                case SampledInput():
+                    if phase % port.period == 0:
+                        inputs.append(port.skip if port.period <= late else port.at_tick())
+                case EventInput():
+                    if port.polled and phase % self._grid == 0 and self._grid > late:
+                        inputs.append(port.at_grid())
+                case SampledOutput():
+                    if phase % port.period == 0 and not port.immediate:
+                        outputs.append(port.at_tick())
+                case EventOutput():
+                    pass
+        return (*inputs, *outputs)
+
+    def can_come(self) -> bool:
+        """Whether anything at a later instant can make a process ready or hand over a value."""
+        return scheduler.timers.next_instant() is not None or self.port_can_come()
+
+    def port_can_come(self) -> bool:
+        """The same without timers."""
+        if self._hopeful is not None and self._hopeful.can_come:
+            return True
+        for port in self._ports:
+            if port.can_come:
+                self._hopeful = port
+                self.hope = port.awaited_end if isinstance(port, SampledInput) else None
+                return True
+        return False

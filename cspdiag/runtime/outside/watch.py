@@ -1,0 +1,160 @@
+"""How long calls of drivers and steps of processes may take, and what becomes of one that does not come to its end."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from typing import Any, Final, NamedTuple, TypeVar
+
+from ..kernel.exceptions import DriverError, HangError, RunFailed
+from ..kernel.places import whereabouts
+from ..kernel.signals import left_to_the_main_thread, name_of_signal
+from ..kernel.stopping import Stopped, stopping
+from .drivers import DriverFailed
+
+T = TypeVar("T")
+
+PATIENCE: Final = 2.0
+"""Seconds that a driver has for a read or a write, and processes for a step."""
+PATIENCE_AT_CLOSE: Final = 10.0
+"""Seconds that a driver has to close."""
+_LOOK: Final = 0.1
+
+
+class Call(NamedTuple):
+    """One operation of a driver. Without a limit it may take as long as it likes, until a signal comes."""
+
+    driver: str
+    port: str
+    operation: str
+    limit: float | None
+
+    def failed(self, error: BaseException) -> DriverFailed:
+        """What ends the run."""
+        return DriverFailed(DriverError(self.driver, self.port, self.operation, error))
+
+    def hangs(self) -> DriverFailed:
+        """It has not come back in time."""
+        return self.failed(TimeoutError(f"no return within {self.limit or PATIENCE:g} s"))
+
+
+class _Present(NamedTuple):
+    """A call that has begun."""
+
+    call: Call
+    since: float
+
+
+class Watch:
+    """Makes the calls of the scheduler's thread, and has a thread of its own that looks after them, and after the steps of processes.
+
+    What goes beyond its limit is ended by an exception where Python can do that. If it still does not come to its end, ``stuck`` is called, once, from
+    the thread of the watch. ``look`` is called from there all the time.
+    """
+
+    def __init__(self, *, look: Callable[[], None], stuck: Callable[[Exception], None]) -> None:
+        self.releasing = False
+        """Whether the run is over: calls then come to an end of their own, signal or not."""
+        self.turns = 0
+        """How often the scheduler has come round, where steps have a limit."""
+        self.limits_steps = False
+        """Whether processes run against the clock, or end: the next turn has to come in time."""
+        self._look = look
+        self._stuck = stuck
+        self._ended = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="watch of the drivers", daemon=True)
+        self._scheduler = 0
+        self._can_leave = False
+        self._left: _Present | None = None
+        self._gives_up = 0.0
+        self._turn = 0
+        self._standing = 0
+        """At how many looks the turn was the same, outside of calls: time in which the whole process is suspended does not count."""
+
+    def begin(self) -> None:
+        """From now on calls are looked after; called by the scheduler's thread."""
+        self._scheduler = threading.get_ident()
+        self._can_leave = stopping.can_leave_calls and threading.current_thread() is threading.main_thread()
+        with left_to_the_main_thread():
+            self._thread.start()
+
+    def end(self) -> None:
+        """There is nothing more to look after."""
+        self._ended.set()
+
+    def call(self, what: Call, function: Callable[..., T], *given: Any) -> T:
+        """Calls a driver. Raises DriverFailed with whatever it raises, ``sys.exit`` included."""
+        stopping.call = _Present(what, time.monotonic())
+        try:
+            return function(*given)
+        except BaseException as error:
+            if stopping.ends_run(error):
+                raise
+            raise what.failed(error) from error
+        finally:
+            stopping.call = None
+            if stopping.is_child:
+                stopping.end_child()
+
+    def _run(self) -> None:
+        while not self._ended.wait(_LOOK):
+            self._look()
+            stopping.look()
+            present = stopping.call
+            hanging = self._hanging_call(present) if isinstance(present, _Present) else self._hanging_step()
+            if hanging is None and stopping.waited > 2 * PATIENCE and not self.releasing:
+                hanging = self._outlives_signal(present)
+            if hanging is not None:
+                self._stuck(hanging)
+                return
+
+    def _outlives_signal(self, present: object) -> Exception:
+        """What is said of a run that goes on after a signal: where it is, in a driver or in a process."""
+        if isinstance(present, _Present) and self._is_overdue(present):
+            return present.call.hangs().error
+        return self._hang(f"within {2 * PATIENCE:g} s after {name_of_signal(stopping.signal)}")
+
+    def _hanging_call(self, present: _Present) -> Exception | None:
+        """Ends a call that takes too long; what is said of one that cannot be ended."""
+        if not self._is_overdue(present):
+            return None
+        error = present.call.hangs().error
+        if present is not self._left:
+            self._left = present
+            self._gives_up = time.monotonic() + PATIENCE
+            self._leave(lambda: stopping.call is present, error)
+        elif time.monotonic() > self._gives_up:
+            return error
+        return None
+
+    def _is_overdue(self, present: _Present) -> bool:
+        took = time.monotonic() - present.since
+        limit = present.call.limit
+        if limit is not None and took > limit:
+            return True
+        return not self.releasing and min(took, stopping.waited) > PATIENCE
+
+    def _hanging_step(self) -> Exception | None:
+        """Ends a step that takes too long; what is said of one that cannot be ended."""
+        turn = self.turns
+        if turn != self._turn or not self.limits_steps:
+            self._turn, self._standing = turn, 0
+            return None
+        self._standing += 1
+        took = self._standing * _LOOK
+        if took <= PATIENCE:
+            return None
+        error = self._hang(f"within {PATIENCE:g} s")
+        if took > 2 * PATIENCE:
+            return error
+        self._leave(lambda: self.turns == turn and self.limits_steps and stopping.call is None, error)
+        return None
+
+    def _hang(self, when: str) -> HangError:
+        return HangError(f"{whereabouts(self._scheduler) or 'a process'} has not come to the end of its step {when}")
+
+    def _leave(self, still: Callable[[], bool], error: Exception) -> None:
+        if self._can_leave:
+            stops = stopping.signal and not self.releasing
+            stopping.leave(still, Stopped(stopping.signal, error) if stops else RunFailed(error))

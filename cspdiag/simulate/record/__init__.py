@@ -1,0 +1,1 @@
+"""Recordings of a run: files, traces, plots, and the account for people."""

@@ -1,0 +1,137 @@
+"""Recordings and the plain trace as text."""
+
+from __future__ import annotations
+
+import errno
+import io
+import json
+import os
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from cspdiag.model.types import ArrayType, BoolType, EnumType, StructType, Type
+from cspdiag.simulate.record.leaves import Picker, leaves
+
+if TYPE_CHECKING:
+    from cspdiag.simulate.result import Run
+
+
+def write_whole(path: Path, data: bytes) -> None:
+    """Write a file whole or not at all, by way of a temporary one beside it.
+
+    A symbolic link keeps pointing where it points, a file keeps its permissions; a device or a pipe is written to as it is. Raises OSError as
+    the file system does, with the name that was given, and for a pipe from which nobody reads.
+    """
+    real = os.path.realpath(path)
+    if os.path.exists(path) and not os.path.isfile(path):
+        _write_through(path, data)
+        return
+    temporary = f"{real}.{os.getpid()}.tmp"
+    try:
+        with open(temporary, "xb") as file:
+            try:
+                file.write(data)
+                file.close()
+                with suppress(OSError):
+                    os.chmod(temporary, os.stat(real).st_mode & 0o7777)
+                os.replace(temporary, real)
+            except BaseException:
+                os.unlink(temporary)
+                raise
+    except OSError as problem:
+        raise OSError(problem.errno, problem.strerror, str(path)) from None
+
+
+def _write_through(path: Path, data: bytes) -> None:
+    """Write to a device or a pipe; to wait for somebody who reads from a pipe could take for ever."""
+    waits_not = getattr(os, "O_NONBLOCK", 0)
+    try:
+        number = os.open(path, os.O_WRONLY | waits_not)
+    except OSError as problem:
+        if problem.errno == errno.ENXIO:
+            raise OSError(problem.errno, "nobody reads from it", str(path)) from None
+        raise
+    os.set_blocking(number, True)
+    with os.fdopen(number, "wb") as file:
+        file.write(data)
+
+
+def readable(value: object, kind: Type | None) -> object:
+    """A value as JSON shows it: enum literals by name, structs as objects, arrays as lists."""
+    match kind:
+        case EnumType(literals=literals):
+            return literals[int(value)]  # type: ignore[call-overload]
+        case StructType(fields=fields):
+            values = list(value)  # type: ignore[call-overload]
+            return {name: readable(part, inner) for (name, inner), part in zip(fields, values, strict=True)}
+        case ArrayType(element=element):
+            return [readable(part, element) for part in value]  # type: ignore[attr-defined]
+        case _:
+            return value
+
+
+def plain_trace_text(run: Run) -> str:
+    """One JSON object a communication, in order: time in nanoseconds, channel, value."""
+    types: Mapping[str, Type] = run.types
+    lines = [
+        json.dumps({"t": time, "channel": channel, "value": readable(value, types.get(channel))})
+        for time, channel, value, _, _ in run.communications
+    ]
+    return "".join(f"{line}\n" for line in lines)
+
+
+def csv_text(run: Run) -> str:
+    """A header, then a row for each instant at which an external port had a new value; values held between.
+
+    Arrays and structs have a column for each of their numbers.
+    """
+    prefix = f"{run.network.top}."
+    names: list[str] = []
+    columns: dict[str, list[tuple[int, Callable[[Any], str], Picker]]] = {}
+    for port in run.network.external_ports:
+        columns[f"{prefix}{port.name}"] = own = []
+        for name, kind, pick in leaves(port.name, port.type):
+            own.append((len(names), _writer(kind), pick))
+            names.append(name)
+    row = [""] * len(names)
+    rows: list[str] = [",".join(["time", *names])]
+    instant: int | None = None
+    for time, channel, value in run.values_passed():
+        own_columns = columns.get(channel)
+        if own_columns is None:
+            continue
+        if instant is not None and time != instant:
+            rows.append(",".join([repr(instant / 1e9), *row]))
+        instant = time
+        for position, written, pick in own_columns:
+            row[position] = written(pick(value))
+    if instant is not None:
+        rows.append(",".join([repr(instant / 1e9), *row]))
+    return "".join(f"{line}\n" for line in rows)
+
+
+def _writer(kind: Type) -> Callable[[Any], str]:
+    """How a number is written in a table."""
+    match kind:
+        case BoolType():
+            return lambda value: "true" if value else "false"
+        case EnumType(literals=literals):
+            return lambda value: literals[int(value)]
+        case _:
+            return str
+
+
+def npz_bytes(run: Run) -> bytes:
+    """For each external port ``NAME`` its values, as ``Signal`` has them, and ``NAME.time`` its instants in seconds."""
+    import numpy
+
+    arrays = {}
+    for port in run.network.external_ports:
+        signal = run.signals[port.name]
+        arrays[port.name] = signal.value
+        arrays[f"{port.name}.time"] = signal.time
+    buffer = io.BytesIO()
+    numpy.savez_compressed(buffer, allow_pickle=False, **arrays)
+    return buffer.getvalue()

@@ -1,0 +1,92 @@
+"""Which parts of a program a person would want to see beside each other: groups, their ports, and the modes they go through.
+
+The branches of the parallel composition at the top are the groups (the joints of a robot); the processes that a group runs one after the other are its
+modes (align, move, home).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from cspdiag.base.record import record
+from cspdiag.network.ir import actions as act
+from cspdiag.network.ir.network import Net, Network, ProcessClass
+from cspdiag.network.ir.walk import instances_run, parts
+
+
+@record
+class ModeGroup:
+    """A part of the program with the paths of the processes and named groups that are its modes, and the external ports it uses.
+
+    ``modes`` maps paths (``Jiwy.horizontal.alignL``) to names (``alignL``), in text order.
+    """
+
+    name: str
+    modes: dict[str, str]
+    ports: tuple[str, ...]
+
+    __hash__ = object.__hash__
+
+
+def mode_groups(network: Network) -> tuple[ModeGroup, ...]:
+    """The groups of a program; a program without parallel parts is one group."""
+    top = network.class_named(network.top)
+    if not isinstance(top, ProcessClass) or top.body is None:
+        return ()
+    return tuple(_group(network, top, branch) for branch in _branches(top.body))
+
+
+def _branches(body: act.Action) -> tuple[act.Action, ...]:
+    match body:
+        case act.ParallelSteps(steps=steps):
+            return tuple(part for step in steps for part in (_branches(step) if _is_parallel(step) else (step,)))
+        case act.Group(body=inner) if isinstance(inner, act.ParallelSteps):
+            return _branches(inner)
+        case act.CatchException(body=inner) | act.InterruptOn(body=inner) | act.Repeat(body=inner):
+            return _branches(inner)
+        case _:
+            return (body,)
+
+
+def _is_parallel(step: act.Action) -> bool:
+    return isinstance(step, act.ParallelSteps)
+
+
+def _group(network: Network, top: ProcessClass, branch: act.Action) -> ModeGroup:
+    members = tuple(dict.fromkeys(instances_run(branch)))
+    name = branch.label if isinstance(branch, act.Group) else _common_name(members, network.top)
+    ports = tuple(
+        net.path.partition(".")[2]
+        for net in network.nets
+        if net.external is not None and _uses(net, {f"{network.top}.{member}" for member in members})
+    )
+    return ModeGroup(name, dict(_modes(network, top, network.top, branch)), ports)
+
+
+def _common_name(members: tuple[str, ...], otherwise: str) -> str:
+    """The name of a single instance, or of the array that all of them are elements of."""
+    names = {member.partition("[")[0] for member in members}
+    return members[0] if len(members) == 1 else names.pop() if len(names) == 1 else otherwise
+
+
+def _uses(net: Net, paths: set[str]) -> bool:
+    def inside(path: str) -> bool:
+        return any(path == prefix or path.startswith(f"{prefix}.") for prefix in paths)
+
+    return any(inside(path) for path, _ in (*net.readers, *net.writers))
+
+
+def _modes(network: Network, enclosing: ProcessClass, path: str, action: act.Action) -> Iterator[tuple[str, str]]:
+    """Processes that are run one after the other in ``action``; a single one is looked into."""
+    classes = {instance.name: network.class_named(instance.class_name) for instance in enclosing.instances}
+    processes = [name for name in dict.fromkeys(instances_run(action)) if isinstance(classes[name], ProcessClass)]
+    groups = [step.label for step in parts(action) if isinstance(step, act.Group) and step is not action]
+    if groups:
+        yield from ((f"{path}.{label}", label) for label in groups)
+    elif len(processes) == 1:
+        inner = classes[processes[0]]
+        assert isinstance(inner, ProcessClass)
+        below = list(_modes(network, inner, f"{path}.{processes[0]}", inner.body)) if inner.body is not None else []
+        yield from below or [(f"{path}.{processes[0]}", processes[0])]
+    else:
+        yield from ((f"{path}.{name}", name) for name in processes)

@@ -1,0 +1,174 @@
+"""What a plot shows of a run, as numbers: held values, what nobody read, units, and no more points than can be seen."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, NamedTuple
+
+from cspdiag.model.types import BoolType, EnumType, RealType, TimeType, Type
+from cspdiag.network.ir.network import ExternalPort
+from cspdiag.simulate.record.leaves import leaves
+
+if TYPE_CHECKING:
+    import numpy
+
+    from cspdiag.simulate.result import Run
+
+_COLUMNS = 1500
+"""Finer than this nothing is drawn: of what falls into one column the first, the least, the greatest and the last value are left."""
+
+
+class Series(NamedTuple):
+    """The values of a port, or of an element of it, from each instant in seconds to the next; the last one to the end of the run.
+
+    ``unread`` are the values of a sampled input that nobody read. ``is_event`` tells values that come when something happens. Durations are in seconds.
+    """
+
+    name: str
+    port: str
+    type: Type
+    time: numpy.ndarray
+    value: numpy.ndarray
+    unread: numpy.ndarray
+    is_event: bool
+    is_output: bool
+
+    @property
+    def is_discrete(self) -> bool:
+        """Whether it is one of few named values."""
+        return isinstance(self.type, BoolType | EnumType)
+
+    @property
+    def changes(self) -> numpy.ndarray:
+        """Positions of the values that differ from the one before, or are read where that was not."""
+        import numpy
+
+        different = (self.value[1:] != self.value[:-1]) | (self.unread[1:] != self.unread[:-1])
+        return numpy.flatnonzero(numpy.concatenate([[True], different])) if len(self.value) else numpy.array([], int)
+
+    @property
+    def repeated(self) -> Series:
+        """The values that are the same as the one before: nothing of a held line tells that they came."""
+        import numpy
+
+        again = numpy.setdiff1d(numpy.arange(len(self.value)), self.changes)
+        return self._replace(time=self.time[again], value=self.value[again], unread=self.unread[again])
+
+
+def series_of(run: Run) -> list[Series]:
+    """All ports, measured quantities before outputs; arrays and structs as their elements."""
+    ports = sorted(run.network.external_ports, key=lambda port: port.direction == "out")
+    return [series for port in ports for series in _of_port(run, port)]
+
+
+def _of_port(run: Run, port: ExternalPort) -> Iterator[Series]:
+    import numpy
+
+    signal = run.signals[port.name]
+    unread = numpy.array(run.unread(port.name), dtype=bool)
+    if len(unread) != len(signal.time):
+        unread = numpy.zeros(len(signal.time), dtype=bool)
+    for name, kind, _ in leaves(port.name, port.type):
+        value = _part(signal.value, name[len(port.name) :])
+        if isinstance(kind, TimeType):
+            value = value * 1e-9
+        yield Series(name, port.name, kind, signal.time, value, unread, port.period is None, port.direction == "out")
+
+
+def _part(values: numpy.ndarray, path: str) -> numpy.ndarray:
+    """``[0]`` or ``.x`` of every value."""
+    while path:
+        if path.startswith("["):
+            index, _, path = path[1:].partition("]")
+            values = values[:, int(index)]
+        else:
+            end = min((at for at in (path.find(".", 1), path.find("[")) if at > 0), default=len(path))
+            values, path = values[path[1:end]], path[end:]
+    return values
+
+
+def stairs(series: Series, end: float, *, unread: bool) -> tuple[numpy.ndarray, numpy.ndarray]:
+    """The corners of the steps of what was read, or of what was not, with gaps (NaN) for the other."""
+    import numpy
+
+    time = numpy.append(series.time, max(end, series.time[-1]) if len(series.time) else end)
+    value = series.value.astype(float)
+    value[~numpy.isfinite(value)] = numpy.nan
+    value[series.unread != unread] = numpy.nan
+    return thinned(numpy.repeat(time, 2)[1:-1], numpy.repeat(value, 2), end)
+
+
+def thinned(time: numpy.ndarray, value: numpy.ndarray, end: float) -> tuple[numpy.ndarray, numpy.ndarray]:
+    """A curve of which at most four points are left in a column that can be seen: it looks the same."""
+    import numpy
+
+    if len(time) <= 4 * _COLUMNS:
+        return time, value
+    column = (time * (_COLUMNS / max(end, 1e-12))).astype(int)
+    starts = numpy.flatnonzero(numpy.diff(column, prepend=-1))
+    ends = numpy.append(starts[1:], len(time))
+    kept: set[int] = set()
+    for start, stop in zip(starts.tolist(), ends.tolist(), strict=True):
+        part = value[start:stop]
+        kept.update((start, stop - 1))
+        known = numpy.flatnonzero(~numpy.isnan(part))
+        if len(known):
+            kept.update((start + int(known[part[known].argmin()]), start + int(known[part[known].argmax()])))
+        if len(known) < len(part):
+            kept.add(start + int(numpy.isnan(part).argmax()))
+    chosen = numpy.array(sorted(kept))
+    return time[chosen], value[chosen]
+
+
+def apart(series: Series, end: float) -> Series:
+    """Of values that come too close to each other to be told apart, the first."""
+    import numpy
+
+    column = (series.time * (_COLUMNS / max(end, 1e-12))).astype(int)
+    kept = numpy.flatnonzero(numpy.diff(column, prepend=-1))
+    return series._replace(time=series.time[kept], value=series.value[kept], unread=series.unread[kept])
+
+
+_QUANTITIES = {
+    "rad": "angle (rad)",
+    "V": "voltage (V)",
+    "A": "current (A)",
+    "rad/s": "speed (rad/s)",
+    "m": "position (m)",
+    "m/s": "speed (m/s)",
+    "N": "force (N)",
+    "N*m": "torque (N·m)",
+    "K": "temperature (K)",
+    "Pa": "pressure (Pa)",
+    "W": "power (W)",
+    "Hz": "frequency (Hz)",
+}
+
+
+def quantity(kind: Type) -> str:
+    """What a vertical axis says of a type."""
+    if isinstance(kind, RealType):
+        text = kind.unit.text
+        return _QUANTITIES.get(text, f"({_typeset(text)})") if text else "dimensionless"
+    return DURATION if isinstance(kind, TimeType) else WHOLE_NUMBERS
+
+
+def _typeset(unit: str) -> str:
+    return unit.translate(_SIGNS).replace("^2", "²").replace("^3", "³").replace("Ohm", "Ω")
+
+
+DURATION = "duration"
+"""The quantity of values of type ``time``; its axis is labelled with the unit that suits the values."""
+WHOLE_NUMBERS = "value"
+_SIGNS = {ord("*"): "·"}
+
+
+def unit_of_time(longest: float) -> tuple[str, float]:
+    """The unit in which durations up to ``longest`` seconds are read most easily, and how many of it a second has."""
+    units = (("s", 1.0), ("ms", 1e3), ("µs", 1e6))
+    return next((unit for unit in units if longest * unit[1] >= 1), ("ns", 1e9)) if longest else units[0]
+
+
+def shortened(name: str, longest: int = 30) -> str:
+    """A name that leaves room for what it names; both ends tell it from others."""
+    return name if len(name) <= longest else f"{name[: longest // 2 - 1]}…{name[-(longest - longest // 2) :]}"

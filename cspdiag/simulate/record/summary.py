@@ -1,0 +1,88 @@
+"""The account that a person gets after a run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from cspdiag.runtime.kernel.durations import shown
+from cspdiag.runtime.kernel.signals import name_of_signal
+from cspdiag.simulate.record.modes import mode_groups
+
+if TYPE_CHECKING:
+    from cspdiag.runtime import Outcome
+    from cspdiag.simulate.result import Run
+
+
+def summary(run: Run) -> str:
+    """Several lines: why it ended and when, what ended when, missed samples, jitter."""
+    return "\n".join(_lines(run))
+
+
+def _lines(run: Run) -> Iterator[str]:
+    outcome = run.outcome
+    where = f" in {run.environment.name}" if run.environment is not None else ""
+    yield f"{run.network.top}{where}: {_ending(run)}"
+    yield f"  {_effort(outcome)}"
+    yield from _process_lines(run)
+    missed = {port: count for port, count in outcome.missed.items() if count}
+    yield "  missed samples: " + (", ".join(f"{port} {count}" for port, count in missed.items()) or "none")
+    for period, jitter in outcome.jitter.items():
+        yield f"  jitter of the {shown(period)} period: {jitter}"
+    from cspdiag.runtime.kernel.exceptions import described
+
+    for error in outcome.release_errors:
+        yield f"  while releasing outputs: {described(error)}"
+
+
+def _effort(outcome: Outcome) -> str:
+    if outcome.real_time:
+        return f"ran {shown(outcome.time)} against the clock, {outcome.wall_time:.3g} s with start and end"
+    simulated = f"simulated {shown(outcome.time)} in {outcome.wall_time:.3g} s"
+    if outcome.time == 0 or outcome.wall_time == 0:
+        return simulated
+    return f"{simulated}, {_three_digits(outcome.time / 1e9 / outcome.wall_time)} times real time"
+
+
+def _three_digits(factor: float) -> str:
+    """A factor for people: ``45.8``, ``6610``, never ``6.61e+03``."""
+    return f"{factor:.3g}" if factor < 1000 else f"{float(f'{factor:.3g}'):.0f}"
+
+
+def _ending(run: Run) -> str:
+    outcome = run.outcome
+    at = f"at {shown(outcome.time)}"
+    match outcome.ended:
+        case "terminated":
+            return f"ended by itself {at}"
+        case "time limit":
+            return f"reached the time limit {at}"
+        case "stopped":
+            from cspdiag.runtime.kernel.exceptions import described
+
+            hanging = f": {described(outcome.error)}" if outcome.error is not None else ""
+            return f"stopped by {name_of_signal(outcome.signal)} {at}{hanging}"
+        case "deadlock":
+            return f"deadlock {at}"
+        case _:
+            assert outcome.error is not None
+            from cspdiag.runtime.kernel.exceptions import described
+
+            return f"ended unsuccessfully {at}: {described(outcome.error)}"
+
+
+_SHOWN = 8
+"""More processes than this in one group are counted, not listed."""
+
+
+def _process_lines(run: Run) -> Iterator[str]:
+    ends = {activity.path: activity.end for activity in run.activities}
+    for group in mode_groups(run.network):
+        run_ = [(name, ends[path]) for path, name in group.modes.items() if path in ends]
+        if 0 < len(run_) <= _SHOWN:
+            words = (f"{name} running" if end is None else f"{name} until {shown(end)}" for name, end in run_)
+            yield f"  {group.name}: {', '.join(words)}"
+        elif run_:
+            ended = [end for _, end in run_ if end is not None]
+            last = f", the last at {shown(max(ended))}" if ended else ""
+            yield f"  {group.name}: {len(ended)} of {len(run_)} processes ended{last}"

@@ -1,0 +1,115 @@
+"""Runs a network: the generated Python of ``-O0``, imported from memory, against its environment."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING
+
+from cspdiag.codegen.python.plain.external import bodies
+from cspdiag.network.ir.network import Environment, Network
+from cspdiag.runtime.kernel.exceptions import kind_and_text
+from cspdiag.runtime.kernel.stopping import stopping
+from cspdiag.simulate.record.recorder import Recorder
+from cspdiag.simulate.result import Run
+from cspdiag.simulate.run.measure import measure
+from cspdiag.simulate.run.package import LoadedPackage
+from cspdiag.simulate.run.probes import probe
+
+if TYPE_CHECKING:
+    from cspdiag.runtime import Network as RunningNetwork
+
+
+class NoEnvironmentError(LookupError):
+    """The program has ports to the outside and nothing to connect them to."""
+
+
+class BodyError(Exception):
+    """A module in Python that the program names cannot be imported, or its class not be made; the message is one line."""
+
+
+def chosen_environment(network: Network, name: str | None) -> Environment | None:
+    """The environment of that name, or the first; None for a program without ports and environments.
+
+    Raises NoEnvironmentError, with a message for people, where there is none to be had.
+    """
+    names = [environment.name for environment in network.environments]
+    if name is not None:
+        if name not in names:
+            known = f"there are: {', '.join(names)}" if names else "the program has none"
+            raise NoEnvironmentError(f"no environment `{name}` for `{network.top}`; {known}")
+        return network.environments[names.index(name)]
+    if network.environments:
+        return network.environments[0]
+    if network.external_ports:
+        ports = ", ".join(f"`{port.name}`" for port in network.external_ports)
+        raise NoEnvironmentError(
+            f"`{network.top}` has no environment to run in: say what its ports {ports} are connected to "
+            f"with `environment NAME for {network.top} {{ ... }}`"
+        )
+    return None
+
+
+def simulate(
+    network: Network,
+    files: Mapping[str, str],
+    *,
+    environment: str | None = None,
+    until: int | None = None,
+    real_time: bool = False,
+    recorder: Recorder | None = None,
+    probe_variables: bool = False,
+    measured: bool = False,
+    on_start: Callable[[RunningNetwork], None] | None = None,
+) -> Run:
+    """Run the generated package ``files`` of ``network``.
+
+    ``until`` is a time limit in nanoseconds. ``probe_variables`` also notes the values of variables that have a unit, ``measured`` how long laws compute. ``on_start`` is handed the running network, whose ``now`` is the present instant. Signals and what the
+    program raises end the run with an outcome, not with an exception. Raises NoEnvironmentError and BodyError, and Stopped if a signal comes before.
+    """
+    chosen = chosen_environment(network, environment)
+    recorder = recorder if recorder is not None else Recorder()
+    package = LoadedPackage(network.name, files)
+    try:
+        try:
+            with stopping.raising():
+                plant = package.module("environments").ENVIRONMENTS[chosen.name]() if chosen is not None else None
+                running = package.module("network").build(plant.drivers if plant is not None else {})
+        except BaseException as problem:
+            if not bodies(network) or stopping.ends_run(problem):
+                raise
+            raise BodyError(account_of(problem)) from problem
+        if probe_variables:
+            probe(running, network, recorder)
+        if measured:
+            measure(running, recorder)
+        if on_start is not None:
+            on_start(running)
+        outcome = running.run(
+            environment=plant,
+            until=until,
+            real_time=real_time,
+            on_miss=chosen.on_miss if chosen is not None else "timeout",
+            observer=recorder,
+        )
+    finally:
+        package.close()
+    return Run(network, chosen, outcome, recorder)
+
+
+def account_of(problem: BaseException) -> str:
+    """What went wrong in a module that the program names, and at which line of it."""
+    if isinstance(problem, SyntaxError):
+        return f"{_module(problem.filename or '')}:{problem.lineno}: {problem.msg}"
+    traceback = problem.__traceback__
+    place = ""
+    while traceback is not None:
+        file = traceback.tb_frame.f_code.co_filename
+        if file.startswith("<_cspdiag_") and "/external/" in file:
+            place = f"{_module(file)}:{traceback.tb_lineno}: "
+        traceback = traceback.tb_next
+    return f"{place}{kind_and_text(problem)}"
+
+
+def _module(origin: str) -> str:
+    """``law.py`` of ``<_cspdiag_oven_1>/external/law.py``."""
+    return origin.partition(">/")[2].removeprefix("external/")

@@ -1,0 +1,1 @@
+"""From what the parser has found to the syntax tree."""

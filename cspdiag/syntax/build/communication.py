@@ -1,0 +1,198 @@
+"""Ports, instances, channels and communication relationships of the tree."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple, cast
+
+from cspdiag.base.span import Span
+from cspdiag.syntax import ast
+from cspdiag.syntax.build.expressions import ExpressionBuilder
+from cspdiag.syntax.diagnostics.tokens import LabelNotAName, NotAnInstanceName, SourceDiscarded
+from cspdiag.syntax.parse.lexer import Token
+
+
+class Medium(NamedTuple):
+    """What stands between the arrow heads of a communication relationship."""
+
+    label: ast.Identifier | None
+    type: ast.TypeName | None
+    kind: ast.Kind | None
+
+
+class Period(NamedTuple):
+    """``@ T [immediate]``."""
+
+    value: ast.Expression | None
+    immediate: bool
+
+
+class CommunicationBuilder(ExpressionBuilder):
+    """The rules of ports and of the communication diagram."""
+
+    def port_list(self, span: Span, *ports: ast.Ports) -> tuple[ast.Ports, ...]:
+        """All port declarations of a definition."""
+        return ports
+
+    def ports(self, span: Span, direction: Token, first: ast.PortName, *rest: Any) -> ast.Ports:
+        """A port declaration."""
+        *names, port_type, default, period, safe = rest
+        return ast.Ports(
+            span=span,
+            doc=self.doc(span.start),
+            direction=cast("Any", direction.text),
+            names=(first, *names),
+            type=port_type,
+            default=default,
+            period=period.value,
+            immediate=period.immediate,
+            safe=safe,
+        )
+
+    def port_name(self, span: Span, name: ast.Identifier, *sizes: ast.Expression) -> ast.PortName:
+        """``request[N]``."""
+        return ast.PortName(span=span, name=name, dimensions=sizes)
+
+    def untimed(self, span: Span) -> Period:
+        """No period."""
+        return Period(None, False)
+
+    def sampled(self, span: Span, period: ast.Expression) -> Period:
+        """``@ T``."""
+        return Period(period, False)
+
+    def sampled_immediate(self, span: Span, period: ast.Expression) -> Period:
+        """``@ T immediate``."""
+        return Period(period, True)
+
+    def communication_block(self, span: Span, declarations: tuple[ast.Declaration, ...]) -> ast.Communication:
+        """``communication { ... }``."""
+        return ast.Communication(span=span, declarations=declarations)
+
+    def declarations(self, span: Span, *declarations: ast.Declaration) -> tuple[ast.Declaration, ...]:
+        """What is in a communication block."""
+        return declarations
+
+    def instance(
+        self,
+        span: Span,
+        reference: ast.Reference,
+        definition: ast.Identifier,
+        arguments: tuple[ast.Argument, ...] | None,
+    ) -> ast.Instance:
+        """``cell[i < 8] : Cell(id = i)``."""
+        if reference.member is not None or len(reference.indexes) > 1:
+            self.report.add(NotAnInstanceName(reference.span))
+        size: ast.Expression | ast.Replicator | None = reference.indexes[0] if reference.indexes else None
+        if isinstance(size, ast.Binary) and size.operator == "<" and isinstance(size.left, ast.Name):
+            counter = ast.Identifier(span=size.left.span, text=size.left.name)
+            size = ast.Replicator(span=size.span, name=counter, count=size.right)
+        return ast.Instance(
+            span=span,
+            doc=self.doc(span.start),
+            name=reference.name,
+            size=size,
+            definition=definition,
+            arguments=arguments or (),
+        )
+
+    def variable(
+        self, span: Span, name: ast.Identifier, variable_type: ast.TypeName, initial: ast.Expression | None
+    ) -> ast.Variable:
+        """``var name : type = initial``."""
+        return ast.Variable(span=span, doc=self.doc(span.start), name=name, type=variable_type, initial=initial)
+
+    def channel(
+        self, span: Span, name: ast.Identifier, channel_type: ast.TypeName, kind: ast.Kind | None
+    ) -> ast.Channel:
+        """``channel name : type kind``."""
+        return ast.Channel(span=span, doc=self.doc(span.start), name=name, type=channel_type, kind=kind)
+
+    def repeated_declarations(
+        self, span: Span, replicator: ast.Replicator, declarations: tuple[ast.Declaration, ...]
+    ) -> ast.RepeatedDeclarations:
+        """``for i < N { ... }``."""
+        return ast.RepeatedDeclarations(span=span, replicator=replicator, declarations=declarations)
+
+    def connection_direct(
+        self,
+        span: Span,
+        sources: tuple[ast.Reference | ast.Discard, ...],
+        sinks: tuple[ast.Reference | ast.Discard, ...],
+    ) -> ast.Connection:
+        """``sources -> sinks``."""
+        return self._connection(span, sources, Medium(None, None, None), sinks)
+
+    def connection_through(
+        self,
+        span: Span,
+        sources: tuple[ast.Reference | ast.Discard, ...],
+        medium: Medium,
+        sinks: tuple[ast.Reference | ast.Discard, ...],
+    ) -> ast.Connection:
+        """``sources -> label : type kind -> sinks``."""
+        return self._connection(span, sources, medium, sinks)
+
+    def connection_to_label(
+        self, span: Span, sources: tuple[ast.Reference | ast.Discard, ...], medium: Medium
+    ) -> ast.Connection:
+        """``sources -> label : type``."""
+        return self._connection(span, sources, medium, ())
+
+    def _connection(
+        self,
+        span: Span,
+        sources: tuple[ast.Reference | ast.Discard, ...],
+        medium: Medium,
+        sinks: tuple[ast.Reference | ast.Discard, ...],
+    ) -> ast.Connection:
+        for source in sources:
+            if isinstance(source, ast.Discard):
+                self.report.add(SourceDiscarded(source.span))
+        return ast.Connection(
+            span=span,
+            doc=self.doc(span.start),
+            sources=tuple(source for source in sources if isinstance(source, ast.Reference)),
+            label=medium.label,
+            type=medium.type,
+            kind=medium.kind,
+            sinks=sinks,
+        )
+
+    def references(
+        self, span: Span, *references: ast.Reference | ast.Discard
+    ) -> tuple[ast.Reference | ast.Discard, ...]:
+        """Ends of an arrow."""
+        return references
+
+    def discard(self, span: Span) -> ast.Discard:
+        """``_``."""
+        return ast.Discard(span=span)
+
+    def medium(self, span: Span, label: ast.Reference, kind: ast.Kind | None) -> Medium:
+        """``label kind``."""
+        return Medium(self._label(label), None, kind)
+
+    def medium_kind(self, span: Span, kind: ast.Kind) -> Medium:
+        """``kind``."""
+        return Medium(None, None, kind)
+
+    def medium_typed(self, span: Span, medium: Medium) -> Medium:
+        """``label : type kind``."""
+        return medium
+
+    def medium_type(self, span: Span, channel_type: ast.TypeName, kind: ast.Kind | None) -> Medium:
+        """``: type kind``."""
+        return Medium(None, channel_type, kind)
+
+    def end_label(self, span: Span, label: ast.Reference, channel_type: ast.TypeName, kind: ast.Kind | None) -> Medium:
+        """``label : type kind``."""
+        return Medium(self._label(label), channel_type, kind)
+
+    def _label(self, reference: ast.Reference) -> ast.Identifier:
+        if reference.member is not None or reference.indexes:
+            self.report.add(LabelNotAName(reference.span))
+        return reference.name
+
+    def kind(self, span: Span, name: Token, capacity: ast.Expression | None = None) -> ast.Kind:
+        """``broadcast``, ``buffer 4``."""
+        return ast.Kind(span=span, name=cast("Any", name.text), capacity=capacity)

@@ -1,0 +1,65 @@
+"""The automaton of the language: the parse tables with what a run makes of them once."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+from cspdiag.syntax.parse import tables
+from cspdiag.syntax.parse.lexer import WORDS_OF_THEIR_PLACE, Scanner
+
+_REPEATABLE = frozenset(
+    ["item", "ports", "declaration", "equation", "field", "communication_block", "composition_block"]
+)
+"""What reading can go on with after an error."""
+
+_NESTING = frozenset(
+    [
+        *("binary", "unary", "conditional", "member", "indexed", "call", "array", "repeated_declarations"),
+        *("sequence", "parallel", "prioritized_parallel", "alternative", "prioritized_alternative", "replicated"),
+        *("mu", "while_do", "if_then", "if_else", "labelled", "guarded", "catch", "interrupt"),
+    ]
+)
+"""The rules whose nodes are a level of the tree."""
+
+
+class Automaton:
+    """The parse tables and the scanner; never changed after it was made."""
+
+    def __init__(self, loaded: tables.Tables) -> None:
+        self.tables = loaded
+        self.scanner = Scanner(loaded)
+        self.valued = frozenset(loaded.valued)
+        self.levels = [1 if rule.build in _NESTING else 0 for rule in loaded.rules]
+        self.words_of_their_place = frozenset(loaded.words[word] for word in WORDS_OF_THEIR_PLACE)
+        self.terminal_texts = {terminal: text for text, terminal in loaded.words.items()}
+
+    def restartable(self, state: int) -> bool:
+        """Whether a declaration or definition can begin in a state."""
+        return not _REPEATABLE.isdisjoint(self.tables.gotos[state])
+
+    def accepts(self, states: list[int], terminal: str) -> bool:
+        """Whether the parser with these states would take a terminal, after the reductions it calls for."""
+        actions, gotos, rules = self.tables.actions, self.tables.gotos, self.tables.rules
+        # What lies below `base` is not touched; `top` has what the reductions put above it.
+        base, top = len(states), [states[-1]]
+        base -= 1
+        while True:
+            action = actions[top[-1]].get(terminal)
+            if action is None:
+                return terminal == tables.END and self.tables.symbols[top[-1]] == "start"
+            if action >= 0:
+                return True
+            rule = rules[~action]
+            surplus = rule.length - len(top)
+            if surplus < 0:
+                del top[len(top) - rule.length :]
+            else:
+                base -= surplus + 1
+                top = [states[base]]
+            top.append(gotos[top[-1]][rule.origin])
+
+
+@lru_cache(maxsize=1)
+def automaton() -> Automaton:
+    """The automaton of the language."""
+    return Automaton(tables.load())

@@ -1,0 +1,1 @@
+"""Why a token cannot stand where it stands."""

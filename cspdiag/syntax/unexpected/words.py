@@ -1,0 +1,135 @@
+"""Mistakes in single words: misspelled keywords, words of other languages, and numbers without digits on one side of their point."""
+
+from __future__ import annotations
+
+import re
+from contextlib import suppress
+
+from cspdiag.base.span import Span
+from cspdiag.base.spelling import Speller
+from cspdiag.syntax.diagnostics.structure import UnexpectedText, WrongOperator
+from cspdiag.syntax.diagnostics.tokens import MissingUnitBrackets
+from cspdiag.syntax.unexpected.expected import expected_words, found_words
+from cspdiag.syntax.unexpected.situation import Finding, Repair, Situation
+
+_SYNONYMS = {
+    "variable": "var", "constant": "const", "enumeration": "enum", "structure": "struct", "record": "struct",
+    "module": "process", "component": "process", "block": "submodel", "model": "submodel", "function": "submodel",
+    "include": "import", "using": "import", "throw": "raise", "delay": "wait", "sleep": "wait", "elif": "else",
+}  # fmt: skip
+"""Words of other languages for those of this one."""
+
+_BEFORE_A_NAME = {
+    "COMMUNICATION": ("var", "channel", "for"),
+    "FOR": ("var", "channel", "for"),
+    "ENVIRONMENT": ("for",),
+    "SUBMODEL": ("let", "state", "next", "der"),
+    "PROCESS": ("in", "out"),
+    "DRIVER": ("in", "out"),
+    "COMPOSITION": ("reset", "raise", "while", "when", "interrupt", "wait", "after"),
+}
+"""By block, the keywords in it that a name follows."""
+
+_AFTER_A_KEYWORD = frozenset(["NAME", "NUMBER", "QUANTITY", "DURATION", "TRUE", "FALSE", "NOT", "LPAR"])
+
+_NO_FRACTION = re.compile(r"(?<![A-Za-z0-9_.])[0-9]+\.\Z")
+_HALVES = re.compile(r"[0-9]*[.,][0-9]*")
+_BARE_UNIT = re.compile(r"[A-Za-z][A-Za-z0-9/*^]*")
+_AFTER_NUMBER = re.compile(
+    r"(?<![A-Za-z0-9_.])(?P<number>[0-9]+(?:\.[0-9]+)?(?:[eE][+-]?[0-9]+)?)[ \t]*(?P<unit>[A-Za-z][A-Za-z0-9/*^]*)\Z"
+)
+_SPACED_UNIT = re.compile(
+    r"(?P<number>[0-9][0-9.]*(?:[eE][+-]?[0-9]+)?)(?P<unit><[A-Za-z0-9/*^. -]* [A-Za-z0-9/*^. -]*>)"
+)
+
+
+def misspelled(situation: Situation) -> Finding | None:
+    """A word that is nearly a keyword which could stand here, or could have stood where the word before does."""
+    keywords = {text for terminal in situation.acceptable() if (text := situation.text_of(terminal)).isalpha()}
+    meant = _keyword(situation.text, keywords) if situation.kind == "NAME" else None
+    if meant is not None:
+        found = UnexpectedText(
+            situation.span, found_words(situation), expected_words(situation), f"did you mean `{meant}`?"
+        )
+        return found, Repair("replace", situation.terminal(meant))
+    before = situation.lexer.before
+    meant = _keyword(before.text, _BEFORE_A_NAME.get(situation.block(), ())) if before.kind == "NAME" else None
+    if meant is None or situation.kind not in _AFTER_A_KEYWORD:
+        return None
+    return UnexpectedText(situation.previous, f"`{before.text}`", f"`{meant}`", f"did you mean `{meant}`?"), None
+
+
+def _keyword(word: str, keywords: set[str] | tuple[str, ...]) -> str | None:
+    known = _SYNONYMS.get(word.lower())
+    if known in keywords:
+        return known
+    return word.lower() if word.lower() in keywords else Speller().nearest(word, sorted(keywords))
+
+
+def number(situation: Situation) -> Finding | None:
+    """A number without digits on one side of its point, or with a comma for it."""
+    before, lexer, text = situation.lexer.before, situation.lexer, situation.source.text
+    if before.text == "." and (match := _NO_FRACTION.search(text, max(0, before.start - 40), before.end)) is not None:
+        span = Span(situation.source, match.start(), match.end())
+        return WrongOperator(span, match.group(), f"{match.group()}0", "a number"), Repair("insert", "NAME")
+    start = before.start if before.kind == "NUMBER" and before.end == lexer.start else lexer.start
+    if start == lexer.start and situation.text not in {".", ","}:
+        return None
+    match = _HALVES.match(text, start)
+    if match is None or match.end() <= lexer.start or not any(map(str.isdecimal, match.group())):
+        return None
+    found = match.group()
+    whole, _, fraction = found.replace(",", ".").partition(".")
+    if "," in found and not (whole and fraction):
+        return None
+    wanted = f"{whole or 0}.{fraction or 0}"
+    repair = Repair("remove", end=match.end())
+    if start == lexer.start:
+        if not situation.can("NUMBER"):
+            return None
+        repair = Repair("replace", "NUMBER", match.end())
+    return WrongOperator(Span(situation.source, start, match.end()), found, wanted, "a number"), repair
+
+
+def unit(situation: Situation) -> Finding | None:
+    """A unit without its brackets, or with spaces in it."""
+    before = situation.lexer.before
+    source = situation.source
+    if before.kind == "NUMBER" and situation.kind == "NAME" and not situation.lexer.first_on_line():
+        match = _BARE_UNIT.match(source.text, situation.lexer.start)
+        if match is not None:
+            span = Span(source, before.start, match.end())
+            return MissingUnitBrackets(span, before.text, match.group()), Repair("remove", end=match.end())
+    line_start = source.text.rfind("\n", max(0, before.end - 200), before.end) + 1
+    match = _AFTER_NUMBER.search(source.text, line_start, before.end) if before.kind == "NAME" else None
+    if match is not None:
+        # The unit was taken for the name that begins the next declaration.
+        span = Span(source, match.start(), match.end())
+        return MissingUnitBrackets(span, match["number"], match["unit"]), None
+    line_start = source.text.rfind("\n", max(0, situation.lexer.start - 200), situation.lexer.start) + 1
+    for match in _SPACED_UNIT.finditer(source.text, line_start, situation.lexer.end + 80):
+        if match.start() <= situation.lexer.start < match.end() + 1:
+            span = Span(source, match.start(), match.end())
+            return MissingUnitBrackets(span, match["number"], match["unit"][1:-1]), None
+    return None
+
+
+def ascii_name(word: str) -> str | None:
+    """A name of letters that everybody can type, for one of others: ``groesse``, ``omega``; None where none comes to mind."""
+    from unicodedata import name, normalize
+
+    letters = []
+    for letter in word:
+        plain = _SPELLED_OUT.get(letter) or "".join(part for part in normalize("NFKD", letter) if part.isascii())
+        if not plain:
+            with suppress(ValueError):
+                # "GREEK SMALL LETTER OMEGA WITH TONOS" is an omega.
+                plain = name(letter).partition(" LETTER ")[2].split(" ")[0].lower()
+        letters.append(plain)
+    found = "".join(letters)
+    return found if all(letters) and found.isascii() and found.isidentifier() else None
+
+
+_SPELLED_OUT = dict(
+    zip("äöüÄÖÜßæøåÆØÅ", ["ae", "oe", "ue", "Ae", "Oe", "Ue", "ss", "ae", "oe", "aa", "Ae", "Oe", "Aa"], strict=True)
+)

@@ -1,0 +1,1 @@
+"""Proofs and what makes them believed: counterexamples that the program itself runs, and changes that remove them."""

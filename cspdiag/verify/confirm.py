@@ -1,0 +1,248 @@
+"""Counterexamples are believed when the program itself does what they say."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import replace
+from itertools import islice
+from typing import TYPE_CHECKING, TypeAlias
+
+from cspdiag import pipeline
+from cspdiag.proofs.answers.answer import Answer
+from cspdiag.proofs.answers.prove import answered, not_replayed, prove
+from cspdiag.proofs.answers.question import Property, Question
+from cspdiag.proofs.transitions import transition_system
+from cspdiag.proofs.transitions.threads.explore import TransitionError
+from cspdiag.proofs.transitions.told_apart import Apart, AsSpecification
+from cspdiag.proofs.verdict import LimitError, Limits, Method
+
+if TYPE_CHECKING:
+    from cspdiag.network.ir.network import Network
+    from cspdiag.proofs.counterexamples.counterexample import Counterexample
+    from cspdiag.proofs.transitions.systems.system import System
+    from cspdiag.proofs.transitions.told_apart import ToldApart
+    from cspdiag.verify.other_counterexamples import Narrowing
+    from cspdiag.verify.replay.result import Judge, Replay
+    from cspdiag.verify.runs.trace import Trace
+
+
+Enforced: TypeAlias = Callable[[Limits], AbstractContextManager[object]]
+"""Ends what is done inside it with LimitError when the time is up, if need be."""
+
+
+def trace_of(answer: Answer, settings: Mapping[str, str]) -> str:
+    """The text of the file that ``run --replay`` takes; the answer has a counterexample."""
+    from cspdiag.proofs.counterexamples.encode import encoded
+    from cspdiag.verify.runs.trace import trace_text
+
+    assert answer.counterexample is not None
+    left_open = list(dict.fromkeys(abstraction.what for abstraction in answer.abstractions))
+    counterexample = encoded(answer.counterexample)
+    question = answer.question
+    return trace_text(counterexample, question.process, question.text, settings, left_open, question.hidden)
+
+
+def replayed(network: Network, trace: Trace, read: pipeline.Reader) -> Replay:
+    """The program of a network, stepped through a trace. Raises as ``pipeline.generate`` does, and LimitError."""
+    from cspdiag.verify.replay.attempts import replay
+
+    return replay(network, pipeline.generate(network, read, level=0), trace, exactly=True)
+
+
+class VerificationError(Exception):
+    """A question that cannot be answered at all; the message is one line."""
+
+
+class Verifier:
+    """Answers what was asked of a program, with counterexamples that its code was stepped through.
+
+    ``settings`` are those with which it was asked. ``method`` is the only method of proof to be used; with ``spin``, SPIN looks for deadlocks. ``enforced`` ends
+    an answer that does not come by itself when its time is up: proof, replay and suggestions.
+    """
+
+    def __init__(
+        self,
+        asked: pipeline.Asked,
+        read: pipeline.Reader,
+        method: Method | None = None,
+        *,
+        spin: bool = False,
+        settings: Mapping[str, str] | None = None,
+        enforced: Enforced = nullcontext,
+    ) -> None:
+        self._asked = asked
+        self._read = read
+        self._method = method
+        self._spin = spin
+        self._settings = settings
+        self._enforced = enforced
+        self._systems: dict[tuple[str, frozenset[tuple[str, Apart]], AsSpecification | None], System] = {}
+        self._files: dict[str, dict[str, str]] = {}
+
+    def answer(self, question: Question, limits: Limits) -> Answer:
+        """The answer to one of the questions.
+
+        Raises VerificationError where a process has too many states of its own, where SPIN is missing, or where the code cannot be run through a
+        counterexample; OSError for a file of the program that cannot be read.
+        """
+        began = time.monotonic()
+        try:
+            with self._enforced(limits):
+                answer = self._answered(question, limits)
+        except LimitError as stop:
+            answer = Answer(question, "unknown", self._method, str(stop), 0.0)
+        return replace(answer, seconds=time.monotonic() - began)
+
+    def _answered(self, question: Question, limits: Limits) -> Answer:
+        if question.claim == "schedulable":
+            from cspdiag.proofs.answers.schedulable import schedulable
+
+            network = self._asked.network(question.process)
+            assert network is not None, "asked for a process with errors"
+            return schedulable(question, network)
+        if self._spin and question.claim == "deadlock free":
+            answer = self._asked_spin(question, limits)
+        else:
+            answer = prove(question, self.system, limits, self._method)
+        confirmed = self._confirmed(answer, limits)
+        if answer.counterexample is not None and confirmed.outcome == "unknown":
+            try:
+                return self._otherwise(answer.counterexample, question, limits) or confirmed
+            except LimitError:
+                return confirmed
+        return self._advised(confirmed, limits)
+
+    def system(
+        self, process: str, told_apart: ToldApart | None = None, specification: AsSpecification | None = None
+    ) -> System:
+        """The transition system of a process of the program. See ``transition_system``."""
+        ports = told_apart or {}
+        key = process, frozenset(ports.items()), specification
+        if key not in self._systems:
+            network = self._asked.network(process)
+            assert network is not None, "asked for a process with errors"
+            try:
+                self._systems[key] = transition_system(network, ports, specification)
+            except TransitionError as problem:
+                raise VerificationError(str(problem)) from problem
+        return self._systems[key]
+
+    def _otherwise(self, found: Counterexample, question: Question, limits: Limits) -> Answer | None:
+        """The answer with another counterexample, which the program follows, where it does not follow the one that was found."""
+        from cspdiag.verify.other_counterexamples import MOST, narrower, of_the_whole
+
+        for narrowing in islice(narrower(found), MOST):
+
+            def narrowed(
+                process: str,
+                told_apart: ToldApart | None = None,
+                specification: AsSpecification | None = None,
+                narrowing: Narrowing = narrowing,
+            ) -> System:
+                whole = self.system(process, told_apart, specification)
+                return narrowing(whole) if specification is None else whole
+
+            if limits.remaining <= 0:
+                break
+            rest = Limits(limits.remaining, limits.memory)
+            answer = prove(question, narrowed, rest, self._method)
+            if answer.counterexample is None:
+                continue
+            other = of_the_whole(answer.counterexample, self.system(question.process))
+            answer = self._confirmed(replace(answer, counterexample=other), rest)
+            if answer.outcome == "refuted":
+                return self._advised(answer, limits)
+        return self._kept_from_its_end(question, limits) if question.claim == "terminates" else None
+
+    def _kept_from_its_end(self, question: Question, limits: Limits) -> Answer | None:
+        """A deadlock, a knot or a livelock, which keep the process from its end."""
+        claims: tuple[Property, ...] = ("deadlock free", "livelock free")
+        for claim in claims:
+            if limits.remaining <= 0:
+                break
+            rest = Limits(limits.remaining, limits.memory)
+            answer = self._confirmed(prove(replace(question, claim=claim), self.system, rest, self._method), rest)
+            if answer.outcome != "refuted" or answer.counterexample is None:
+                continue
+            found = answer.counterexample
+            told = replace(found, failure="no termination") if claim == "livelock free" else found
+            return replace(answer, question=question, counterexample=told)
+        return None
+
+    def _asked_spin(self, question: Question, limits: Limits) -> Answer:
+        from cspdiag.verify import spin
+
+        began = time.monotonic()
+        system = self.system(question.process)
+        try:
+            verdict = spin.deadlock_free(system, limits)
+        except spin.SpinError as problem:
+            raise VerificationError(str(problem)) from problem
+        return answered(question, system, verdict, "deadlock", time.monotonic() - began)
+
+    def _confirmed(self, answer: Answer, limits: Limits) -> Answer:
+        """The answer with its counterexample replayed; unknown where the program does not follow it."""
+        found = answer.counterexample
+        if found is None:
+            return answer
+        from cspdiag.codegen import target_errors
+        from cspdiag.proofs.counterexamples.rounds import with_rounds
+        from cspdiag.simulate.run.execute import BodyError
+        from cspdiag.verify.guided.account import retold
+        from cspdiag.verify.replay.account import with_values
+        from cspdiag.verify.replay.attempts import replay
+        from cspdiag.verify.runs.names import in_words
+        from cspdiag.verify.runs.trace import read_trace
+
+        network = self._asked.network(answer.question.process)
+        assert network is not None, "asked for a process with errors"
+        try:
+            judge = self._judge(answer, network, limits)
+            files = self._generated(answer.question.process, network)
+            result = replay(network, files, read_trace(trace_of(answer, {})), judge, limits)
+            if result.other:
+                system = self.system(answer.question.process)
+                other = retold(found, system, result.other, result.standing, network)
+                trace = read_trace(trace_of(replace(answer, counterexample=other), {}))
+                again = replay(network, files, trace, judge, limits)
+                found, result = (other, again) if again.succeeded else (found, result)
+        except (BodyError, target_errors()) as problem:
+            raise VerificationError(str(problem)) from problem
+        except LimitError as stop:
+            return not_replayed(answer, str(stop))
+        if result.divergence is not None:
+            return not_replayed(answer, in_words(result.divergence, network.top))
+        found = with_values(found, result, network)
+        found = with_rounds(found, ((added.before, added.told) for added in result.added))
+        found = replace(found, reason=result.judgement or found.reason)
+        return replace(answer, replayed=True, counterexample=found)
+
+    def _advised(self, answer: Answer, limits: Limits) -> Answer:
+        """A refutation with changes of the text after which the property was proved, as far as the time suffices to look for them."""
+        if answer.outcome != "refuted" or answer.counterexample is None:
+            return answer
+        from cspdiag.verify.suggest import Deadlock, helpful
+
+        deadlock = Deadlock(self._asked, answer.question, answer.counterexample, self._settings or {})
+        try:
+            return replace(answer, suggestions=helpful(deadlock, self._read, limits))
+        except LimitError:
+            return answer
+
+    def _generated(self, process: str, network: Network) -> dict[str, str]:
+        """The package of a process, which all its counterexamples are tried on. Raises as ``pipeline.generate`` does."""
+        if process not in self._files:
+            self._files[process] = pipeline.generate(network, self._read, level=0)
+        return self._files[process]
+
+    def _judge(self, answer: Answer, network: Network, limits: Limits) -> Judge | None:
+        """Who says of a run whether it refines the specification that was asked about."""
+        specification = answer.question.specification
+        if specification is None:
+            return None
+        from cspdiag.verify.replay.refinement import judge
+
+        role = AsSpecification(frozenset(answer.question.free))
+        return judge(answer.question, lambda apart: self.system(specification, apart, role), network, limits)

@@ -1,0 +1,51 @@
+"""Deadlocks that a run or a proof has found, for pictures."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING
+
+from cspdiag.draw.deadlock.marks import Waiting
+from cspdiag.draw.deadlock.ring import Deadlock
+from cspdiag.runtime.kernel.durations import shown
+
+if TYPE_CHECKING:
+    from cspdiag.network.ir.network import Network
+    from cspdiag.proofs.counterexamples.counterexample import Counterexample
+    from cspdiag.runtime.deadlock import DeadlockReport, WaitingProcess
+
+
+def deadlock_of(report: DeadlockReport, network: Network) -> Deadlock:
+    """What is drawn of the report of a run of a network."""
+    users = {net.path: (*net.writers, *net.readers) for net in network.nets}
+    besides = tuple(_waiting(process, users) for process in report.waiting if process not in report.cycle)
+    cycle = tuple(_waiting(process, users) for process in report.cycle)
+    return Deadlock(f"deadlock at {shown(report.time)}", network.top, cycle, besides)
+
+
+def _waiting(process: WaitingProcess, users: Mapping[str, Iterable[tuple[str, str]]]) -> Waiting:
+    ports = (port for channel in process.channels for path, port in users.get(channel, ()) if path == process.path)
+    place = process.place or process.source
+    return Waiting(process.path, process.waits, place, process.channels, tuple(dict.fromkeys(ports)))
+
+
+def deadlock_shown_by(counterexample: Counterexample) -> Deadlock | None:
+    """What is drawn of a counterexample; None where it does not end with processes that wait for ever."""
+    if not counterexample.waiting:
+        return None
+    steps = sum(step.shown for step in counterexample.steps)
+    title = f"{counterexample.failure} after {steps} step{'' if steps == 1 else 's'}"
+    top = counterexample.process
+    waiting = {
+        each.name: Waiting(
+            each.path or f"{top}.{each.name}",
+            each.words.removeprefix("waits").strip(),
+            None if each.span is None else str(each.span),
+            each.channels,
+            span=each.span,
+        )
+        for each in counterexample.waiting
+    }
+    cycle = tuple(waiting[name] for name in counterexample.ring)
+    besides = tuple(each for name, each in waiting.items() if name not in counterexample.ring)
+    return Deadlock(title, top, cycle, besides)

@@ -1,0 +1,192 @@
+"""A run of the program told as a counterexample: who does what, and where the text says so."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from cspdiag.model.types import BoolType, EnumType, IntType, RealType, TimeType, Type
+from cspdiag.network.ir.network import Network
+from cspdiag.proofs.counterexamples.counterexample import (
+    SILENT,
+    Counterexample,
+    Party,
+    Step,
+    Waiting,
+    ring,
+    who_could_come,
+)
+from cspdiag.proofs.transitions.systems.system import INTERNAL, Place, System
+from cspdiag.verify.guided.script import Actor, Happened, Standing
+from cspdiag.verify.runs.names import UNFIT, WRITTEN, duration_of, fit
+from cspdiag.verify.runs.values import types_of, written
+
+_UNSEEN = SILENT | {"exception"}
+
+
+@dataclass(frozen=True)
+class _Match:
+    """An event that tells what happened, with the components that stand for the actors."""
+
+    event: int
+    actors: tuple[int, ...]
+    fit: int
+
+
+def retold(
+    found: Counterexample, system: System, run: Sequence[Happened], standing: Sequence[Standing], network: Network
+) -> Counterexample:
+    """The counterexample with the steps of another run, and with those who wait after it."""
+    types = types_of(network)
+    teller = _Teller(system, network.top)
+    steps = tuple(teller.step(happened, _text(happened, types)) for happened in run)
+    waiting = tuple(map(teller.waiting, standing))
+    return replace(found, steps=steps, cycle=(), waiting=waiting, ring=ring(waiting))
+
+
+def _text(happened: Happened, types: Mapping[str, Type]) -> str | None:
+    type_ = types.get(happened.channel)
+    if happened.action != "communication" or not isinstance(type_, BoolType | EnumType | IntType | RealType | TimeType):
+        return None
+    return written(happened.value, type_)
+
+
+class _Teller:
+    """Follows a run in each component by itself: in which states it may be, as far as its own steps tell."""
+
+    def __init__(self, system: System, process: str) -> None:
+        self._system = system
+        self._prefix = f"{process}."
+        self._states = [frozenset((component.initial,)) for component in system.components]
+        self._named: dict[str, list[int]] = defaultdict(list)
+        for number, event in enumerate(system.events):
+            if event.kind == "time":
+                self._named[""].append(number)
+            elif event.kind not in _UNSEEN:
+                self._named[event.channel].append(number)
+
+    def step(self, happened: Happened, value: str | None) -> Step:
+        """What happened as a step; without places where the components do not tell them."""
+        if happened.action == "skip":
+            return Step("internal", "", None, self._untold(happened))
+        for actors in (happened.actors, happened.actors[1:], happened.actors[:1]):
+            matches = list(self._matches(happened, actors, value)) if actors else []
+            if matches:
+                best = min(matches, key=lambda match: match.fit)
+                return self._taken(value, best, [match for match in matches if match.actors == best.actors])
+        return Step("communication", happened.channel, value, self._untold(happened))
+
+    def _untold(self, happened: Happened) -> tuple[Party, ...]:
+        return tuple(Party(actor.path.removeprefix(self._prefix), actor.path) for actor in happened.actors)
+
+    def waiting(self, stands: Standing) -> Waiting:
+        """A process that never goes on."""
+        actor = stands.actor
+        candidates = [
+            (self._fit(actor, number), number, state)
+            for number, component in enumerate(self._system.components)
+            if component.process and self._fit(actor, number) < UNFIT
+            for state in self._reached(number)
+            if self._channels(number, state) == stands.channels
+        ]
+        if not candidates:
+            name = actor.path.removeprefix(self._prefix)
+            return Waiting(name, actor.path, "waits", None, tuple(sorted(stands.channels)), ())
+        _, number, state = min(candidates, key=lambda candidate: candidate[0])
+        component, events = (
+            self._system.components[number],
+            [self._system.events[e] for e in self._waits(number, state)],
+        )
+        place = component.places.get(state, Place("waits"))
+        others = dict.fromkeys(
+            self._system.components[partner].name.removeprefix(self._prefix)
+            for event in events
+            for party in event.parties
+            if party != number
+            for partner in who_could_come(self._system, party, event.role(number))
+        )
+        channels = dict.fromkeys(event.channel for event in events)
+        name = component.name.removeprefix(self._prefix)
+        return Waiting(name, component.path, place.words, place.span, tuple(channels), tuple(others))
+
+    def _waits(self, component: int, state: int) -> Sequence[int]:
+        """The events for which a component waits in a state, but for the end of all that runs beside it."""
+        events = sorted({event for event, _ in self._edges(component, state)} - {INTERNAL})
+        return [event for event in events if self._system.events[event].kind not in _UNSEEN - {"delivered"}]
+
+    def _channels(self, component: int, state: int) -> frozenset[str]:
+        return frozenset(
+            self._system.events[event].channel.partition(" (")[0] for event in self._waits(component, state)
+        )
+
+    def _matches(self, happened: Happened, actors: Sequence[Actor], value: str | None) -> Iterator[_Match]:
+        for number in self._possible(happened, value):
+            event = self._system.events[number]
+            processes = [party for party in event.parties if self._system.components[party].process]
+            if len(processes) != len(actors) or not all(self._offers(party, number) for party in processes):
+                continue
+            for order in (processes, processes[::-1])[: len(processes)]:
+                fits = [self._fit(actor, party) for actor, party in zip(actors, order, strict=True)]
+                if max(fits) < UNFIT:
+                    yield _Match(number, tuple(order), sum(fits))
+
+    def _possible(self, happened: Happened, value: str | None) -> Iterable[int]:
+        if happened.action in {"wait", "after"}:
+            events = self._system.events
+            times = [n for n in self._named[""] if events[n].channel.rpartition(": ")[2].startswith(happened.action)]
+            return [n for n in times if duration_of(events[n].channel) in (None, happened.value)]
+        written = self._named.get(f"{happened.channel}{WRITTEN}", ()) if happened.action == "write" else ()
+        missed = happened.action == "miss"
+        possible = written or [
+            number
+            for number in self._named.get(happened.channel, ())
+            if (self._system.events[number].kind == "miss") == missed
+        ]
+        told = [number for number in possible if self._system.events[number].value == value]
+        return told or possible
+
+    def _fit(self, actor: Actor, party: int) -> int:
+        component = self._system.components[party]
+        return fit(actor, component.name, component.path)
+
+    def _offers(self, component: int, event: int) -> bool:
+        return any(number == event for state in self._reached(component) for number, _ in self._edges(component, state))
+
+    def _edges(self, component: int, state: int) -> Sequence[tuple[int, int]]:
+        return self._system.components[component].edges[state]
+
+    def _reached(self, component: int) -> Sequence[int]:
+        """The states in which a component may be, after steps that nobody sees."""
+        reached = dict.fromkeys(self._states[component])
+        pending = list(reached)
+        while pending:
+            for event, target in self._edges(component, pending.pop()):
+                unseen = event == INTERNAL or self._system.events[event].kind in _UNSEEN
+                if unseen and target not in reached:
+                    reached[target] = None
+                    pending.append(target)
+        return list(reached)
+
+    def _taken(self, value: str | None, best: _Match, same: Sequence[_Match]) -> Step:
+        """The step; from now on the components are where it leads, whatever the value."""
+        event = self._system.events[best.event]
+        parties = tuple(replace(self._party(number, best.event), role=event.role(number)) for number in event.parties)
+        events = {match.event for match in same}
+        for number in event.parties:
+            after = frozenset(
+                target
+                for state in self._reached(number)
+                for taken, target in self._edges(number, state)
+                if taken in events
+            )
+            self._states[number] = after or self._states[number]
+        return Step(event.kind, event.channel, value or event.value, parties)
+
+    def _party(self, number: int, event: int) -> Party:
+        component = self._system.components[number]
+        states = [
+            state for state in self._reached(number) if any(taken == event for taken, _ in self._edges(number, state))
+        ]
+        place = next((component.places[state] for state in states if state in component.places), Place(""))
+        return Party(component.name.removeprefix(self._prefix), component.path, place.words, place.span)

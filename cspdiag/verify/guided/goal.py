@@ -1,0 +1,131 @@
+"""Whether a run has come to what was refuted."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from cspdiag.runtime.composition import Branches
+from cspdiag.runtime.kernel.scheduler import Task
+from cspdiag.verify.guided.script import Actor, Standing
+from cspdiag.verify.runs.names import belongs
+from cspdiag.verify.runs.recurrence import Recurrence
+from cspdiag.verify.runs.stuck import Partners, waits_of
+from cspdiag.verify.runs.task_names import TaskNames, path_of
+from cspdiag.verify.runs.trace import Trace
+
+STANDSTILLS = frozenset({"deadlock", "knot"})
+
+Offer: TypeAlias = tuple[str, str]
+"""What a waiting process could go on with: ``to read`` or ``to write`` and a channel, or other words and nothing."""
+
+_PART = ": "
+"""In the names of events that pass no channel: the end of a parallel, a delay."""
+
+
+@dataclass(frozen=True)
+class Goal:
+    """What a run is to come to; ``outside`` are the channels of the environment, ``visible`` those that a specification sees.
+
+    ``cycle``: from this entry of the script on everything is repeated, after ``period`` entries. ``ends``: all is to end without anything more that can be seen. ``further``: a specification may see
+    more than the trace has; whether it allows that is asked afterwards.
+    """
+
+    trace: Trace
+    outside: frozenset[str]
+    visible: frozenset[str]
+    cycle: int
+    period: int
+    ends: bool
+    partners: Partners
+    recurrence: Recurrence
+    further: bool = False
+
+    @property
+    def is_standstill(self) -> bool:
+        """Whether some, or all, are to wait for ever."""
+        return self.trace.failure in STANDSTILLS
+
+    def expected(self) -> tuple[str, ...]:
+        """For a refinement the channels that the specification sees, in order."""
+        steps = (step for step in self.trace.steps if step.kind in {"external", "sample"})
+        return tuple(step.channel for step in steps if step.channel in self.visible)
+
+    def missed(self, root: Task) -> str | None:
+        """Why nobody is stuck for ever although nobody is ready; None if somebody is, or all are."""
+        waiting = [
+            task
+            for task in _leaves(root)
+            if self.trace.failure == "deadlock" or self._is_stuck(path_of(task), list(_offers(task)))
+        ]
+        if not waiting:
+            return "nobody is stuck"
+        stuck = self.stuck(root)
+        for task in waiting:
+            if task not in stuck:
+                channel = next((channel for _, channel in _offers(task) if channel), "")
+                return f"`{path_of(task)}` can still go on" + (f" with `{channel}`" if channel else "")
+        return None
+
+    def stuck(self, root: Task) -> list[Task]:
+        """The tasks that never go on."""
+        return self.partners.stuck(root, self.outside)
+
+    def is_as_told(self, root: Task) -> bool:
+        """Whether those wait who wait in the counterexample, and for the same."""
+        waiting = [(path_of(task), {channel for _, channel in _offers(task) if channel}) for task in _leaves(root)]
+        told = [(of, {channel.partition(" (")[0] for channel in channels}) for of, channels in self.trace.stuck]
+        everybody = self.trace.failure != "deadlock" or all(
+            any(belongs(path, of) and (waits & channels or not waits) for of, channels in told)
+            for path, waits in waiting
+        )
+        return everybody and all(
+            any(belongs(path, of) and waits & channels for path, waits in waiting)
+            for of, channels in told
+            if any(_PART not in channel for channel in channels)
+        )
+
+    def called(self, task: Task, names: TaskNames) -> str:
+        """What the counterexample calls a task; one that it does not name has the name that it would have there."""
+        own = names.called(task)
+        path, waits = path_of(task), {channel for _, channel in _offers(task) if channel}
+        fitting = [
+            name
+            for name, (of, channels) in zip(self.trace.stuck_names, self.trace.stuck, strict=False)
+            if belongs(path, of) and waits & channels
+        ]
+        if own in fitting:
+            return own
+        others = [name for name in fitting if not name.rpartition(".")[2].isdecimal()]
+        return min(others, key=lambda name: not name.startswith(f"{own} ("), default=own)
+
+    def standing(self, root: Task, names: TaskNames) -> Iterator[Standing]:
+        """Who waits for ever."""
+        for task in _leaves(root):
+            offers = list(_offers(task))
+            if self.trace.failure == "deadlock" or self._is_stuck(path_of(task), offers):
+                yield Standing(
+                    Actor(path_of(task), names.told(task)), frozenset(channel for _, channel in offers if channel)
+                )
+
+    def _is_stuck(self, path: str, offers: Iterable[Offer]) -> bool:
+        channels = {channel for _, channel in offers if channel}
+        return any(belongs(path, of) and channels & waits for of, waits in self.trace.stuck)
+
+
+def _leaves(root: Task) -> Iterator[Task]:
+    """The tasks that do not wait for branches of their own."""
+    pending = [root]
+    while pending:
+        task = pending.pop()
+        if isinstance(task.waiting, Branches) and task.waiting.pending:
+            pending += [branch for branch in task.waiting.tasks if not branch.ended]
+        else:
+            yield task
+
+
+def _offers(task: Task) -> Iterator[Offer]:
+    """What a task waits for, and the guards of the interrupts around it."""
+    for words, end in waits_of(task):
+        yield words, "" if end is None else end.name

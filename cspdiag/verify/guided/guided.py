@@ -1,0 +1,161 @@
+"""Leads the program, as it always runs, to where a counterexample goes."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Literal
+
+from cspdiag.network.ir.network import Network
+from cspdiag.proofs.verdict import Limits
+from cspdiag.runtime.kernel.scheduler import scheduler
+from cspdiag.runtime.network import Network as RunningNetwork
+from cspdiag.simulate.run.execute import BodyError, account_of
+from cspdiag.simulate.run.package import LoadedPackage
+from cspdiag.verify.guided.goal import Goal
+from cspdiag.verify.guided.result import GuidedRun
+from cspdiag.verify.guided.run import Run
+from cspdiag.verify.guided.runtime import guided_runtime
+from cspdiag.verify.guided.script import Passed, Script, put_off
+from cspdiag.verify.guided.world import Lines, World
+from cspdiag.verify.replay.decisions import Decisions, RandomDecisions
+from cspdiag.verify.runs.recurrence import Recurrence
+from cspdiag.verify.runs.stuck import Partners
+from cspdiag.verify.runs.trace import Trace
+from cspdiag.verify.runs.values import Values, numbers_of
+
+MOST_ACTIONS = 100_000
+"""So often may processes get on in all runs together."""
+MOST_RUNS = 600
+"""All together."""
+MOST_OF_ONE_KIND = 80
+"""So many runs follow one script strictly, and so many with others that go on besides."""
+MOST_ROUNDS = 24
+"""So often is gone round in what can be done for ever, until times repeat themselves."""
+MOST_AT_RANDOM = 40
+"""So many runs follow no script at all."""
+AT_LEAST = 2_000
+"""So many actions a run may have, whatever others have used up."""
+
+
+class Guided:
+    """The program of a network, compiled without optimization, as often as it takes; ``found`` is the package with which scripts were found."""
+
+    def __init__(self, network: Network, files: Mapping[str, str], found: LoadedPackage, limits: Limits) -> None:
+        self._limits = limits
+        self._network = network
+        self._package = LoadedPackage(network.name, files, guided_runtime())
+        types = None
+        if network.enums or network.structs:
+            types = sys.modules[f"{self._package.name}.types"] = found.module("types")
+        values = Values(types, numbers_of(network))
+        inputs = [port for port in network.external_ports if port.direction == "in"]
+        self._defaults = {
+            f"{network.top}.{port.name}": next(iter(values.candidates(port.type, None)), None) for port in inputs
+        }
+        self._events = frozenset(f"{network.top}.{port.name}" for port in inputs if port.period is None)
+        self._outside = frozenset(f"{network.top}.{port.name}" for port in network.external_ports)
+        environments = network.environments
+        counts = bool(environments) and all(environment.on_miss != "timeout" for environment in environments)
+        self._on_miss: Literal["timeout", "count"] = "count" if counts else "timeout"
+        self._partners = Partners(network)
+        self._left = MOST_ACTIONS
+        self._runs_left = MOST_RUNS
+
+    def close(self) -> None:
+        """Forgets the package."""
+        self._package.close()
+
+    @property
+    def exhausted(self) -> bool:
+        """Whether no further run is to be tried."""
+        return self._left <= 0 or self._runs_left <= 0
+
+    def follow(
+        self, entries: Sequence[Passed], trace: Trace, cycle: int, *, ends: bool, further: bool = False
+    ) -> GuidedRun:
+        """A run that comes to where the entries lead, to the end of all if it ``ends``, or the one that comes furthest; from ``cycle`` on they are repeated
+        until the times repeat themselves.
+
+        ``further``: processes have gone round more often than the trace says. Others may do so meanwhile, also where a specification sees it, and what is offered once is offered late.
+        """
+        if further:
+            entries = (*put_off(entries[:cycle], self._events), *entries[cycle:])
+        period = len(entries) - cycle if trace.cycle else 0
+        script = (*entries, *(tuple(entries[cycle:]) * MOST_ROUNDS if period else ()))
+        visible = frozenset(name for name in self._outside if not trace.hides(name))
+        goal = Goal(
+            trace,
+            self._outside,
+            visible,
+            cycle if trace.cycle else len(script),
+            period,
+            ends,
+            self._partners,
+            Recurrence(self._network, exact=trace.exact),
+            further,
+        )
+        best: GuidedRun | None = None
+        for run in self._runs(script, goal):
+            if run.succeeded:
+                return run
+            if best is None or (bool(run.happened), run.done) > (bool(best.happened), best.done):
+                best = run
+        assert best is not None
+        return best
+
+    def _runs(self, script: Sequence[Passed], goal: Goal) -> Iterator[GuidedRun]:
+        """As it comes at first, then strictly after the script, then with decisions of every kind until one comes to a standstill."""
+        first = self._run(script, goal, Decisions(), strict=False)
+        others = bool(first.happened)
+        yield first
+        for strict in (False,) if goal.further else (True, False):
+            decisions = Decisions()
+            for _ in range(MOST_OF_ONE_KIND):
+                if others and not strict:
+                    return
+                run = self._run(script, goal, decisions, strict=strict)
+                others = others or bool(run.happened)
+                yield run
+                if self.exhausted or not decisions.advance(run.cut):
+                    break
+
+    def at_random(self, trace: Trace) -> GuidedRun | None:
+        """A run to a deadlock that follows nothing; None if none was found."""
+        goal = Goal(
+            trace,
+            self._outside,
+            self._outside - trace.hidden,
+            0,
+            0,
+            ends=False,
+            partners=self._partners,
+            recurrence=Recurrence(self._network, exact=trace.exact),
+        )
+        runs = (
+            self._run((), goal, RandomDecisions(number), strict=False, free=True) for number in range(MOST_AT_RANDOM)
+        )
+        return next((run for run in runs if run.happened), None)
+
+    def _run(
+        self, script: Sequence[Passed], goal: Goal, decisions: Decisions, *, strict: bool, free: bool = False
+    ) -> GuidedRun:
+        self._limits.check()
+        decisions.begin()
+        scheduler.reset()
+        lines = Lines()
+        limit = max(AT_LEAST, self._left // 4)
+        network = self._built(lines)
+        wanted = Script(script)
+        world = World(network.ports, lines, wanted, self._defaults, self._on_miss)
+        run = Run(network, wanted, world, goal, decisions, strict=strict, free=free, limit=limit).run()
+        self._left -= run.actions
+        self._runs_left -= 1
+        return run
+
+    def _built(self, lines: Lines) -> RunningNetwork:
+        try:
+            network: RunningNetwork = self._package.module("network").build(lines)
+        except Exception as problem:
+            raise BodyError(account_of(problem)) from problem
+        return network

@@ -1,0 +1,35 @@
+"""How a guided run went."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from cspdiag.runtime.deadlock import DeadlockReport
+from cspdiag.verify.guided.script import Happened, Standing
+
+
+@dataclass(frozen=True)
+class GuidedRun:
+    """How a run went: ``done`` entries of its script, ``actions`` of processes, and why it has not reached its goal, None if it has.
+
+    ``cut`` is the number of decisions after which it was lost.
+    """
+
+    done: int
+    actions: int
+    divergence: str | None
+    communications: tuple[tuple[str, Any], ...]
+    deadlock: DeadlockReport | None
+    cut: int
+    happened: tuple[Happened, ...] = ()
+    """All that was done, where it has come to a standstill in another way than the script has."""
+    standing: tuple[Standing, ...] = ()
+    """Who waits for ever then."""
+    instants: tuple[int, ...] = ()
+    """When the communications were, in nanoseconds."""
+
+    @property
+    def succeeded(self) -> bool:
+        """Whether it has reached its goal as the script has it."""
+        return self.divergence is None

@@ -1,0 +1,402 @@
+"""A run of the program on its real runtime, led to where a counterexample goes.
+
+It obeys what every run obeys: who runs goes on until it must wait, processes of higher priority come first, delays end when they say, samples come at
+the ticks of their periods, and time passes only while nobody is ready or a submodel computes. Left to the guide are which of the ready processes of one level
+is next, which of the guards of ``[]`` that are ready is taken, how long a submodel computes, and what comes from outside, and when. What it tries
+otherwise in another attempt is a ``Decisions``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from heapq import heapify, heappop, heappush, nsmallest
+from typing import Any, NoReturn
+
+from cspdiag.proofs.verdict import LimitError
+from cspdiag.runtime.composition import end_all, task_for
+from cspdiag.runtime.deadlock import report_deadlock
+from cspdiag.runtime.kernel.durations import shown
+from cspdiag.runtime.kernel.exceptions import Fault, ProcessError, RunEnded
+from cspdiag.runtime.kernel.scheduler import Party, Priority, Task, nobody, scheduler
+from cspdiag.runtime.network import Network as RunningNetwork
+from cspdiag.verify.guided.goal import Goal
+from cspdiag.verify.guided.result import GuidedRun
+from cspdiag.verify.guided.runtime import guidance
+from cspdiag.verify.guided.script import Actor, Happened, Passed, Script, Standing
+from cspdiag.verify.guided.world import World
+from cspdiag.verify.replay.decisions import Decisions
+from cspdiag.verify.runs.task_names import Key, TaskNames, path_of
+
+MOST_CHOICES = 6
+"""So many of the processes that are ready are tried as the next."""
+_TRIED = "in the runs that were tried"
+_LEFT_OUT = ", and proofs leave {} out"
+
+
+class AstrayError(Exception):
+    """The run does not come to the goal; the message says why."""
+
+
+class _Enough(RunEnded):
+    """Breaks off a process that goes on for ever without ever having to wait; nothing in it catches that."""
+
+
+class Run:
+    """One run. ``strict``: nobody does anything that is not in the script; ``free``: there is none."""
+
+    def __init__(
+        self,
+        network: RunningNetwork,
+        script: Script,
+        world: World,
+        goal: Goal,
+        decisions: Decisions,
+        *,
+        strict: bool,
+        free: bool,
+        limit: int,
+    ) -> None:
+        self._script = script
+        self._world = world
+        self._goal = goal
+        self._decisions = decisions
+        self._strict = strict
+        self._free = free
+        self._limit = limit
+        self._process = network.process
+        self._root = task_for(network.process, self, None)
+        self._outputs = goal.outside - world.inputs
+        self._expected = goal.expected() if goal.trace.failure == "refinement" else None
+        self._seen = 0
+        self._names = TaskNames()
+        self._keys: dict[Task, Key] = {}
+        self._ready: dict[Priority, list[tuple[int, int, Party]]] = {(): []}
+        self._serial = 0
+        self._steps = 0
+        self._communications: list[tuple[str, Any]] = []
+        self._instants: list[int] = []
+        self._happened: list[Happened] = []
+        self._broadcasts: set[str] = set()
+        self._problem: str | None = None
+        self._lost: str | None = None
+        self._cut: int | None = None
+        self._cycle_began: int | None = None
+        self._rounds = 0
+        self._situations: set[tuple[object, ...]] = set()
+        self._repeated = False
+        self._broken_off = False
+        self._error: BaseException | None = None
+
+    def branch_ended(self, branch: Task, error: BaseException | None) -> None:
+        """The outermost process has ended."""
+        self._error = error
+
+    def run(self) -> GuidedRun:
+        """Runs as far as it leads to the goal; ``scheduler`` was reset, and the decisions have begun."""
+        guidance.guide = self
+        scheduler.observe = self._observe
+        scheduler.enqueue(self._root)
+        divergence, deadlock = None, None
+        happened: tuple[Happened, ...] = ()
+        standing: tuple[Standing, ...] = ()
+        try:
+            self._go()
+            if self._goal.is_standstill and (self._free or self._script.left or not self._goal.is_as_told(self._root)):
+                divergence, happened = self._lost or self._not_come(), tuple(self._happened)
+                standing = tuple(self._goal.standing(self._root, self._names))
+            if self._goal.is_standstill:
+                stuck = self._goal.stuck(self._root)
+                deadlock = report_deadlock(self._root, scheduler.now, stuck, self._called)
+        except AstrayError as problem:
+            divergence = self._lost or str(problem)
+        finally:
+            scheduler.observe = None
+            scheduler.current = nobody
+            end_all(self._root)
+        done = len(self._script.entries) - self._script.left
+        cut = self._cut if self._strict and self._cut is not None else self._decisions.made
+        made, instants = tuple(self._communications), tuple(self._instants)
+        return GuidedRun(done, self._actions, divergence, made, deadlock, cut, happened, standing, instants)
+
+    def _called(self, task: Task) -> str:
+        return self._goal.called(task, self._names)
+
+    def _go(self) -> None:
+        while self._script.left or self._goal.is_standstill or self._is_to_come():
+            self._offer()
+            party = self._next()
+            if party is None:
+                if self._concluded():
+                    return
+                self._pass_time()
+                continue
+            self._steps += 1
+            try:
+                scheduler._run_one(party)
+            except _Enough:
+                assert self._broken_off
+            finally:
+                scheduler.current = nobody
+            if self._repeated:
+                return
+            if self._broken_off:
+                if self._script.left or self._goal.is_standstill:
+                    raise AstrayError(self._not_come(_TRIED))
+                return
+            if isinstance(self._error, LimitError):
+                raise self._error
+            if self._failed:
+                raise AstrayError(f"it ends with {type(self._error).__name__}: {self._error}")
+            if self._problem is not None:
+                raise AstrayError(self._problem)
+            if self._actions > self._limit:
+                raise AstrayError(self._not_come(_TRIED))
+            if self._has_repeated():
+                return
+        if self._goal.period:
+            raise AstrayError("times or values change each time round, so that this may come to an end")
+
+    def _has_repeated(self) -> bool:
+        """Whether all rounds to come will be as those that were: tasks, values, delays and samples are as they were before."""
+        number = self._script.next()
+        done = len(self._script.entries) if number is None else number
+        goal = self._goal
+        if not goal.period or done < goal.cycle + self._rounds * goal.period:
+            return False
+        while done >= goal.cycle + self._rounds * goal.period:
+            self._rounds += 1
+        if goal.trace.failure == "livelock" and self._cycle_began not in (None, scheduler.now):
+            raise AstrayError("time passes before everything is repeated")
+        situation = (*self._world.situation, *goal.recurrence.state(self._process, self._root))
+        self._repeated = situation in self._situations
+        self._situations.add(situation)
+        return self._repeated
+
+    @property
+    def _actions(self) -> int:
+        return self._steps + self._world.met
+
+    @property
+    def _failed(self) -> bool:
+        """Whether the program has ended by an exception that proofs know nothing of, or too early."""
+        known = isinstance(self._error, ProcessError) and not isinstance(self._error, Fault)
+        return self._error is not None and (not known or self._script.left > 0 or self._goal.is_standstill)
+
+    def _is_to_come(self) -> bool:
+        """Whether what a specification is to see in the end, or the end, has not come, though all processes have done their part once."""
+        if self._goal.ends:
+            return not self._root.ended
+        return self._goal.further and self._expected is not None and self._seen < len(self._expected)
+
+    def _concluded(self) -> bool:
+        """Nobody is ready: whether that is the standstill."""
+        if self._root.ended:
+            raise AstrayError("it ends instead of coming to a halt" if not self._script.left else self._not_come())
+        if not self._goal.is_standstill or (self._script.left and self._strict):
+            return False
+        missed = self._goal.missed(self._root)
+        if missed is None and self._goal.trace.failure != "deadlock" and not self._goal.is_as_told(self._root):
+            missed = "others wait than the counterexample says"
+        if missed is not None and not self._script.left and not self._world.time_can_pass:
+            raise AstrayError(missed)
+        return missed is None
+
+    def _next(self) -> Party | None:
+        """The process that is next: of the highest level that has any, the one of which something is wanted earliest, or as decided."""
+        self._collect()
+        level = min((level for level, entries in self._ready.items() if entries), default=None)
+        if level is None:
+            return None
+        entries = self._ready[level]
+        chosen = self._decisions.choose(min(len(entries), MOST_CHOICES)) if len(entries) > 1 else 0
+        if chosen == 0:
+            return heappop(entries)[2]
+        entry = nsmallest(chosen + 1, entries)[-1]
+        entries.remove(entry)
+        heapify(entries)
+        return entry[2]
+
+    def _collect(self) -> None:
+        for level, queue in (((), scheduler.queue), *scheduler._levels):
+            for party in queue:
+                self._serial += 1
+                entry = (self._script.rank(self._key(party)), self._serial, party)
+                heappush(self._ready.setdefault(level, []), entry)
+            queue.clear()
+
+    def _key(self, party: Party) -> Key:
+        task = task_of(party)
+        found = self._keys.get(task)
+        if found is None:
+            found = self._keys[task] = self._names.key(task)
+        return found
+
+    def _offer(self) -> None:
+        """The environment offers what is wanted next."""
+        number = self._script.next()
+        if number is None or not self._world.can_offer(self._script.entries[number]):
+            return
+        later = scheduler.queue or any(self._ready.values()) or self._world.time_can_pass
+        if not later or not self._decisions.choose(2):
+            self._world.offer(self._script.entries[number])
+
+    def arrives(self) -> None:
+        """See ``Guide.arrives``."""
+        head = self._script.head(self._key(scheduler.current))
+        if head is None or not self._world.can_offer(head):
+            return
+        number = self._script.next()
+        is_next = number is not None and self._script.entries[number] is head
+        if is_next or self._decisions.choose(2):
+            self._world.offer(head)
+
+    def _pass_time(self) -> None:
+        """Nobody is ready: time goes on to the next instant, or something comes from outside."""
+        instant = self._world.next_instant() if self._world.time_can_pass else None
+        if instant is not None:
+            self._world.meet(instant)
+            return
+        entry = next(filter(self._world.can_offer, self._script.undone()), None)
+        if entry is None:
+            raise AstrayError(self._not_come())
+        self._world.offer(entry)
+
+    def compute(self) -> None:
+        """See ``Guide.compute``."""
+        instants = self._world.computing
+        self._world.pass_until(instants[self._decisions.choose(len(instants))] if len(instants) > 1 else instants[0])
+
+    def pick(self, guards: Sequence[tuple[int, str, str]]) -> int:
+        """See ``Guide.pick``."""
+        head = self._script.head(self._key(scheduler.current))
+        for index, action, channel in guards:
+            if head is not None and _is(head, action, channel, index):
+                return index
+        if self._strict or len(guards) == 1:
+            return guards[0][0]
+        return guards[self._decisions.choose(len(guards))][0]
+
+    def preferred(self, chosen: tuple[int, str, str], ready: Sequence[tuple[int, str, str]]) -> None:
+        """See ``Guide.preferred``."""
+        head = self._script.head(self._key(scheduler.current))
+        if head is None or _is(head, chosen[1], chosen[2], chosen[0]):
+            return
+        if any(_is(head, action, channel, index) for index, action, channel in ready):
+            words = f"`{head.name or head.path}` prefers `{chosen[2] or chosen[1]}` to `{_words(head)}`"
+            self._lose(words + _LEFT_OUT.format("priorities"))
+
+    def did(self, party: Party, action: str, channel: str = "", index: int = 0, duration: int = 0) -> None:
+        """See ``Guide.did``."""
+        if action == "write":
+            self._broadcasts.add(channel)
+        self._note(action, channel, duration, party)
+        self._match(party, action, channel, index)
+        is_over_at_once = action == "skip" or (action in ("wait", "after") and duration <= 0)
+        if is_over_at_once and self._has_repeated():
+            self._break_off()
+
+    def _break_off(self) -> NoReturn:
+        """Ends the process that runs, which would go on without ever having to wait; the scheduler tells its parent so."""
+        self._broken_off = True
+        raise _Enough
+
+    def _note(self, action: str, channel: str, value: Any, *parties: Party | None) -> None:
+        self._steps += 1
+        if self._actions > self._limit:
+            self._break_off()
+        tasks = [task_of(party) for party in parties if party is not None]
+        actors = tuple(Actor(path_of(task), self._names.told(task)) for task in tasks)
+        self._happened.append(Happened(action, channel, actors, value))
+
+    def _match(self, party: Party, action: str, channel: str, index: int = 0) -> bool:
+        """Whether that was wanted."""
+        key = self._key(party)
+        number = self._script.do(key, action, channel, index)
+        if number is not None:
+            if number >= self._goal.cycle and self._cycle_began is None:
+                self._cycle_began = scheduler.now
+            return True
+        head = self._script.head(key)
+        if head is not None or self._strict:
+            self._lose(self._other(party, channel or action, head))
+        return False
+
+    def _other(self, party: Party, done: str, head: Passed | None) -> str:
+        words = f"at {shown(scheduler.now)}, `{self._names.called(task_of(party))}` goes on with `{done}`"
+        if head is not None:
+            words += f" before `{_words(head)}`"
+        timed = head is not None and head.action in {"wait", "after"}
+        return words + _LEFT_OUT.format("priorities" if scheduler._levels and not timed else "times")
+
+    def _lose(self, words: str) -> None:
+        """The run does something else than the script has."""
+        if self._goal.further:
+            return
+        if self._cut is None:
+            self._lost, self._cut = words, self._decisions.made
+        if self._strict:
+            self._problem = self._lost
+
+    def _not_come(self, when: str = "") -> str:
+        number = self._script.next()
+        if number is None:
+            return f"it does not come to a halt {when}".rstrip()
+        entry = self._script.entries[number]
+        when = when or f": at {shown(scheduler.now)} nothing goes on any more"
+        return f"`{entry.name or entry.path}` does not come to `{_words(entry)}`{'' if when[0] == ':' else ' '}{when}"
+
+    def wrote(self, channel: str, value: Any, writer: Party) -> None:
+        """See ``Guide.wrote``."""
+        self._communicated(channel, value)
+        self._note("communication", channel, value, writer)
+        self._match(writer, "write", channel)
+
+    def _observe(self, channel: str, value: Any, writer: Party | None, reader: Party | None) -> None:
+        if channel in self._outputs:
+            return
+        self._communicated(channel, value)
+        self._note("communication", channel, value, writer, reader)
+        wanted = set()
+        if writer is not None and channel not in self._broadcasts:
+            wanted.add(self._match(writer, "write", channel))
+        if reader is not None:
+            wanted.add(self._match(reader, "read", channel))
+        if self._goal.further and len(wanted) > 1:
+            self._problem = f"at {shown(scheduler.now)}, `{channel}` is communicated with another process"
+
+    def _communicated(self, channel: str, value: Any) -> None:
+        is_expected = self._expected is not None and channel in self._goal.visible
+        if self._expected is not None and is_expected and self._seen == len(self._expected) and not self._goal.ends:
+            # What was wrong has happened already.
+            return
+        self._communications.append((channel, value))
+        self._instants.append(scheduler.now)
+        if self._expected is None or not is_expected:
+            return
+        expected = self._expected[self._seen] if self._seen < len(self._expected) else None
+        if channel != expected and self._goal.further:
+            return
+        self._seen += 1
+        if channel != expected:
+            self._problem = f"at {shown(scheduler.now)}, `{channel}` comes before `{expected or 'the end'}`"
+            self._problem += _LEFT_OUT.format("priorities" if scheduler._levels else "times")
+
+
+def task_of(party: Any) -> Task:
+    """The task on whose behalf a party waits."""
+    if isinstance(party, Task):
+        return party
+    task: Task = party.task if hasattr(party, "task") else party._choice.task
+    return task
+
+
+def _is(entry: Passed, action: str, channel: str, index: int) -> bool:
+    return entry.action == action and (entry.channel == channel if channel else entry.index == index)
+
+
+def _words(entry: Passed) -> str:
+    if entry.action in {"wait", "after"}:
+        return f"{entry.action} {shown(entry.duration)}"
+    if entry.action == "miss":
+        return f"a missed sample of {entry.channel}"
+    return entry.channel or entry.action

@@ -1,0 +1,158 @@
+"""What a counterexample wants of each process: the script of a run on the real runtime."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Container, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from cspdiag.verify.runs.task_names import Key
+
+LATER = 1 << 60
+"""The rank of a task of which nothing is wanted any more."""
+
+
+@dataclass
+class Passed:
+    """Something that a task is to do; ``path`` is its process, ``name`` what proofs call the task.
+
+    ``action`` and ``index`` (of a guard) as in ``gates.Option``; ``miss`` where a sample is found overwritten. ``together``: its order among those beside it is open, as when a submodel
+    reads its inputs. ``value`` is what the environment is to offer.
+    """
+
+    key: Key
+    path: str
+    action: str
+    channel: str = ""
+    index: int = 0
+    duration: int = 0
+    together: bool = False
+    value: Any = None
+    name: str = ""
+
+    def __str__(self) -> str:
+        return self.channel or self.action
+
+
+@dataclass(frozen=True)
+class Actor:
+    """A task that took part in something: its process, and what a counterexample may call it."""
+
+    path: str
+    names: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Happened:
+    """Something that tasks did in a run: ``communication``, or as ``Passed``; who writes is the first of the actors.
+
+    ``value`` is that of a communication, and the duration of a delay in nanoseconds.
+    """
+
+    action: str
+    channel: str
+    actors: tuple[Actor, ...]
+    value: Any = None
+
+
+@dataclass(frozen=True)
+class Standing:
+    """A task that waits for ever, and the channels at which it does."""
+
+    actor: Actor
+    channels: frozenset[str]
+
+
+def put_off(entries: Sequence[Passed], channels: Container[str]) -> tuple[Passed, ...]:
+    """The same entries; those that read one of ``channels`` as late as the task that reads can wait."""
+    waiting: dict[Key, list[Passed]] = {}
+    found: list[Passed] = []
+    for entry in entries:
+        if entry.action == "read" and entry.channel in channels:
+            waiting.setdefault(entry.key, []).append(entry)
+        else:
+            found += (*waiting.pop(entry.key, ()), entry)
+    return (*found, *(entry for late in waiting.values() for entry in late))
+
+
+class Script:
+    """What is wanted of all tasks, in the order of the counterexample, and what of it has been done."""
+
+    def __init__(self, entries: Sequence[Passed]) -> None:
+        self.entries = entries
+        self._done = [False] * len(entries)
+        self._first = 0
+        self.left = len(entries)
+        self._own: dict[Key, list[int]] = defaultdict(list)
+        self._inside: dict[Key, list[int]] = defaultdict(list)
+        self._ports: dict[str, list[int]] = defaultdict(list)
+        for number, entry in enumerate(entries):
+            self._own[entry.key].append(number)
+            for length in range(len(entry.key) + 1):
+                self._inside[entry.key[:length]].append(number)
+            if entry.action in {"read", "miss"}:
+                self._ports[entry.channel].append(number)
+        for numbers in (*self._own.values(), *self._inside.values(), *self._ports.values()):
+            numbers.reverse()
+
+    def next(self) -> int | None:
+        """The first entry that has not been done."""
+        while self._first < len(self._done) and self._done[self._first]:
+            self._first += 1
+        return self._first if self._first < len(self._done) else None
+
+    def head(self, key: Key) -> Passed | None:
+        """What a task is to do next."""
+        number = self._last(self._own.get(key))
+        return None if number is None else self.entries[number]
+
+    def next_read(self, channel: str) -> Passed | None:
+        """The next time that a channel is to be read by anybody, or a sample of it to be missed."""
+        number = self._last(self._ports.get(channel))
+        return None if number is None else self.entries[number]
+
+    def undone(self) -> Iterator[Passed]:
+        """All that is still wanted."""
+        return (entry for entry, done in zip(self.entries, self._done, strict=True) if not done)
+
+    def rank(self, key: Key) -> int:
+        """How early something is wanted of a task: of itself, of branches in it, or of the one that waits for it."""
+        while True:
+            number = self._last(self._inside.get(key))
+            if number is not None:
+                return number
+            if not key:
+                return LATER
+            key = key[:-1]
+
+    def do(self, key: Key, action: str, channel: str, index: int) -> int | None:
+        """A task has done something: the number of the entry, if that is what is wanted of it next."""
+        for number in self._candidates(key):
+            entry = self.entries[number]
+            same = entry.channel == channel if channel else entry.index == index
+            if entry.action == action and same:
+                self._done[number] = True
+                self.left -= 1
+                return number
+        return None
+
+    def _candidates(self, key: Key) -> Iterable[int]:
+        numbers = self._own.get(key)
+        first = self._last(numbers)
+        if numbers is None or first is None:
+            return
+        yield first
+        if not self.entries[first].together:
+            return
+        for position in range(len(numbers) - 2, -1, -1):
+            number = numbers[position]
+            if not self.entries[number].together:
+                return
+            if not self._done[number]:
+                yield number
+
+    def _last(self, numbers: list[int] | None) -> int | None:
+        while numbers and self._done[numbers[-1]]:
+            numbers.pop()
+        return numbers[-1] if numbers else None

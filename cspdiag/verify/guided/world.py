@@ -1,0 +1,126 @@
+"""The environment of a guided run, and its time: it offers what the script wants, and gives samples at their ticks."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from math import lcm
+from typing import Any, Literal
+
+from cspdiag.runtime.kernel.scheduler import scheduler
+from cspdiag.runtime.outside.external import Port
+from cspdiag.runtime.outside.inputs import SampledInput
+from cspdiag.verify.guided.runtime import _EventInput
+from cspdiag.verify.guided.script import Passed, Script
+
+
+class _Line:
+    """A port's side of the environment."""
+
+    def __init__(self) -> None:
+        self.value: Any = None
+
+    def read(self) -> Any:
+        return self.value
+
+    def write(self, value: Any) -> None:
+        """Takes everything."""
+
+
+class Lines(dict[str, _Line]):
+    """The environment, by port."""
+
+    def __missing__(self, name: str) -> _Line:
+        line = self[name] = _Line()
+        return line
+
+
+class World:
+    """What a program meets outside. ``defaults`` are the values of inputs, by channel, of which the script wants nothing; ``met`` counts the instants."""
+
+    def __init__(
+        self,
+        ports: Sequence[Port],
+        lines: Lines,
+        script: Script,
+        defaults: Mapping[str, Any],
+        on_miss: Literal["timeout", "count"],
+    ) -> None:
+        self._lines = lines
+        self._script = script
+        self._present = dict(defaults)
+        self._sampled = [port for port in ports if isinstance(port, SampledInput)]
+        self._events = {port.name: port for port in ports if isinstance(port, _EventInput)}
+        self.met = 0
+        for port in self._sampled:
+            port.on_miss = on_miss
+
+    @property
+    def inputs(self) -> frozenset[str]:
+        """The channels at which it offers values."""
+        return frozenset({*self._events, *(port.name for port in self._sampled)})
+
+    def can_offer(self, entry: Passed) -> bool:
+        """Whether something is wanted of it that it has not offered."""
+        if entry.action != "read" or entry.channel not in self._events:
+            return False
+        return not self._events[entry.channel].end_of(entry.path).fresh
+
+    def offer(self, entry: Passed) -> None:
+        """Offers what is wanted, now."""
+        self._events[entry.channel].occur(entry.value)
+
+    @property
+    def time_can_pass(self) -> bool:
+        """Whether a process waits for a delay, or for a sample."""
+        return scheduler.timers.next_instant() is not None or any(port.can_come for port in self._sampled)
+
+    def next_instant(self) -> int | None:
+        """The next instant at which a delay ends, or a sample comes to somebody who listens."""
+        instants = [(scheduler.now // port.period + 1) * port.period for port in self._sampled if _listens(port)]
+        timer = scheduler.timers.next_instant()
+        return min([*instants, *([] if timer is None else [timer])], default=None)
+
+    @property
+    def situation(self) -> tuple[int, ...]:
+        """How long delays have still to last, and how long ago all samples came at once: what times there are to come depends on that."""
+        periods = lcm(*(port.period for port in self._sampled if _listens(port)))
+        return scheduler.now % periods, *sorted(
+            instant - scheduler.now for instant, timers in scheduler.timers._at.items() for _ in timers
+        )
+
+    def meet(self, instant: int) -> None:
+        """Time goes on to an instant: samples come, in the order of the ports, and delays end."""
+        self.met += 1
+        scheduler.now = instant
+        for port in self._sampled:
+            if instant % port.period == 0:
+                wanted = self._script.next_read(port.name)
+                if wanted is not None and wanted.action == "read":
+                    self._present[port.name] = wanted.value
+                self._lines[port.name.partition(".")[2]].value = self._present[port.name]
+                port.sample()
+        scheduler.timers.fall_due(instant)
+
+    def pass_until(self, until: int) -> None:
+        """Time goes on while a process computes."""
+        while (instant := self.next_instant()) is not None and instant <= until:
+            self.meet(instant)
+        scheduler.now = until
+
+    @property
+    def computing(self) -> Sequence[int]:
+        """Until when the current task may compute, the most promising first: until a sample is missed where one has to be, or not at all."""
+        following = self.next_instant()
+        if following is None:
+            return (scheduler.now,)
+        missed = [port for port in self._sampled if self._is_to_miss(port)]
+        twice = max([(scheduler.now // port.period + 2) * port.period for port in missed], default=scheduler.now)
+        return tuple(dict.fromkeys((twice, scheduler.now, following)))
+
+    def _is_to_miss(self, port: SampledInput[Any]) -> bool:
+        wanted = self._script.next_read(port.name)
+        return wanted is not None and wanted.action == "miss"
+
+
+def _listens(port: SampledInput[Any]) -> bool:
+    return any(end.listens for end in port.ends)

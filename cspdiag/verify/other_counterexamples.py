@@ -1,0 +1,74 @@
+"""Where else to look when the program does not follow a counterexample: in a part of what the proof believes it to do.
+
+Proofs leave times and priorities out, so that a sample may be missed although nobody computes, and a delay may end too soon. What is most often
+in the way so is left out first.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from functools import partial
+from typing import TypeAlias
+
+from cspdiag.proofs.counterexamples.counterexample import Counterexample, Step
+from cspdiag.proofs.transitions.systems.restricted import is_time_out, prompt, without
+from cspdiag.proofs.transitions.systems.system import Event, System
+
+Narrowing: TypeAlias = Callable[[System], System]
+
+MOST = 5
+"""So many others are looked for."""
+
+
+def narrower(found: Counterexample) -> Iterator[Narrowing]:
+    """What to look at, one after the other; nothing of it does all of the counterexample."""
+    steps = (*found.steps, *found.cycle)
+    has_misses = any(step.kind == "miss" for step in steps)
+    has_time_outs = any(step.kind == "time" and "after" in step.channel for step in steps)
+    if has_misses or has_time_outs:
+        yield lambda system: prompt(without(system, _is_miss))
+    if has_misses:
+        yield partial(without, is_left_out=_is_miss)
+    if has_time_outs:
+        yield partial(without, is_left_out=is_time_out)
+    if found.failure != "refinement":
+        # Without its communications a process gets stuck that does not.
+        return
+    known: set[tuple[str, str, str | None]] = set()
+    for step in reversed(steps):
+        key = (step.kind, step.channel, step.value)
+        if step.kind in {"communication", "external", "sample", "time"} and key not in known:
+            known.add(key)
+            yield partial(without, is_left_out=partial(_is_same, step))
+
+
+def of_the_whole(found: Counterexample, whole: System) -> Counterexample:
+    """A counterexample of a narrower system with the parties that its time-outs have in the whole."""
+    owners = {
+        (event.channel, whole.components[party].name)
+        for event in whole.events
+        if is_time_out(event)
+        for party in event.parties
+    }
+    prefix = f"{found.process}."
+
+    def told(step: Step) -> Step:
+        if step.kind != "time":
+            return step
+        own = [party for party in step.parties if _is_owner(step.channel, party.name, owners, prefix)]
+        return replace(step, parties=tuple(own) or step.parties[:1])
+
+    return replace(found, steps=tuple(map(told, found.steps)), cycle=tuple(map(told, found.cycle)))
+
+
+def _is_owner(channel: str, name: str, owners: set[tuple[str, str]], prefix: str) -> bool:
+    return (channel, name) in owners or (channel, f"{prefix}{name}") in owners
+
+
+def _is_miss(event: Event) -> bool:
+    return event.kind == "miss"
+
+
+def _is_same(step: Step, event: Event) -> bool:
+    return (event.kind, event.channel, event.value) == (step.kind, step.channel, step.value)

@@ -1,0 +1,417 @@
+"""One run of the generated program along a trace, from gate to gate.
+
+Who gets on and what alternatives choose follows the trace. Priorities and times play no part.
+"""
+
+from __future__ import annotations
+
+from collections import Counter, defaultdict
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
+
+from cspdiag.network.ir.network import Network
+from cspdiag.proofs.verdict import LimitError, Limits
+from cspdiag.runtime.composition import end_all, task_for
+from cspdiag.runtime.deadlock import DeadlockReport, report_deadlock
+from cspdiag.runtime.kernel.exceptions import Fault, ProcessError, Timeout
+from cspdiag.runtime.kernel.scheduler import Task, scheduler
+from cspdiag.runtime.network import Network as RunningNetwork
+from cspdiag.simulate.run.execute import BodyError, account_of
+from cspdiag.simulate.run.package import LoadedPackage
+from cspdiag.verify.guided.goal import STANDSTILLS
+from cspdiag.verify.guided.result import GuidedRun
+from cspdiag.verify.replay.decisions import Decisions
+from cspdiag.verify.replay.gates import Gate, Interruption, Option, conductor
+from cspdiag.verify.replay.rest import Resting, resting
+from cspdiag.verify.replay.result import Judge, Replay
+from cspdiag.verify.replay.rounds import Rounds
+from cspdiag.verify.runs.memory import memory
+from cspdiag.verify.runs.names import UNFIT, WRITTEN, belongs, duration_of, fit, is_medium
+from cspdiag.verify.runs.recurrence import counting_to_faults
+from cspdiag.verify.runs.trace import DivergenceError, Trace, TraceStep
+from cspdiag.verify.runs.values import Values, numbers_of, written
+
+_ALLOWED = "with the values that it has there, it does what the specification allows"
+_NOTHING_DONE = (
+    "in a round of that loop it does nothing but compute or abandon what waits, which the replay cannot see repeated"
+)
+_AT_A_TIME = 1_000
+_MOST_TURNS = 200
+"""So often so many processes may get on until all halt: 10,000 that begin do so a few times each."""
+_SILENT = frozenset({"variable", "start", "end", "cancel", "exception", "failure", "delivered"})
+
+
+class Attempt:
+    """One run of the program along the trace, with certain decisions about what the trace leaves open."""
+
+    def __init__(
+        self,
+        network: Network,
+        package: LoadedPackage,
+        trace: Trace,
+        judge: Judge | None,
+        decisions: Decisions,
+        rounds: Rounds | None,
+        limits: Limits,
+    ) -> None:
+        self._judge = judge
+        self._limits = limits
+        self._rounds = rounds
+        self._trace = trace
+        self._package = package
+        self._network = network
+        self._decisions = decisions
+        self._ports = {f"{network.top}.{port.name}": port for port in network.external_ports}
+        types = package.module("types") if network.enums or network.structs else None
+        self._values = Values(types, numbers_of(network))
+        self._communications: list[tuple[str, Any]] = []
+        self._failed: BaseException | None = None
+        self._ended = False
+        self._rest: Resting | None = None
+        self._done = 0
+        self._offered: dict[int, str] = {}
+        self.cycle = 0
+        """How many things processes have gone on with before what can be repeated."""
+        self._round_from: int | None = None
+
+    def branch_ended(self, branch: Task, error: BaseException | None) -> None:
+        """The outermost process has ended."""
+        self._ended = True
+        self._failed = error
+
+    def run(self) -> Replay:
+        """How far it comes."""
+        conductor.reset()
+        scheduler.reset()
+        self._decisions.begin()
+        if self._rounds is not None:
+            self._rounds.begin(self._values, self._decisions, self._settle)
+        network = self._built()
+        root = task_for(network.process, self, None)
+        scheduler.observe = self._observe
+        scheduler.enqueue(root)
+        deadlock, divergence, judgement = None, None, ""
+        try:
+            self._settle()
+            for step in self._trace.steps:
+                if self._rounds is not None:
+                    self._rounds.reach(self._done, step)
+                self._perform(step)
+                self._done += 1
+            if self._rounds is not None and not self._trace.cycle:
+                self._rounds.come_to_rest()
+            self.cycle = len(conductor.passed)
+            if self._trace.cycle:
+                self._round_from = len(self._communications)
+            for step in self._trace.cycle:
+                self._perform(step)
+                self._done += 1
+            if self._trace.cycle and len(conductor.passed) == self.cycle:
+                raise DivergenceError(_NOTHING_DONE)
+            if self._trace.cycle:
+                self._go_round_again(network.process)
+            judgement = self._judged()
+            deadlock = self._conclude(root)
+        except DivergenceError as problem:
+            divergence = str(problem)
+        finally:
+            scheduler.observe = None
+            end_all(root)
+        added = () if self._rounds is None else tuple(self._rounds.added)
+        return Replay(
+            self._done,
+            divergence,
+            tuple(self._communications),
+            deadlock,
+            judgement=judgement,
+            added=added,
+            offered=self._offered,
+            round_from=self._round_from,
+        )
+
+    def _built(self) -> RunningNetwork:
+        try:
+            network: RunningNetwork = self._package.module("network").build(defaultdict(lambda: None))
+        except Exception as problem:
+            raise BodyError(account_of(problem)) from problem
+        return network
+
+    def _observe(self, channel: str, value: Any, writer: object, reader: object) -> None:
+        self._communications.append((channel, value))
+
+    def _settle(self) -> None:
+        """Everybody goes on to a gate, or to where only others can help."""
+        turns = 0
+        while scheduler.run_ready(_AT_A_TIME):
+            self._limits.check()
+            turns += 1
+            if turns > _MOST_TURNS:
+                raise DivergenceError("it goes on and on, and comes to no rest")
+        if self._failed is not None and (isinstance(self._failed, Fault) or not isinstance(self._failed, ProcessError)):
+            error, self._failed = self._failed, None
+            if isinstance(error, LimitError):
+                raise error
+            raise DivergenceError(f"it ends with {type(error).__name__}: {error}")
+
+    def _perform(self, step: TraceStep) -> None:
+        if step.kind in _SILENT:
+            return
+        if step.kind == "internal":
+            self._choose_silently(step)
+            return
+        if step.kind == "ready":
+            self._choose_ready(step)
+            return
+        if step.kind in {"sample", "miss", "external"} and step.channel in self._ports:
+            self._supply(step)
+        conductor.done.clear()
+        expected = []
+        for option, candidate in self._taking_part(step):
+            if isinstance(candidate, Interruption):
+                candidate.fire()
+            else:
+                conductor.release(candidate, option)
+            expected.append((option.action, option.channel, candidate.task))
+            self._settle()
+        for action, channel, task in expected:
+            if action == "ready":
+                self._read_after_guard(channel, task)
+        for action, channel, _ in expected:
+            if (action, channel) not in conductor.done and not step.channel.endswith(WRITTEN):
+                raise DivergenceError(f"`{step}` does not come about")
+
+    def _choose_ready(self, step: TraceStep) -> None:
+        """A process takes a guard that leaves the reading to it, or abandons a body because a guard is ready; one that is alone in its alternative is no choice."""
+        path = step.parties[0][1]
+        for option, candidate in self._offers(("ready", "read", "write"), step.channel):
+            if not belongs(candidate.path, path):
+                continue
+            if isinstance(candidate, Interruption):
+                is_seen = option.action != "ready" or step.channel not in self._ports
+                (candidate.abandon if is_seen else candidate.fire)()
+            elif option.action == "ready":
+                conductor.release(candidate, option)
+            else:
+                continue
+            self._settle()
+            return
+
+    def _offers(self, actions: tuple[str, ...], channel: str | None) -> list[tuple[Option, Gate | Interruption]]:
+        """What processes at gates could do."""
+        candidates: list[Gate | Interruption] = [*conductor.halted.values(), *conductor.interruptions]
+        return [
+            (option, candidate)
+            for candidate in candidates
+            for option in candidate.options
+            if option.action in actions and channel in (None, option.channel)
+        ]
+
+    def _choose_silently(self, step: TraceStep, *, necessary: bool = False) -> bool:
+        """A process takes a guard that is always ready, if it is at one; whether it did. ``necessary``: otherwise the step cannot come."""
+        silent = [
+            (option, candidate)
+            for option, candidate in self._offers(("skip",), None)
+            if any(belongs(candidate.path, path) for _, path in step.parties)
+        ]
+        optional = not necessary and any(_may_do_otherwise(candidate) for _, candidate in silent)
+        chosen = self._decisions.choose(len(silent) + optional) if silent else 0
+        if chosen == len(silent):
+            return False
+        option, candidate = silent[chosen]
+        if isinstance(candidate, Interruption):
+            candidate.fire()
+        else:
+            conductor.release(candidate, option)
+        self._settle()
+        return True
+
+    def _read_after_guard(self, channel: str, task: Task) -> None:
+        """A process that was told that it can read does so first: ``task``, or a branch of it."""
+        own = conductor.halted.get(task)
+        for gate in [own] if own is not None else list(conductor.halted.values()):
+            for option in gate.options:
+                if (option.action, option.channel) == ("read", channel):
+                    conductor.release(gate, option)
+                    self._settle()
+                    return
+        if ("read", channel) not in conductor.done:
+            raise DivergenceError(f"nobody reads `{channel}`")
+
+    def _supply(self, step: TraceStep) -> None:
+        port = self._ports[step.channel]
+        if port.direction == "out":
+            return
+        if step.kind == "miss":
+            conductor.supplied[step.channel] = Timeout(f"a sample of {step.channel} was overwritten")
+            return
+        candidates = self._values.candidates(port.type, step.value)
+        if not candidates:
+            raise DivergenceError(f"no value `{step.value}` can be offered at `{step.channel}`")
+        value = conductor.supplied[step.channel] = candidates[self._decisions.choose(len(candidates))]
+        self._offered[self._done] = written(value, port.type)
+
+    def _taking_part(self, step: TraceStep) -> Iterator[tuple[Option, Gate | Interruption]]:
+        """The gates to be passed for a step, writers first, alternatives last."""
+        if step.kind == "time":
+            time_out = step.channel.rpartition(": ")[2].startswith("after")
+            offers = self._offers(("after",) if time_out else ("wait",), None)
+            lasting = [entry for entry in offers if entry[0].duration == duration_of(step.channel)]
+            offers = lasting or offers
+        else:
+            offers = self._offers(("write", "read", "ready"), step.channel.removesuffix(WRITTEN))
+        found = list(self._chosen(step, offers))
+        if not found:
+            if self._choose_silently(step, necessary=True):
+                return self._taking_part(step)
+            raise DivergenceError(f"nobody is ready for `{step}`{self._instead(step)}")
+        return iter(sorted(found, key=lambda entry: _order(*entry)))
+
+    def _chosen(
+        self, step: TraceStep, offers: list[tuple[Option, Gate | Interruption]]
+    ) -> Iterator[tuple[Option, Gate | Interruption]]:
+        """For each process of the step what it goes on with; among several that would fit, a decision."""
+        taken: set[int] = set()
+        for name, path in step.parties:
+            if is_medium(name, step):
+                continue
+            free = [entry for entry in offers if id(entry[1].task) not in taken]
+            ranks = [fit(candidate, name, path) for _, candidate in free]
+            best = min(ranks, default=UNFIT)
+            fitting = [entry for entry, rank in zip(free, ranks, strict=True) if rank == best < UNFIT]
+            if fitting:
+                option, candidate = fitting[self._decisions.choose(len(fitting))]
+                taken.add(id(candidate.task))
+                yield option, candidate
+
+    def _instead(self, step: TraceStep) -> str:
+        told = [
+            f"`{gate.path}` waits {' or '.join(f'to {o.action} {o.channel}'.rstrip() for o in gate.options)}"
+            for gate in conductor.halted.values()
+            if any(belongs(gate.path, path) for _, path in step.parties)
+        ]
+        return f": {'; '.join(told[:3])}" if told else ""
+
+    def _go_round_again(self, process: object) -> None:
+        """What leaves everything as it was can be done for ever; the first time round may still have brought it there.
+
+        Where the proof has left nothing open, that is all that does not merely decide whether something faults.
+        """
+        matters = counting_to_faults(self._network) if self._trace.exact else None
+        if matters is not None and not matters:
+            return
+        before = memory(process)
+        first, second = self._round_from or 0, len(self._communications)
+        for step in self._trace.cycle:
+            self._perform(step)
+        if self._communications[second:] == self._communications[first:second]:
+            del self._communications[second:]
+        else:
+            self._round_from = second
+        after = memory(process)
+        changed = [
+            name for name, value in before.items() if after.get(name) != value and (matters is None or name in matters)
+        ]
+        if changed:
+            named = ", ".join(f"`{name}`" for name in changed[:3])
+            raise DivergenceError(f"each time round, {named} changes, so that this may come to an end")
+
+    @property
+    def ends(self) -> bool:
+        """Whether the judge was told that all has ended."""
+        return self._judge is not None and self._rest is None
+
+    def led(self, run: GuidedRun, result: Replay) -> Replay:
+        """The result of this attempt, after the program was led through what it has found."""
+        divergence, judgement = run.divergence, result.judgement
+        if run.succeeded and self._judge is not None:
+            found = self._judge(run.communications, self._rest_of(run))
+            divergence, judgement = (_ALLOWED, "") if found is None else (None, found)
+        return replace(
+            result,
+            divergence=divergence,
+            communications=result.communications if self._trace.cycle else run.communications,
+            deadlock=run.deadlock,
+            excluded=not run.succeeded,
+            judgement=judgement,
+            other=run.happened,
+            standing=run.standing,
+            instants=() if self._trace.cycle else run.instants,
+        )
+
+    def _rest_of(self, run: GuidedRun) -> Resting | None:
+        """How the processes stand after the run: as here, unless they have gone round more often there."""
+        here, there = (Counter(channel for channel, _ in made) for made in (self._communications, run.communications))
+        return self._rest if here == there else Resting((), goes_on=True)
+
+    def _judged(self) -> str:
+        """What the judge finds wrong with what was done."""
+        if self._judge is None:
+            return ""
+        if not self._ended:
+            self._rest = resting([*conductor.halted.values(), *conductor.interruptions], self._ports)
+        judgement = self._judge(self._communications, self._rest)
+        if judgement is None:
+            raise DivergenceError(_ALLOWED)
+        return judgement
+
+    def _end_silently(self) -> None:
+        """Nobody stays where a guard is always ready, also that of an interrupt: transition systems leave out steps that make no difference."""
+        for interruption in list(conductor.interruptions):
+            if interruption in conductor.interruptions and interruption.options[0].action == "skip":
+                interruption.fire()
+                self._settle()
+        gates = [gate for gate in conductor.halted.values() if any(option.action == "skip" for option in gate.options)]
+        for gate in gates:
+            silent = [option for option in gate.options if option.action == "skip"]
+            if self._trace.failure == "deadlock" or len(silent) == len(gate.options):
+                chosen = silent[self._decisions.choose(len(silent))]
+                conductor.release(gate, chosen)
+                self._settle()
+
+    def _is_stuck(self, gate: Gate) -> bool:
+        """Whether the trace says of a process that it never goes on; its parallel branches are told apart by where they wait."""
+        waits = {option.channel for option in gate.options if option.channel}
+        return any(belongs(gate.path, path) and waits & channels for path, channels in self._trace.stuck)
+
+    def _require_stuck(self, stuck: list[Gate]) -> None:
+        """Nobody among ``stuck`` can go on by himself, with the environment, or with those who go on."""
+        moving = [gate for gate in conductor.halted.values() if gate not in stuck]
+        offered = {(option.action, option.channel) for gate in moving for option in gate.options}
+        for gate in stuck:
+            for option in gate.options:
+                can_come = option.action in {"wait", "after", "skip"} or option.channel in self._ports
+                opposite = "read" if option.action == "write" else "write"
+                if can_come or (opposite, option.channel) in offered:
+                    way = f" with `{option.channel}`" if option.channel else ""
+                    raise DivergenceError(f"`{gate.path}` can still go on{way}")
+
+    def _conclude(self, root: Task) -> DeadlockReport | None:
+        """What was refuted is the case now."""
+        if self._trace.failure not in STANDSTILLS:
+            return None
+        if self._ended:
+            raise DivergenceError("it ends instead of coming to a halt")
+        self._end_silently()
+        before = len(self._communications)
+        stuck = [
+            gate for gate in conductor.halted.values() if self._trace.failure == "deadlock" or self._is_stuck(gate)
+        ]
+        self._require_stuck(stuck)
+        conductor.go_free()
+        for gate in stuck:
+            conductor.release(gate, None)
+        self._settle()
+        if len(self._communications) > before:
+            channel, _ = self._communications[before]
+            raise DivergenceError(f"it goes on with `{channel}`")
+        return report_deadlock(root, scheduler.now)
+
+
+def _order(option: Option, candidate: Gate | Interruption) -> tuple[bool, bool]:
+    return isinstance(candidate, Interruption) or len(candidate.options) > 1, option.action == "write"
+
+
+def _may_do_otherwise(candidate: Gate | Interruption) -> bool:
+    """Whether a process that has a guard that is always ready may go on without it."""
+    return isinstance(candidate, Interruption) or any(option.action != "skip" for option in candidate.options)

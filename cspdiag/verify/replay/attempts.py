@@ -1,0 +1,113 @@
+"""Steps the generated program through a trace: does it do what the transition system was found to do?
+
+Values that the trace leaves open are tried one after the other, and then how often loops go round. What is found so has still to be done by the program as it always
+runs, with its priorities and in exact times (``guided``).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from cspdiag.network.ir.network import Network
+from cspdiag.proofs.verdict import Limits
+from cspdiag.simulate.run.package import LoadedPackage
+from cspdiag.verify.guided.guided import Guided
+from cspdiag.verify.replay.attempt import Attempt
+from cspdiag.verify.replay.decisions import Decisions
+from cspdiag.verify.replay.gates import conductor
+from cspdiag.verify.replay.result import Judge, Replay
+from cspdiag.verify.replay.rounds import Rounds
+from cspdiag.verify.replay.runtime import replaying_runtime
+from cspdiag.verify.runs.agreement import difference
+from cspdiag.verify.runs.trace import Trace
+from cspdiag.verify.runs.values import types_of
+
+MOST_ATTEMPTS = 400
+
+
+def replay(
+    network: Network,
+    files: Mapping[str, str],
+    trace: Trace,
+    judge: Judge | None = None,
+    limits: Limits | None = None,
+    *,
+    exactly: bool = False,
+) -> Replay:
+    """Step the package ``files`` of ``network``, compiled without optimization, through a trace, after which the ``judge`` has to find something wrong.
+
+    ``exactly``: with the values that the trace gives; without, a trace of a proof is one of the program also where other values pass.
+    Raises BodyError for a hand-written body that cannot be made, and LimitError when the time of the ``limits`` is up.
+    """
+    limits = limits or Limits()
+    package = LoadedPackage(network.name, files, replaying_runtime())
+    guided = Guided(network, files, package, limits)
+    attempts = _Attempts(network, package, trace, judge, guided, limits, exactly=exactly)
+    try:
+        result = attempts.best()
+        if not (result.succeeded or result.other or trace.exact):
+            result = max(attempts.best(Rounds(network, trace)), result, key=_distance)
+        if not (result.succeeded or result.other) and trace.failure in {"deadlock", "no termination"}:
+            run = guided.at_random(replace(trace, failure="deadlock", cycle=()))
+            return result if run is None else replace(result, other=run.happened, standing=run.standing)
+        return result
+    finally:
+        guided.close()
+        package.close()
+
+
+def _distance(result: Replay) -> tuple[bool, bool, int]:
+    """How far the program has come."""
+    return result.succeeded, result.excluded, result.steps
+
+
+class _Attempts:
+    """Attempts to follow one trace."""
+
+    def __init__(
+        self,
+        network: Network,
+        package: LoadedPackage,
+        trace: Trace,
+        judge: Judge | None,
+        guided: Guided,
+        limits: Limits,
+        *,
+        exactly: bool,
+    ) -> None:
+        self._network = network
+        self._package = package
+        self._trace = trace
+        self._judge = judge
+        self._guided = guided
+        self._limits = limits
+        self._types = types_of(network) if exactly else {}
+
+    def best(self, rounds: Rounds | None = None) -> Replay:
+        """The attempt that succeeds, or comes furthest."""
+        decisions = Decisions()
+        best: Replay | None = None
+        for _ in range(MOST_ATTEMPTS):
+            result = self._made(decisions, rounds)
+            if result.succeeded:
+                return result
+            if best is None or _distance(result) > _distance(best):
+                best = result
+            exhausted = self._guided.exhausted or (rounds is not None and rounds.exhausted)
+            if best.other or exhausted or not decisions.advance():
+                break
+        assert best is not None
+        return best
+
+    def _made(self, decisions: Decisions, rounds: Rounds | None) -> Replay:
+        self._limits.check()
+        attempt = Attempt(self._network, self._package, self._trace, self._judge, decisions, rounds, self._limits)
+        result = attempt.run()
+        if not result.succeeded:
+            return result
+        further = self._trace.rounds or bool(result.added)
+        run = self._guided.follow(conductor.passed, self._trace, attempt.cycle, ends=attempt.ends, further=further)
+        led = attempt.led(run, result)
+        unlike = difference(self._trace, led.communications, self._types) if led.succeeded else None
+        return led if unlike is None else replace(led, steps=unlike[0], divergence=unlike[1])

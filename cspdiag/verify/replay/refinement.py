@@ -1,0 +1,77 @@
+"""Whether the run of a replay does what a specification forbids: proofs leave values open, a run has them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from cspdiag.model.types import Type
+from cspdiag.network.ir.network import Network
+from cspdiag.proofs.answers.question import Question
+from cspdiag.proofs.refine.allowed import Rest, violation
+from cspdiag.proofs.refine.labels import Label, Labels
+from cspdiag.proofs.transitions.systems.system import System
+from cspdiag.proofs.transitions.told_apart import Apart, ToldApart
+from cspdiag.proofs.transitions.values import MOST_VALUES
+from cspdiag.proofs.verdict import Limits
+from cspdiag.verify.replay.rest import Resting
+from cspdiag.verify.replay.result import Judge
+from cspdiag.verify.runs.values import written
+
+if TYPE_CHECKING:
+    from cspdiag.network.ir.expressions import Value
+
+
+def _text(value: Any, kind: Type) -> str:
+    """A value as transition systems tell it; zero is the same value with either sign."""
+    return written(value + 0.0 if isinstance(value, float) else value, kind)
+
+
+def judge(question: Question, specified: Callable[[ToldApart], System], network: Network, limits: Limits) -> Judge:
+    """Says how a run does not refine the specification, which is followed with the very values that the environment gave; it raises LimitError when the limits are reached."""
+    hidden = Labels(System((), ()), question.unseen)
+    ports = {port.name: port.type for port in network.external_ports if not hidden.hides(port.name)}
+    inputs = {port.name for port in network.external_ports if port.direction == "in" and port.name in ports}
+    followed = specified({}).apart
+
+    def judged(communications: Sequence[tuple[str, Any]], rest: Resting | None) -> str | None:
+        seen = [(name, value) for channel, value in communications if (name := channel.partition(".")[2]) in ports]
+        specification = specified(_given([(name, value) for name, value in seen if name in followed]))
+        labels = Labels(specification, question.unseen)
+        texts = [(name, _text(value, ports[name])) for name, value in seen]
+        trace = (labels.of_value(name, text) if name in inputs else (name, text) for name, text in texts)
+        stands = Rest(rest is None, _offers(labels, ports, rest))
+        return violation(specification, labels, trace, stands, limits, failures=question.model == "failures")
+
+    return judged
+
+
+def _given(communications: Sequence[tuple[str, Any]]) -> ToldApart:
+    """The values that inputs had."""
+    found: dict[str, dict[Value, None]] = {}
+    for name, value in communications:
+        found.setdefault(name, {})[_plain(value)] = None
+    return {name: Apart(values=tuple(values)) for name, values in found.items() if len(values) <= MOST_VALUES}
+
+
+def _plain(value: Any) -> Value:
+    """A value of a running program as proofs have it."""
+    if isinstance(value, tuple | list):
+        return tuple(map(_plain, value))
+    if isinstance(value, int) and not isinstance(value, bool):
+        return int(value)
+    plain: Value = value + 0.0 if isinstance(value, float) else value
+    return plain
+
+
+def _offers(labels: Labels, types: Mapping[str, Type], rest: Resting | None) -> frozenset[Label] | None:
+    """What the processes offer where the specification sees it; None where they can go on unseen."""
+    if rest is None or rest.goes_on:
+        return None
+    names = [(option, option.channel.partition(".")[2]) for option in rest.offers]
+    if any(name not in types for _, name in names):
+        return None
+    return frozenset(
+        labels.of_value(name, _text(option.value, types[name])) if option.action == "write" else (name, None)
+        for option, name in names
+    )

@@ -1,0 +1,32 @@
+"""How processes stand at the end of a replay: what they offer to the environment, and whether something goes on without it."""
+
+from __future__ import annotations
+
+from collections.abc import Container, Iterable
+from dataclasses import dataclass
+
+from cspdiag.verify.replay.gates import Gate, Interruption, Option
+
+_BY_ITSELF = frozenset({"skip", "wait", "after"})
+
+
+@dataclass(frozen=True)
+class Resting:
+    """``offers`` are options at ports of the outermost process; ``goes_on``: some process can get on by itself, or two with each other."""
+
+    offers: tuple[Option, ...]
+    goes_on: bool
+
+
+def resting(gates: Iterable[Gate | Interruption], outside: Container[str]) -> Resting:
+    """How processes that halt stand; ``outside`` are the channels of the environment."""
+    options = [(gate.task, option) for gate in gates for option in gate.options]
+    offers = tuple(option for _, option in options if option.channel in outside)
+    written = [(task, option.channel) for task, option in options if option.action == "write"]
+    goes_on = any(option.action in _BY_ITSELF for _, option in options) or any(
+        channel == option.channel and task is not writer and channel not in outside
+        for writer, channel in written
+        for task, option in options
+        if option.action in ("read", "ready")
+    )
+    return Resting(offers, goes_on)

@@ -1,0 +1,206 @@
+"""Further rounds of loops whose end is computed: proofs leave open when such a loop ends, so that a trace goes round as seldom as it can.
+
+A process that is not where the trace has it goes on by itself until it is there: it reads what the environment offers, always the same, writes what the environment takes, and lets delays
+pass. Where a specification sees that, the judge of the whole run says in the end whether it is allowed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+from cspdiag.model.constants.durations import duration
+from cspdiag.network.ir.network import Network
+from cspdiag.proofs.counterexamples.counterexample import Party, Step
+from cspdiag.verify.guided.goal import STANDSTILLS
+from cspdiag.verify.replay.decisions import Decisions
+from cspdiag.verify.replay.gates import Gate, Interruption, Option, conductor
+from cspdiag.verify.runs.names import UNFIT, WRITTEN, belongs, duration_of, fit, is_medium
+from cspdiag.verify.runs.trace import DivergenceError, Trace, TraceStep
+from cspdiag.verify.runs.values import Values, is_told_as, types_of, written
+
+MOST_STEPS = 8_000
+"""So many steps are added in one attempt."""
+MOST_IN_ALL = 50_000
+"""So many are added in all attempts to follow one trace."""
+
+_MEETING = frozenset({"communication", "take", "external", "sample", "miss", "ready"})
+_LEAVING = frozenset({"exception", "failure", "end"})
+_PREFERRED = ("read", "ready", "write", "wait", "skip", "after")
+
+
+@dataclass(frozen=True)
+class Added:
+    """A step that the trace does not have, and the number of the one that it comes before."""
+
+    before: int
+    step: TraceStep
+
+    @property
+    def told(self) -> Step:
+        """The step as counterexamples have it."""
+        ((name, path),) = self.step.parties
+        party = Party(name.partition(".")[2] or name, path)
+        return Step(self.step.kind, self.step.channel, self.step.value, (party,))  # type: ignore[arg-type]
+
+
+class Rounds:
+    """Adds rounds to the attempts of one replay. ``added`` are those of the last attempt."""
+
+    def __init__(self, network: Network, trace: Trace) -> None:
+        self._trace = trace
+        self._ports = {f"{network.top}.{port.name}": port for port in network.external_ports}
+        self._types = types_of(network)
+        names = {name for step in trace.steps for name, _ in step.parties}
+        self._names = sorted(names, key=len, reverse=True)
+        self._left_in_all = MOST_IN_ALL
+        self._left = MOST_STEPS
+        self._chosen: dict[tuple[str, tuple[Option, ...]], Option] = {}
+        self._offered: dict[str, Any] = {}
+        self.added: list[Added] = []
+
+    def begin(self, values: Values, decisions: Decisions, settle: Callable[[], None]) -> None:
+        """A new attempt begins, with its decisions; ``settle`` lets everybody go on to a gate."""
+        self._values, self._decisions, self._settle = values, decisions, settle
+        self._chosen, self._offered, self.added = {}, {}, []
+        self._left = min(MOST_STEPS, self._left_in_all)
+
+    @property
+    def exhausted(self) -> bool:
+        """Whether no further attempt is to be made."""
+        return self._left_in_all <= 0
+
+    def reach(self, number: int, step: TraceStep) -> None:
+        """Lets the processes of the step of this number go on until they can take it, or are at their end if that is what they come to."""
+        for name, path in self._needed(step):
+            if step.kind in _LEAVING:
+                self._go_on(number, name, path, partial(_has_ended, name, path))
+            else:
+                self._go_on(number, name, path, partial(self._is_ready, step, name, path))
+
+    def come_to_rest(self) -> None:
+        """Lets processes go on until those that never go on are where the trace has them; if all stand still, the others until their end."""
+        number = len(self._trace.steps)
+        if self._trace.failure not in STANDSTILLS:
+            return
+        for path, channels in self._trace.stuck:
+            if channels:
+                self._go_on(number, path, path, partial(_waits, path, channels))
+        while self._trace.failure == "deadlock" and self._left > 0:
+            moving = [gate for gate in conductor.halted.values() if not self._is_stuck(gate)]
+            if not any(self._take(number, gate) for gate in moving):
+                return
+
+    def _needed(self, step: TraceStep) -> Iterator[tuple[str, str]]:
+        """The processes that have to be somewhere for a step."""
+        if step.kind in _LEAVING:
+            yield from step.parties[1:]
+        elif step.kind in _MEETING or step.kind == "time":
+            yield from (party for party in step.parties if not is_medium(party[0], step))
+
+    def _go_on(self, number: int, name: str, path: str, is_there: Callable[[], bool]) -> None:
+        while not is_there():
+            if self._left <= 0:
+                raise DivergenceError(
+                    f"`{path}` goes round, and has not come to where it is wanted in {MOST_STEPS} steps"
+                )
+            if not any(self._take(number, gate) for gate in _gates(name, path)):
+                return
+
+    def _is_ready(self, step: TraceStep, name: str, path: str) -> bool:
+        """Whether a process can take a step, in the part of it where the trace has it."""
+        candidates: list[Gate | Interruption] = [*conductor.halted.values(), *conductor.interruptions]
+        return any(
+            self._fits(step, option)
+            for candidate in candidates
+            if fit(candidate, name, path) < UNFIT and (candidate.path + ".").startswith(path + ".")
+            for option in candidate.options
+        )
+
+    def _fits(self, step: TraceStep, option: Option) -> bool:
+        if step.kind == "time":
+            lasts = duration_of(step.channel)
+            return option.action in ("wait", "after") and lasts in (None, option.duration)
+        if option.action not in ("write", "read", "ready") or option.channel != step.channel.removesuffix(WRITTEN):
+            return False
+        if option.action != "write" or step.value is None:
+            return True
+        return is_told_as(option.value, self._types[option.channel], step.value)
+
+    def _is_stuck(self, gate: Gate) -> bool:
+        return any(belongs(gate.path, path) and _waits_at(gate, channels) for path, channels in self._trace.stuck)
+
+    def _take(self, number: int, gate: Gate) -> bool:
+        """A process goes on by itself, if it can."""
+        options = tuple(filter(self._is_alone, gate.options))
+        if not options:
+            return False
+        self._left -= 1
+        self._left_in_all -= 1
+        option = self._option(gate.path, options)
+        step = self._step(gate, option)
+        conductor.release(gate, option)
+        self._settle()
+        if option.action != "ready":
+            self.added.append(Added(number, step))
+        return True
+
+    def _is_alone(self, option: Option) -> bool:
+        """Whether nobody but the environment takes part."""
+        return option.channel in self._ports or option.action in ("wait", "skip", "after")
+
+    def _option(self, path: str, options: tuple[Option, ...]) -> Option:
+        """What a process goes on with wherever it has this choice; a sample first."""
+        key = path, options
+        if key not in self._chosen:
+            ordered = sorted(options, key=self._urgency)
+            self._chosen[key] = ordered[self._decisions.choose(len(ordered))]
+        return self._chosen[key]
+
+    def _urgency(self, option: Option) -> tuple[int, bool, int]:
+        port = self._ports.get(option.channel)
+        return _PREFERRED.index(option.action), port is None or port.period is None, option.index
+
+    def _step(self, gate: Gate, option: Option) -> TraceStep:
+        outer = (name for name in self._names if f"{gate.path}.".startswith(f"{name}."))
+        name = next(outer, gate.path)
+        parties = ((name, gate.path),)
+        port = self._ports.get(option.channel)
+        if port is None:
+            if option.action == "skip":
+                return TraceStep("internal", "", None, parties)
+            return TraceStep("time", f"{name}: {option.action} {duration(option.duration)}", None, parties)
+        value = None
+        if port.direction == "in":
+            value = written(self._value(option.channel), port.type)
+        kind = "sample" if port.direction == "in" and port.period is not None else "external"
+        return TraceStep(kind, option.channel, value, parties)
+
+    def _value(self, channel: str) -> Any:
+        """What the environment offers at an input in all rounds."""
+        if channel not in self._offered:
+            candidates = self._values.candidates(self._ports[channel].type, None)
+            self._offered[channel] = candidates[self._decisions.choose(len(candidates))]
+        conductor.supplied[channel] = self._offered[channel]
+        return self._offered[channel]
+
+
+def _gates(name: str, path: str) -> list[Gate]:
+    """Where a process of a trace halts: itself or its branches, or else who runs it."""
+    ranked = [(fit(gate, name, path), gate) for gate in conductor.halted.values()]
+    inside = [gate for rank, gate in ranked if rank < UNFIT - 1]
+    return inside or [gate for rank, gate in ranked if rank < UNFIT]
+
+
+def _has_ended(name: str, path: str) -> bool:
+    return all(fit(gate, name, path) >= UNFIT - 1 for gate in conductor.halted.values())
+
+
+def _waits(path: str, channels: frozenset[str]) -> bool:
+    return any(belongs(gate.path, path) and _waits_at(gate, channels) for gate in conductor.halted.values())
+
+
+def _waits_at(gate: Gate, channels: frozenset[str]) -> bool:
+    return any(option.channel in channels for option in gate.options if option.channel)

@@ -1,0 +1,113 @@
+"""When a run has come to where it was: every task stands where it stood, and what decides how it goes on has the values that it had.
+
+What a state does not have is what a run is free in: who of one level gets on first, and which guard of ``[]`` is taken.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from types import FrameType
+from typing import Any, TypeAlias
+
+from cspdiag.model.types import ArrayType, IntType, RealType, TimeType, Type
+from cspdiag.network.ir.network import Network, ProcessClass
+from cspdiag.proofs.transitions.facts import deciding
+from cspdiag.proofs.transitions.program import Program
+from cspdiag.runtime.composition import Branches
+from cspdiag.runtime.kernel.scheduler import Task, scheduler
+from cspdiag.runtime.process import Process
+from cspdiag.verify.runs.memory import memory
+
+State: TypeAlias = tuple[object, ...]
+
+_UNBOUNDED_BITS = 64
+"""Sums of integers so wide are taken not to overflow, as in proofs; narrower ones count to a fault."""
+
+
+class Recurrence:
+    """The states of runs of one program.
+
+    ``exact``: of the values that decide nothing none is looked at, as the proof has left nothing open.
+    """
+
+    def __init__(self, network: Network, *, exact: bool) -> None:
+        self._ignored = _deciding_nothing(network) if exact else frozenset()
+
+    def state(self, outermost: Any, root: Task) -> State:
+        """Where a run is: ``root`` executes the process ``outermost``."""
+        remembered = memory(outermost)
+        kept = ((name, _kept(value)) for name, value in remembered.items() if name not in self._ignored)
+        counts = ((name, len(value)) for name, value in remembered.items() if isinstance(value, tuple))
+        return tuple(_standing(root)), tuple(sorted(counts)), tuple(sorted(kept, key=lambda entry: entry[0]))
+
+
+def _kept(value: object) -> str:
+    """A value that is not changed with the run, to be compared: two reals are one only if they look alike."""
+    return repr(value)
+
+
+def counting_to_faults(network: Network) -> frozenset[str]:
+    """What decides nothing but whether something ends in a fault, by path: no proof follows it."""
+    return _deciding_nothing(network, faults=False) - _deciding_nothing(network)
+
+
+def _deciding_nothing(network: Network, *, faults: bool = True) -> frozenset[str]:
+    """What may count for ever, and neither a condition nor a delay depends on it, nor ``faults``: variables, buffers and states of control laws, by path."""
+    decides = deciding(Program(network), faults=faults)
+    names = {
+        definition.name: [
+            entry.name
+            for entry in (definition.channels if isinstance(definition, ProcessClass) else definition.states)
+            if ("channel", definition.name, entry.name) not in decides and _may_count(entry.type)
+        ]
+        for definition in network.classes
+    }
+    paths = [(network.top, network.top), *((instance.path, instance.class_name) for instance in network.instances)]
+    return frozenset(f"{path}.{name}" for path, class_name in paths for name in names.get(class_name, ()))
+
+
+def _may_count(of: Type) -> bool:
+    match of:
+        case ArrayType():
+            return _may_count(of.element)
+        case IntType():
+            return of.bits == _UNBOUNDED_BITS
+        case _:
+            return isinstance(of, RealType | TimeType)
+
+
+def _standing(root: Task) -> Iterator[tuple[object, ...]]:
+    """Where in the code each task stands, in the order of the branches, and how often it has gone round in what is replicated."""
+    pending = [root]
+    while pending:
+        task = pending.pop()
+        yield task.cancelled, type(task.waiting).__name__, *_frames(task)
+        if isinstance(task.waiting, Branches) and task.waiting.pending:
+            pending += [branch for branch in task.waiting.tasks if not branch.ended]
+
+
+def _frames(task: Task) -> Iterator[tuple[object, ...]]:
+    frames = _running() if task is scheduler.current else _suspended(task.coroutine)
+    for frame in frames:
+        in_text = isinstance(frame.f_locals.get("self"), Process)
+        numbers = tuple(value for value in frame.f_locals.values() if type(value) is int) if in_text else ()
+        yield frame.f_code.co_qualname, frame.f_lasti, numbers
+
+
+def _running() -> Iterator[FrameType]:
+    """The frames of processes from here outwards: those of the current task."""
+    frame: FrameType | None = sys._getframe()
+    while frame is not None:
+        if isinstance(frame.f_locals.get("self"), Process):
+            yield frame
+        frame = frame.f_back
+
+
+def _suspended(coroutine: Any) -> Iterator[FrameType]:
+    while coroutine is not None:
+        frame = getattr(coroutine, "cr_frame", None) or getattr(coroutine, "gi_frame", None)
+        if frame is None:
+            return
+        yield frame
+        coroutine = getattr(coroutine, "cr_await", None) or getattr(coroutine, "gi_yieldfrom", None)

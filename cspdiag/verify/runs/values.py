@@ -1,0 +1,162 @@
+"""Values that an environment may offer in a replay."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import islice, pairwise, product
+from types import ModuleType
+from typing import Any
+
+from cspdiag.base import Span
+from cspdiag.base.record import field_names, is_record
+from cspdiag.model.types import ArrayType, BoolType, EnumType, IntType, RealType, StructType, TimeType, Type
+from cspdiag.network.dump.expression import value_text
+from cspdiag.network.ir.expressions import BinaryOperation, LiteralValue
+from cspdiag.network.ir.network import Network, ProcessClass
+from cspdiag.network.ir.walk import parts
+from cspdiag.proofs.transitions.cuts import COMPARISONS, Arguments
+from cspdiag.proofs.transitions.ranges import limits_of
+from cspdiag.proofs.transitions.values import GIVEN
+from cspdiag.settings import parse_duration
+
+_REALS = (0.0, 1.0, -1.0)
+_OTHER_REALS = (1000.0, -1000.0, 0.001)
+_MOST = 64
+HANDED_ON = {str(one): part for one, part in zip(GIVEN, (slice(1), slice(1, None)), strict=True)}
+"""Values of which only is told that they are handed on: one, and any other."""
+
+
+class Values:
+    """Values of the types of a program, as its package has them; ``numbers`` are those on which it may depend what happens."""
+
+    def __init__(self, types: ModuleType | None, numbers: Iterable[int | float]) -> None:
+        self._types = types
+        given = tuple(numbers)
+        self._integers = tuple(dict.fromkeys((0, 1, *(number for number in given if isinstance(number, int)))))
+        reals = (number for number in given if isinstance(number, float))
+        self._reals = tuple(dict.fromkeys((*_REALS, *reals, *_OTHER_REALS)))
+
+    def candidates(self, type_: Type, told: str | None) -> Sequence[Any]:
+        """What may be offered at a port, the simplest first: the value that the trace tells, or a choice of all that there are."""
+        found = list(islice(self._all(type_), _MOST))
+        if told is None:
+            return found
+        if told in HANDED_ON:
+            return found[HANDED_ON[told]]
+        try:
+            return [value for value in found if is_told_as(value, type_, told)] or self._read(type_, told)
+        except ValueError:
+            return []
+
+    def _read(self, type_: Type, told: str) -> list[Any]:
+        ends = _ends(type_, told)
+        if ends is not None:
+            return [min(ends, key=abs)]
+        match type_:
+            case IntType() | TimeType():
+                return [_number(type_, told)]
+            case RealType():
+                return [float(told)]
+        return []
+
+    def _all(self, type_: Type) -> Iterable[Any]:
+        match type_:
+            case BoolType():
+                return (False, True)
+            case IntType(minimum=minimum, maximum=maximum):
+                return [value for value in self._integers if minimum <= value <= maximum]
+            case TimeType():
+                return (0, 1_000_000)
+            case RealType():
+                return self._reals
+            case EnumType(name=name):
+                return list(getattr(self._types, name))
+            case StructType(name=name, fields=fields):
+                struct = getattr(self._types, name)
+                return (struct(*parts) for parts in product(*(self._all(field) for _, field in fields)))
+            case ArrayType(element=element, size=size):
+                return ((value,) * (size or 0) for value in self._all(element))
+            case _:
+                return ()
+
+
+def types_of(network: Network) -> Mapping[str, Type]:
+    """The types of the channels and external ports of a program, by hierarchical name."""
+    types = {net.path: net.type for net in network.nets}
+    return types | {f"{network.top}.{port.name}": port.type for port in network.external_ports}
+
+
+def written(value: Any, type_: Type) -> str:
+    """A value of a running program as transition systems write it."""
+    return value_text(value, type_)
+
+
+def is_told_as(value: Any, type_: Type, told: str) -> bool:
+    """Whether a value is the one that a transition system writes so, or in the range that it writes so."""
+    ends = _ends(type_, told)
+    return written(value, type_) == told if ends is None else ends[0] <= value <= ends[1]
+
+
+def _ends(type_: Type, told: str) -> tuple[int, int] | None:
+    """The smallest and the greatest number of a range as transition systems write it; None for other values."""
+    limits = limits_of(type_)
+    if limits is None or ".." not in told:
+        return None
+    low, high = (_number(type_, text) if text else limit for text, limit in zip(told.split(".."), limits, strict=True))
+    return low, high
+
+
+def _number(type_: Type, told: str) -> int:
+    """Raises ValueError."""
+    if isinstance(type_, TimeType):
+        return parse_duration(told)
+    return int(told)
+
+
+def numbers_of(network: Network) -> Iterator[int | float]:
+    """Whole numbers that a program mentions, and their neighbours; thresholds of floating-point numbers, and numbers between them: conditions turn on them."""
+    found: dict[int, None] = {}
+    for constant in network.constants:
+        _collect(constant.value, found)
+    for instance in network.instances:
+        for _, value in instance.arguments:
+            _collect(value, found)
+    for entry in network.classes:
+        if isinstance(entry, ProcessClass):
+            _literals(entry.body, found)
+    yield from (near for number in found for near in (number, number + 1, number - 1))
+    thresholds = sorted(set(_thresholds(network)))
+    if thresholds:
+        yield from (thresholds[0] - 1, thresholds[-1] + 1)
+    yield from ((low + high) / 2 for low, high in pairwise(thresholds))
+    yield from thresholds
+
+
+def _thresholds(network: Network) -> Iterator[float]:
+    """The floating-point numbers with which processes and control laws compare."""
+    arguments = Arguments(network)
+    for entry in network.classes:
+        for part in parts(entry):
+            if isinstance(part, BinaryOperation) and part.operator in COMPARISONS:
+                for side in (part.left, part.right):
+                    yield from (value for value in arguments.values(side, entry.name) if isinstance(value, float))
+
+
+def _collect(value: object, found: dict[int, None]) -> None:
+    if isinstance(value, tuple):
+        for part in value:
+            _collect(part, found)
+    elif type(value) is int and abs(value) < 1 << 31:
+        found[value] = None
+
+
+def _literals(item: object, found: dict[int, None]) -> None:
+    pending = [item]
+    while pending:
+        part = pending.pop()
+        if isinstance(part, tuple):
+            pending += part
+        elif isinstance(part, LiteralValue):
+            _collect(part.value, found)
+        elif is_record(part) and not isinstance(part, Span):
+            pending += [getattr(part, name) for name in field_names(part)]

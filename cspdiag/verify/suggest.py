@@ -1,0 +1,157 @@
+"""Changes of the text that remove a deadlock, each proved to do so before it is told."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from itertools import islice
+
+from cspdiag import pipeline
+from cspdiag.base import Report, SourceFile
+from cspdiag.base.record import replaced
+from cspdiag.network.lower.program import SelectionError
+from cspdiag.proofs.answers.answer import Answer
+from cspdiag.proofs.answers.prove import prove
+from cspdiag.proofs.answers.question import Question
+from cspdiag.proofs.counterexamples.counterexample import Counterexample
+from cspdiag.proofs.counterexamples.suggestion import Suggestion
+from cspdiag.proofs.counterexamples.suggestions import suggestions
+from cspdiag.proofs.verdict import Limits
+from cspdiag.settings import SettingError
+from cspdiag.syntax.format.formatter import format_tree
+from cspdiag.syntax.parser import parse
+from cspdiag.verify.confirm import VerificationError, Verifier
+
+MOST_SUGGESTIONS = 4
+MOST_OF_A_KIND = 2
+MOST_TRIED = 24
+SECONDS = 3.0
+"""All changes together may be tried so long, and as long again on a program that is not small."""
+SMALL = 8
+"""In a program with more instances changes are first tried with a smaller constant, if it waits at the same places with that."""
+SMALLER = range(3, 9)
+"""Values of constants that make a program small; a circle of two is no example for larger ones."""
+
+
+@dataclass(frozen=True)
+class Deadlock:
+    """A program, with settings, of which something was asked, and how it gets stuck."""
+
+    asked: pipeline.Asked
+    question: Question
+    found: Counterexample
+    settings: Mapping[str, str]
+
+
+def helpful(deadlock: Deadlock, read: pipeline.Reader, within: Limits) -> tuple[Suggestion, ...]:
+    """Changes of the text after which the property was proved, the least first; what time there is ``within`` is not exceeded."""
+    network = deadlock.asked.network(deadlock.question.process)
+    if network is None or not deadlock.found.waiting:
+        return ()
+    limits = Limits(min(SECONDS, within.remaining))
+    if len(network.instances) <= SMALL:
+        return tuple(_proved(deadlock, read, limits))
+    found = _smaller(deadlock, read, limits)
+    if found is None:
+        return tuple(_proved(deadlock, read, limits))
+    smaller, proved_with = found
+    helping = list(_proved(smaller, read, limits))
+    limits = Limits(min(SECONDS, within.remaining))
+    return tuple(
+        suggestion if _helps(suggestion, deadlock, read, limits) else replace(suggestion, proved_with=proved_with)
+        for suggestion in helping
+    )
+
+
+def _proved(deadlock: Deadlock, read: pipeline.Reader, limits: Limits) -> Iterator[Suggestion]:
+    program, network = deadlock.asked.checked.program, deadlock.asked.network(deadlock.question.process)
+    assert program is not None
+    assert network is not None
+    helping = tried = 0
+    for kind in suggestions(deadlock.found, program, network):
+        of_kind = 0
+        for suggestion in islice(kind, MOST_TRIED - tried):
+            tried += 1
+            if limits.remaining <= 0 or helping == MOST_SUGGESTIONS:
+                return
+            if _helps(suggestion, deadlock, read, limits):
+                helping, of_kind = helping + 1, of_kind + 1
+                yield _in_style(suggestion)
+            if of_kind == MOST_OF_A_KIND:
+                break
+
+
+def _helps(suggestion: Suggestion, deadlock: Deadlock, read: pipeline.Reader, limits: Limits) -> bool:
+    """Whether a question can be answered by a proof once the text is changed."""
+    changed = suggestion.span.source.name
+
+    def read_changed(path: str) -> SourceFile:
+        return SourceFile(name=path, text=suggestion.text) if path == changed else read(path)
+
+    assert deadlock.asked.checked.program is not None
+    main = deadlock.asked.checked.program.main.source
+    source = read_changed(changed) if main.name == changed else main
+    asked = _asked(source, read_changed, deadlock.question, deadlock.settings)
+    answer = None if asked is None else _answer(asked, read_changed, limits)
+    return answer is not None and answer.outcome == "proved"
+
+
+def _asked(
+    source: SourceFile, read: pipeline.Reader, question: Question, settings: Mapping[str, str]
+) -> pipeline.Asked | None:
+    """The same question of another program; None if it has errors."""
+    try:
+        asked = pipeline.ask(source, read, process=question.process, settings=settings)
+    except (SettingError, SelectionError):
+        return None
+    same = tuple(other for other in asked.questions if other.text == question.text)
+    if not same or asked.checked.report.has_errors or asked.network(question.process) is None:
+        return None
+    return replaced(asked, questions=same[:1])
+
+
+def _answer(asked: pipeline.Asked, read: pipeline.Reader, limits: Limits) -> Answer | None:
+    if limits.remaining <= 0:
+        return None
+    try:
+        return prove(asked.questions[0], Verifier(asked, read).system, Limits(limits.remaining, limits.memory))
+    except VerificationError:
+        return None
+
+
+def _smaller(deadlock: Deadlock, read: pipeline.Reader, limits: Limits) -> tuple[Deadlock, str] | None:
+    """The same program with a smaller constant, with which it waits at the same places, and that setting."""
+    program, network = deadlock.asked.checked.program, deadlock.asked.network(deadlock.question.process)
+    assert program is not None
+    assert network is not None
+    for constant, value in program.constants.items():
+        for less in SMALLER:
+            if limits.remaining <= 0 or not isinstance(value, int) or less >= value:
+                break
+            settings = {**deadlock.settings, constant.name.text: str(less)}
+            asked = _asked(program.main.source, read, deadlock.question, settings)
+            small = None if asked is None else asked.network(deadlock.question.process)
+            if asked is None or small is None or len(small.instances) >= len(network.instances):
+                break
+            answer = _answer(asked, read, limits)
+            found = None if answer is None else answer.counterexample
+            if found is not None and _places(found) == _places(deadlock.found):
+                return Deadlock(asked, asked.questions[0], found, settings), f"{constant.name.text}={less}"
+    return None
+
+
+def _places(found: Counterexample) -> set[tuple[str, int]]:
+    """Where the text says what those do who wait."""
+    return {(entry.span.file, entry.span.start) for entry in found.waiting if entry.span is not None}
+
+
+def _in_style(suggestion: Suggestion) -> Suggestion:
+    """The change as ``cspdiag fmt`` would write it, in a file that it wrote."""
+    source = suggestion.span.source
+    if _formatted(source) != source.text:
+        return suggestion
+    return suggestion.in_text(_formatted(SourceFile(name=source.name, text=suggestion.text)))
+
+
+def _formatted(source: SourceFile) -> str:
+    return format_tree(parse(source, Report()))
