@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING
 
 from cspdiag.base.render.snippet import on_one_line
 from cspdiag.base.standard_streams import standard_error
-from cspdiag.cli.support.diagnostic_formats import FORMATS, told_diagnostics
+from cspdiag.cli.support.diagnostic_formats import FORMATS
 from cspdiag.cli.support.failure import FINE, UNSUCCESSFUL, NoResultError, UsageError
 from cspdiag.cli.support.output import replace_text
+from cspdiag.cli.support.proof_answers import refused, told
 from cspdiag.cli.support.terminal import put, say, wants_colour, write_out
 from cspdiag.cli.support.written import require_different, require_file
 
 if TYPE_CHECKING:
-    from cspdiag.base.diagnostic import Diagnostic
     from cspdiag.pipeline import Asked, Reader
     from cspdiag.proofs.answers.answer import Answer
 
@@ -146,7 +146,8 @@ def _settings(arguments: Namespace) -> dict[str, str]:
 def _answers(asked: Asked, arguments: Namespace, read: Reader) -> list[Answer]:
     from cspdiag.cli.support.alarm import ended_by_alarm
     from cspdiag.proofs.verdict import Limits
-    from cspdiag.verify.confirm import VerificationError, Verifier
+    from cspdiag.verify.confirm import Verifier
+    from cspdiag.verify.systems import VerificationError
 
     memory = int(arguments.memory_limit * 1e6)
     spin = arguments.engine == "spin"
@@ -183,35 +184,3 @@ def _draw(arguments: Namespace, answers: Sequence[Answer], asked: Asked) -> None
         say(f"cspdiag: no processes wait for ever, so {on_one_line(arguments.draw)} was not written")
     else:
         write_picture(arguments.draw, deadlock, asked.checked.program)
-
-
-def refused(diagnostics: Sequence[Diagnostic], arguments: Namespace) -> int:
-    """Tell why nothing can be proved of a program, as ``check`` tells it."""
-    colour = wants_colour(arguments.color, standard_error())
-    stdout, stderr = told_diagnostics(diagnostics, arguments.format, [arguments.file], colour=colour)
-    write_out(stdout)
-    put(stderr)
-    return UNSUCCESSFUL
-
-
-def told(answers: Sequence[Answer], warnings: Sequence[Diagnostic], arguments: Namespace) -> tuple[str, str]:
-    """What goes to standard output, and what to standard error. Formats that have answers and nothing else leave warnings to standard error."""
-    from cspdiag.proofs.answers.findings import diagnostics_of
-
-    colour = wants_colour(arguments.color, standard_error())
-    if arguments.format in {"concise", "sarif", "github"}:
-        return told_diagnostics([*warnings, *diagnostics_of(answers)], arguments.format, [], colour=colour)
-    _, before = told_diagnostics(warnings, "text", [], colour=colour)
-    match arguments.format:
-        case "json":
-            from cspdiag.proofs.answers.json import render as render_json
-
-            return render_json(answers), before
-        case "junit":
-            from cspdiag.proofs.answers.junit import render as render_junit
-
-            return render_junit(answers, arguments.file), before
-        case _:
-            from cspdiag.proofs.answers.text import render as render_text
-
-            return "", before + render_text(answers, colour=colour, quiet=arguments.quiet)

@@ -13,9 +13,9 @@ from cspdiag.base.render.snippet import on_one_line, printable
 from cspdiag.base.sources import read_source, require_ordinary_file
 from cspdiag.cli.support.failure import FINE, UNSUCCESSFUL, UsageError
 from cspdiag.cli.support.output import replace_text
+from cspdiag.cli.support.proof_answers import refused, told
 from cspdiag.cli.support.terminal import put, say, show_diagnostics, write_out
 from cspdiag.cli.support.written import require_different, require_file
-from cspdiag.cli.verbs.verify import refused, told
 
 if TYPE_CHECKING:
     from cspdiag.analyses.timing.result import TimingReport

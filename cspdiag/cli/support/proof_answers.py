@@ -1,0 +1,48 @@
+"""What ``verify`` prints: answers, warnings, and why nothing can be proved, in the format that was asked for."""
+
+from __future__ import annotations
+
+from argparse import Namespace
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from cspdiag.base.standard_streams import standard_error
+from cspdiag.cli.support.diagnostic_formats import told_diagnostics
+from cspdiag.cli.support.failure import UNSUCCESSFUL
+from cspdiag.cli.support.terminal import put, wants_colour, write_out
+
+if TYPE_CHECKING:
+    from cspdiag.base.diagnostic import Diagnostic
+    from cspdiag.proofs.answers.answer import Answer
+
+
+def refused(diagnostics: Sequence[Diagnostic], arguments: Namespace) -> int:
+    """Tell why nothing can be proved of a program, as ``check`` tells it."""
+    colour = wants_colour(arguments.color, standard_error())
+    stdout, stderr = told_diagnostics(diagnostics, arguments.format, [arguments.file], colour=colour)
+    write_out(stdout)
+    put(stderr)
+    return UNSUCCESSFUL
+
+
+def told(answers: Sequence[Answer], warnings: Sequence[Diagnostic], arguments: Namespace) -> tuple[str, str]:
+    """What goes to standard output, and what to standard error. Formats that have answers and nothing else leave warnings to standard error."""
+    from cspdiag.proofs.answers.findings import diagnostics_of
+
+    colour = wants_colour(arguments.color, standard_error())
+    if arguments.format in {"concise", "sarif", "github"}:
+        return told_diagnostics([*warnings, *diagnostics_of(answers)], arguments.format, [], colour=colour)
+    _, before = told_diagnostics(warnings, "text", [], colour=colour)
+    match arguments.format:
+        case "json":
+            from cspdiag.proofs.answers.json import render as render_json
+
+            return render_json(answers), before
+        case "junit":
+            from cspdiag.proofs.answers.junit import render as render_junit
+
+            return render_junit(answers, arguments.file), before
+        case _:
+            from cspdiag.proofs.answers.text import render as render_text
+
+            return "", before + render_text(answers, colour=colour, quiet=arguments.quiet)
