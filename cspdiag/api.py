@@ -235,7 +235,7 @@ class LoadedProgram:
         """The answers to what the file asserts, or what it asserts of ``process``, in text order; see ``Answer``.
 
         Where nothing is asserted, freedom from deadlock and from livelock is asked. ``time_limit`` is in seconds, for each. Raises what ``build`` raises, and
-        ``cspdiag.verify.confirm.VerificationError`` where nothing can be answered.
+        ``cspdiag.verify.systems.VerificationError`` where nothing can be answered.
         """
         from cspdiag.proofs.verdict import Limits
         from cspdiag.verify.confirm import Verifier

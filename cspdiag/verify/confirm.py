@@ -13,10 +13,9 @@ from cspdiag import pipeline
 from cspdiag.proofs.answers.answer import Answer
 from cspdiag.proofs.answers.prove import answered, not_replayed, prove
 from cspdiag.proofs.answers.question import Property, Question
-from cspdiag.proofs.transitions import transition_system
-from cspdiag.proofs.transitions.threads.explore import TransitionError
-from cspdiag.proofs.transitions.told_apart import Apart, AsSpecification
+from cspdiag.proofs.transitions.told_apart import AsSpecification
 from cspdiag.proofs.verdict import LimitError, Limits, Method
+from cspdiag.verify.systems import Systems, VerificationError
 
 if TYPE_CHECKING:
     from cspdiag.network.ir.network import Network
@@ -51,10 +50,6 @@ def replayed(network: Network, trace: Trace, read: pipeline.Reader) -> Replay:
     return replay(network, pipeline.generate(network, read, level=0), trace, exactly=True)
 
 
-class VerificationError(Exception):
-    """A question that cannot be answered at all; the message is one line."""
-
-
 class Verifier:
     """Answers what was asked of a program, with counterexamples that its code was stepped through.
 
@@ -78,7 +73,7 @@ class Verifier:
         self._spin = spin
         self._settings = settings
         self._enforced = enforced
-        self._systems: dict[tuple[str, frozenset[tuple[str, Apart]], AsSpecification | None], System] = {}
+        self._systems = Systems(asked)
         self._files: dict[str, dict[str, str]] = {}
 
     def answer(self, question: Question, limits: Limits) -> Answer:
@@ -105,7 +100,7 @@ class Verifier:
         if self._spin and question.claim == "deadlock free":
             answer = self._asked_spin(question, limits)
         else:
-            answer = prove(question, self.system, limits, self._method)
+            answer = prove(question, self._systems.of, limits, self._method)
         confirmed = self._confirmed(answer, limits)
         if answer.counterexample is not None and confirmed.outcome == "unknown":
             try:
@@ -113,21 +108,6 @@ class Verifier:
             except LimitError:
                 return confirmed
         return self._advised(confirmed, limits)
-
-    def system(
-        self, process: str, told_apart: ToldApart | None = None, specification: AsSpecification | None = None
-    ) -> System:
-        """The transition system of a process of the program. See ``transition_system``."""
-        ports = told_apart or {}
-        key = process, frozenset(ports.items()), specification
-        if key not in self._systems:
-            network = self._asked.network(process)
-            assert network is not None, "asked for a process with errors"
-            try:
-                self._systems[key] = transition_system(network, ports, specification)
-            except TransitionError as problem:
-                raise VerificationError(str(problem)) from problem
-        return self._systems[key]
 
     def _otherwise(self, found: Counterexample, question: Question, limits: Limits) -> Answer | None:
         """The answer with another counterexample, which the program follows, where it does not follow the one that was found."""
@@ -141,7 +121,7 @@ class Verifier:
                 specification: AsSpecification | None = None,
                 narrowing: Narrowing = narrowing,
             ) -> System:
-                whole = self.system(process, told_apart, specification)
+                whole = self._systems.of(process, told_apart, specification)
                 return narrowing(whole) if specification is None else whole
 
             if limits.remaining <= 0:
@@ -150,7 +130,7 @@ class Verifier:
             answer = prove(question, narrowed, rest, self._method)
             if answer.counterexample is None:
                 continue
-            other = of_the_whole(answer.counterexample, self.system(question.process))
+            other = of_the_whole(answer.counterexample, self._systems.of(question.process))
             answer = self._confirmed(replace(answer, counterexample=other), rest)
             if answer.outcome == "refuted":
                 return self._advised(answer, limits)
@@ -163,7 +143,7 @@ class Verifier:
             if limits.remaining <= 0:
                 break
             rest = Limits(limits.remaining, limits.memory)
-            answer = self._confirmed(prove(replace(question, claim=claim), self.system, rest, self._method), rest)
+            answer = self._confirmed(prove(replace(question, claim=claim), self._systems.of, rest, self._method), rest)
             if answer.outcome != "refuted" or answer.counterexample is None:
                 continue
             found = answer.counterexample
@@ -175,7 +155,7 @@ class Verifier:
         from cspdiag.verify import spin
 
         began = time.monotonic()
-        system = self.system(question.process)
+        system = self._systems.of(question.process)
         try:
             verdict = spin.deadlock_free(system, limits)
         except spin.SpinError as problem:
@@ -203,7 +183,7 @@ class Verifier:
             files = self._generated(answer.question.process, network)
             result = replay(network, files, read_trace(trace_of(answer, {})), judge, limits)
             if result.other:
-                system = self.system(answer.question.process)
+                system = self._systems.of(answer.question.process)
                 other = retold(found, system, result.other, result.standing, network)
                 trace = read_trace(trace_of(replace(answer, counterexample=other), {}))
                 again = replay(network, files, trace, judge, limits)
@@ -245,4 +225,4 @@ class Verifier:
         from cspdiag.verify.replay.refinement import judge
 
         role = AsSpecification(frozenset(answer.question.free))
-        return judge(answer.question, lambda apart: self.system(specification, apart, role), network, limits)
+        return judge(answer.question, lambda apart: self._systems.of(specification, apart, role), network, limits)

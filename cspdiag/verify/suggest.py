@@ -20,7 +20,7 @@ from cspdiag.proofs.verdict import Limits
 from cspdiag.settings import SettingError
 from cspdiag.syntax.format.formatter import format_tree
 from cspdiag.syntax.parser import parse
-from cspdiag.verify.confirm import VerificationError, Verifier
+from cspdiag.verify.systems import Systems, VerificationError
 
 MOST_SUGGESTIONS = 4
 MOST_OF_A_KIND = 2
@@ -92,7 +92,7 @@ def _helps(suggestion: Suggestion, deadlock: Deadlock, read: pipeline.Reader, li
     main = deadlock.asked.checked.program.main.source
     source = read_changed(changed) if main.name == changed else main
     asked = _asked(source, read_changed, deadlock.question, deadlock.settings)
-    answer = None if asked is None else _answer(asked, read_changed, limits)
+    answer = None if asked is None else _answer(asked, limits)
     return answer is not None and answer.outcome == "proved"
 
 
@@ -110,11 +110,11 @@ def _asked(
     return replaced(asked, questions=same[:1])
 
 
-def _answer(asked: pipeline.Asked, read: pipeline.Reader, limits: Limits) -> Answer | None:
+def _answer(asked: pipeline.Asked, limits: Limits) -> Answer | None:
     if limits.remaining <= 0:
         return None
     try:
-        return prove(asked.questions[0], Verifier(asked, read).system, Limits(limits.remaining, limits.memory))
+        return prove(asked.questions[0], Systems(asked).of, Limits(limits.remaining, limits.memory))
     except VerificationError:
         return None
 
@@ -133,7 +133,7 @@ def _smaller(deadlock: Deadlock, read: pipeline.Reader, limits: Limits) -> tuple
             small = None if asked is None else asked.network(deadlock.question.process)
             if asked is None or small is None or len(small.instances) >= len(network.instances):
                 break
-            answer = _answer(asked, read, limits)
+            answer = _answer(asked, limits)
             found = None if answer is None else answer.counterexample
             if found is not None and _places(found) == _places(deadlock.found):
                 return Deadlock(asked, asked.questions[0], found, settings), f"{constant.name.text}={less}"

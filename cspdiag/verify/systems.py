@@ -1,0 +1,44 @@
+"""The transition systems of the processes that are asked about, each made once."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from cspdiag import pipeline
+from cspdiag.proofs.transitions import transition_system
+from cspdiag.proofs.transitions.threads.explore import TransitionError
+from cspdiag.proofs.transitions.told_apart import Apart, AsSpecification
+
+if TYPE_CHECKING:
+    from cspdiag.proofs.transitions.systems.system import System
+    from cspdiag.proofs.transitions.told_apart import ToldApart
+
+
+class VerificationError(Exception):
+    """A question that cannot be answered at all; the message is one line."""
+
+
+class Systems:
+    """The transition systems of a program of which something was asked."""
+
+    def __init__(self, asked: pipeline.Asked) -> None:
+        self._asked = asked
+        self._made: dict[tuple[str, frozenset[tuple[str, Apart]], AsSpecification | None], System] = {}
+
+    def of(
+        self, process: str, told_apart: ToldApart | None = None, specification: AsSpecification | None = None
+    ) -> System:
+        """The transition system of a process of the program; see ``transition_system``.
+
+        Raises VerificationError where the process has too many states of its own.
+        """
+        ports = told_apart or {}
+        key = process, frozenset(ports.items()), specification
+        if key not in self._made:
+            network = self._asked.network(process)
+            assert network is not None, "asked for a process with errors"
+            try:
+                self._made[key] = transition_system(network, ports, specification)
+            except TransitionError as problem:
+                raise VerificationError(str(problem)) from problem
+        return self._made[key]
