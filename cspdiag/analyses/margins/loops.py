@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 from cspdiag.analyses.margins.law import Leaf
 from cspdiag.analyses.margins.linear import NotLinearError, Simplification
-from cspdiag.analyses.margins.margin import Margins, margins, minimal
-from cspdiag.analyses.margins.system import Cut, Loops, OpenLoop
+from cspdiag.analyses.margins.margin import Margins, margins
+from cspdiag.analyses.margins.open_loop import Cut, OpenLoop, minimal
+from cspdiag.analyses.margins.system import Loops
 from cspdiag.base import Span
 from cspdiag.network.ir.network import Environment, Network
 

@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from cspdiag.analyses.margins.system import OpenLoop
+from cspdiag.analyses.margins.open_loop import OpenLoop, minimal
 
 if TYPE_CHECKING:
     import numpy
@@ -131,30 +131,3 @@ def _closed_radius(a: Matrix, b: Matrix, c: Matrix, d: float) -> tuple[float, bo
                 continue
         largest = max(largest, float(abs(value)))
     return largest, drifts
-
-
-def kept_states(loop: OpenLoop) -> list[int]:
-    """Indexes of the states that the cut moves and that move the cut: other joints, references and counters fall away."""
-    import numpy
-
-    reached = _closure(abs(loop.a) > 0, abs(loop.b[:, 0]) > 0)
-    seen = _closure(abs(loop.a.T) > 0, abs(loop.c[0]) > 0)
-    return [int(k) for k in numpy.flatnonzero(reached & seen)]
-
-
-def minimal(loop: OpenLoop) -> tuple[Matrix, Matrix, Matrix, float]:
-    """The matrices over those states only."""
-    import numpy
-
-    kept = kept_states(loop)
-    return loop.a[numpy.ix_(kept, kept)], loop.b[kept], loop.c[:, kept], loop.d
-
-
-def _closure(moves: Any, start: Any) -> Any:
-    """The states that can be reached from some, where ``moves[i, j]`` tells that j moves i."""
-    reached = start.copy()
-    while True:
-        more = reached | (moves & reached[None, :]).any(axis=1)
-        if (more == reached).all():
-            return reached
-        reached = more

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from cspdiag.analyses.margins.margin import margins, stability
-from cspdiag.analyses.margins.system import OpenLoop
+from cspdiag.analyses.margins.open_loop import OpenLoop
 from cspdiag.network.ir.expressions import LiteralValue
 from cspdiag.network.ir.network import Network, ProcessClass
 

@@ -7,12 +7,12 @@ result is exact for the linearized parts, whatever the rates, as long as they di
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import gcd
 from typing import TYPE_CHECKING, Any
 
 from cspdiag.analyses.margins.law import Leaf, LinearLaw, linearize
 from cspdiag.analyses.margins.linear import NotLinearError
+from cspdiag.analyses.margins.open_loop import Cut, OpenLoop
 from cspdiag.analyses.margins.steps import advanced, combined
 from cspdiag.analyses.margins.structure import Structure, end_name, standing_inputs
 from cspdiag.network.ir.network import Environment, Network, SubmodelClass
@@ -24,45 +24,6 @@ if TYPE_CHECKING:
 
 LARGEST_NUMBER_OF_INSTANTS = 20_000
 """Grids finer than this within one period are refused."""
-
-
-@dataclass(frozen=True)
-class Cut:
-    """Where a loop is opened: a law, by its path, and a number within one of its outputs."""
-
-    law: str
-    output: Leaf
-
-    @property
-    def name(self) -> str:
-        """As people call it: the path without the outermost process, and the output."""
-        port, way = self.output
-        return f"{self.law.partition('.')[2]}.{port}{''.join(f'[{k}]' for k in way)}"
-
-
-@dataclass(frozen=True)
-class OpenLoop:
-    """x' = A x + B v, y = C x + D v, once every ``period`` seconds; y is what the law computes where v was written the last time.
-
-    Negative feedback is part of y: the loop is closed by v = y. ``laws`` are the laws within, that of the cut first.
-    """
-
-    cut: Cut
-    period: float
-    a: Matrix
-    b: Matrix
-    c: Matrix
-    d: float
-    laws: tuple[str, ...]
-    states: tuple[tuple[str, Leaf], ...]
-    """What each row of ``a`` is: a number of the ``plant``, of a law (by its path), one ``held`` or in a ``latch`` at an output, or in a ``net``."""
-
-    @property
-    def kept(self) -> tuple[tuple[str, Leaf], ...]:
-        """The states that the cut moves and that move the cut."""
-        from cspdiag.analyses.margins.margin import kept_states
-
-        return tuple(self.states[k] for k in kept_states(self))
 
 
 class Loops:

@@ -15,8 +15,8 @@ from cspdiag.cli.support.written import require_file
 
 if TYPE_CHECKING:
     from cspdiag.analyses.margins.loops import AnalysedLoop, LoopReport
+    from cspdiag.analyses.margins.open_loop import OpenLoop
     from cspdiag.analyses.margins.period import Variant, Wanted
-    from cspdiag.analyses.margins.system import OpenLoop
     from cspdiag.network.ir.network import Environment, Network
     from cspdiag.pipeline import Built
 

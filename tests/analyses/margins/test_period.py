@@ -8,8 +8,8 @@ from collections.abc import Mapping
 import pytest
 
 from cspdiag.analyses.margins.loops import opened_again
+from cspdiag.analyses.margins.open_loop import OpenLoop
 from cspdiag.analyses.margins.period import Variant, Wanted, largest_period, period_constants, wanted
-from cspdiag.analyses.margins.system import OpenLoop
 from tests.analyses.margins.programs import INTEGRATOR, only_loop, program
 
 GRAIN = 10_000
