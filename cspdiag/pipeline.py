@@ -274,7 +274,8 @@ def generate(
     variables that have a unit as objects that can be watched. Hand-written modules that the program names are read relative to the file that
     names them. Raises KeyError for an unknown target, OSError for a module that cannot be read.
     """
-    from cspdiag.codegen import TARGETS, Options, external_modules
+    from cspdiag.codegen import TARGETS, external_modules
+    from cspdiag.codegen.options import Options
 
     modules = {path: read(path).text for path in external_modules(network, target)}
     return TARGETS[target](network, modules, Options(level=level, traced=traced, observed=observed, probed=probed))

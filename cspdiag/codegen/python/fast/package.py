@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from cspdiag.codegen import Options
+from cspdiag.codegen.options import Options
 from cspdiag.codegen.python import package as plain
 from cspdiag.codegen.python.fast.environments import environment_module
 from cspdiag.codegen.python.fast.processes import process_module

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator, Sequence
 from functools import lru_cache
 
-from cspdiag.codegen import Options
+from cspdiag.codegen.options import Options
 from cspdiag.codegen.python.fast.actions import Composition, code_lines
 from cspdiag.codegen.python.fast.cancellation import checked_classes
 from cspdiag.codegen.python.fast.communications import Communications, Statements, text
