@@ -30,6 +30,7 @@ from cspdiag.network.ir.actions import (
     WhileLoop,
     WriteValue,
 )
+from cspdiag.network.ir.equations import SubmodelEquation
 from cspdiag.network.ir.everywhere import rewritten
 from cspdiag.network.ir.expressions import (
     Expression,
@@ -40,7 +41,7 @@ from cspdiag.network.ir.expressions import (
     Value,
     VariableValue,
 )
-from cspdiag.network.ir.network import InstanceOf, Instantiation, Network, ProcessClass, SubmodelClass, SubmodelEquation
+from cspdiag.network.ir.network import InstanceOf, Instantiation, Network, ProcessClass, SubmodelClass
 from cspdiag.network.ir.walk import parts
 from cspdiag.optimize.changes import changed, in_sequence
 from cspdiag.optimize.folding import folded, is_literal

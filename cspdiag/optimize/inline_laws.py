@@ -22,13 +22,13 @@ from cspdiag.network.ir.actions import (
     Target,
     WriteOutputs,
 )
+from cspdiag.network.ir.equations import ExternalCall, SubmodelEquation
 from cspdiag.network.ir.expressions import Expression, LiteralValue, ParameterValue, SignalValue, VariableValue
 from cspdiag.network.ir.network import (
     Attachment,
     ConstantEnd,
     CreatedInstance,
     DiscardEnd,
-    ExternalCall,
     InstanceOf,
     LocalChannel,
     MediumKind,
@@ -36,7 +36,6 @@ from cspdiag.network.ir.network import (
     Port,
     ProcessClass,
     SubmodelClass,
-    SubmodelEquation,
     SubmodelState,
 )
 from cspdiag.network.ir.walk import parts

@@ -27,6 +27,7 @@ from cspdiag.network.ir.actions import (
     Target,
     WriteValue,
 )
+from cspdiag.network.ir.equations import SubmodelEquation
 from cspdiag.network.ir.expressions import (
     BinaryOperation,
     FunctionCall,
@@ -48,7 +49,6 @@ from cspdiag.network.ir.network import (
     Port,
     ProcessClass,
     SubmodelClass,
-    SubmodelEquation,
     SubmodelState,
 )
 

@@ -12,7 +12,8 @@ import pytest
 from cspdiag.codegen.python.plain.submodels import signal_names
 from cspdiag.codegen.python.text.names import PackageNames
 from cspdiag.model.types import BoolType, EnumType, IntType, RealType, StructType, Type
-from cspdiag.network.ir.network import ExternalCall, Instantiation, SubmodelClass
+from cspdiag.network.ir.equations import ExternalCall
+from cspdiag.network.ir.network import Instantiation, SubmodelClass
 from cspdiag.runtime import Constant, Discard
 from cspdiag.simulate.run.package import LoadedPackage
 from tests.codegen.packages import MODELS, OWN, network, package

@@ -11,7 +11,8 @@ import sys
 from collections.abc import Callable
 from typing import Any
 
-from cspdiag.network.ir.network import Environment, ExternalBody, ExternalPort, Network, ProcessClass
+from cspdiag.network.ir.equations import ExternalBody
+from cspdiag.network.ir.network import Environment, ExternalPort, Network, ProcessClass
 from cspdiag.network.ir.walk import parts
 from tests.conformance import media
 from tests.conformance.instances import Place, ProcessInstance, Program, exception_name

@@ -12,6 +12,7 @@ from collections.abc import Mapping
 from typing import Any, assert_never
 
 from cspdiag.model.types import ArrayType, BoolType, EnumType, IntType, RealType, StructType, TimeType, Type
+from cspdiag.network.ir.equations import ExternalCall
 from cspdiag.network.ir.expressions import (
     ArrayElements,
     BinaryOperation,
@@ -29,7 +30,7 @@ from cspdiag.network.ir.expressions import (
     UnaryOperation,
     VariableValue,
 )
-from cspdiag.network.ir.network import ExternalCall, SubmodelClass
+from cspdiag.network.ir.network import SubmodelClass
 
 
 class FaultError(Exception):

@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 
 from cspdiag.base import SourceFile, Span
 from cspdiag.model.types import DOUBLE
+from cspdiag.network.ir.equations import ExternalBody, ExternalCall, SubmodelEquation
 from cspdiag.network.ir.expressions import ArrayElements, SignalValue
-from cspdiag.network.ir.network import ExternalBody, ExternalCall, SubmodelEquation
 from cspdiag.network.submodels.equation_order import ordered, provides, reads
 
 SPAN = Span(SourceFile(name="case.csp", text=""), 0, 0)

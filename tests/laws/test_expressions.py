@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from cspdiag.network.ir.equations import SubmodelEquation
 from cspdiag.network.ir.expression_walk import signals_read, walk
 from cspdiag.network.ir.expressions import Expression, FunctionCall, LiteralValue
-from cspdiag.network.ir.network import SubmodelEquation
 from tests.laws.compiled import MS, instance, submodel
 
 

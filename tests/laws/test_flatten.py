@@ -10,9 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cspdiag.base import Report
+from cspdiag.network.ir.equations import ExternalCall
 from cspdiag.network.ir.expression_walk import walk
 from cspdiag.network.ir.expressions import LiteralValue
-from cspdiag.network.ir.network import ExternalCall, SubmodelClass
+from cspdiag.network.ir.network import SubmodelClass
 from cspdiag.network.submodels.classes import flatten, needs_sample
 from cspdiag.syntax import ast
 from tests.laws.compiled import MS, instance, program, submodel

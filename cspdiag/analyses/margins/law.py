@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from cspdiag.analyses.margins.linear import Linearization, NotLinearError, Number, Simplification
 from cspdiag.model.types import ArrayType, RealType, StructType, Type
-from cspdiag.network.ir.network import ExternalCall, SubmodelClass
+from cspdiag.network.ir.equations import ExternalCall
+from cspdiag.network.ir.network import SubmodelClass
 
 if TYPE_CHECKING:
     import numpy

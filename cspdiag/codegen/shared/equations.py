@@ -6,8 +6,9 @@ from collections import Counter
 from collections.abc import Iterable, Sequence
 
 from cspdiag.model.types import Type
+from cspdiag.network.ir.equations import ExternalCall, SubmodelEquation
 from cspdiag.network.ir.expressions import Expression, ParameterValue, PresentTime, SignalValue
-from cspdiag.network.ir.network import ExternalCall, SubmodelClass, SubmodelEquation
+from cspdiag.network.ir.network import SubmodelClass
 from cspdiag.network.ir.walk import parts
 
 Equation = SubmodelEquation | ExternalCall

@@ -7,16 +7,8 @@ from collections.abc import Iterator
 from cspdiag.model.constants.durations import duration
 from cspdiag.network.dump.expression import expression_text
 from cspdiag.network.ir.actions import RunLaw
-from cspdiag.network.ir.network import (
-    ExternalBody,
-    ExternalCall,
-    LocalChannel,
-    Medium,
-    Port,
-    ProcessClass,
-    SubmodelClass,
-    SubmodelEquation,
-)
+from cspdiag.network.ir.equations import ExternalBody, ExternalCall, SubmodelEquation
+from cspdiag.network.ir.network import LocalChannel, Medium, Port, ProcessClass, SubmodelClass
 
 
 def external_text(external: ExternalBody) -> str:

@@ -10,6 +10,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from cspdiag.base.record import replaced
 from cspdiag.model.types import RealType
+from cspdiag.network.ir.equations import ExternalCall, SubmodelEquation
 from cspdiag.network.ir.everywhere import rewritten
 from cspdiag.network.ir.expression_walk import operands
 from cspdiag.network.ir.expressions import (
@@ -23,7 +24,6 @@ from cspdiag.network.ir.expressions import (
     SignalValue,
     StructValue,
 )
-from cspdiag.network.ir.network import ExternalCall, SubmodelEquation
 
 _HAS_DOMAIN = frozenset({"sqrt", "exp", "log", "asin", "acos"})
 _NONE: frozenset[str] = frozenset()

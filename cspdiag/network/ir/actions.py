@@ -5,15 +5,13 @@ The last few actions are not in the text: the passes of ``network.optimize`` mak
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal, TypeAlias
+from typing import Literal, TypeAlias
 
 from cspdiag.base import Span
 from cspdiag.base.record import record
 from cspdiag.model.types import Type
+from cspdiag.network.ir.equations import ExternalCall, SubmodelEquation
 from cspdiag.network.ir.expressions import Expression
-
-if TYPE_CHECKING:
-    from cspdiag.network.ir.network import ExternalCall, SubmodelEquation
 
 
 @record

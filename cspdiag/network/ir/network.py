@@ -16,6 +16,8 @@ from cspdiag.base import Span
 from cspdiag.base.record import record
 from cspdiag.model.types import EnumType, StructType, Type
 from cspdiag.network.ir.actions import Action, End
+from cspdiag.network.ir.declared import Declared
+from cspdiag.network.ir.equations import ExternalBody, ExternalCall, SubmodelEquation
 from cspdiag.network.ir.expressions import Expression, Value
 
 ChannelKind: TypeAlias = Literal["var", "sync", "broadcast", "any", "buffer", "overwrite"]
@@ -24,15 +26,6 @@ MediumKind: TypeAlias = Literal[
     "var", "sync", "broadcast", "any", "buffer", "overwrite",
     "sampled", "event", "latched", "direct", "constant", "discard",
 ]  # fmt: skip
-
-
-@record(kw_only=True)
-class Declared:
-    """Something with a name, a doc comment and a place."""
-
-    name: str
-    doc: str | None = None
-    span: Span
 
 
 @record(kw_only=True)
@@ -140,29 +133,12 @@ class InstanceOf(Declared):
 
 
 @record(kw_only=True)
-class ExternalBody:
-    """A body in another language: ``target`` is ``module.py:Class`` or a C file; ``span`` is where it was named."""
-
-    language: str
-    target: str
-    span: Span
-
-
-@record(kw_only=True)
 class SubmodelState(Declared):
     """A state; ``continuous`` ones have a derivative, the others a next value."""
 
     type: Type
     initial: Expression
     continuous: bool
-
-
-@record(kw_only=True)
-class SubmodelEquation(Declared):
-    """``name = value``; ``name`` is an output or a local. Nested submodels are inlined: ``pid.error`` is a local."""
-
-    type: Type
-    value: Expression
 
 
 @record
@@ -199,18 +175,6 @@ class ProcessClass(Declared):
     constants: tuple[SubmodelEquation, ...] = ()
     states: tuple[SubmodelState, ...] = ()
     creation: tuple[End | CreatedInstance | CreatedChoice, ...] = ()
-
-
-@record(kw_only=True)
-class ExternalCall(Declared):
-    """A nested external submodel (its instance is ``name``): all ``outputs`` are had by one call with all ``inputs``."""
-
-    external: ExternalBody
-    definition: str
-    arguments: tuple[tuple[str, Expression], ...]
-    inputs: tuple[tuple[str, Expression], ...]
-    outputs: tuple[tuple[str, str, Type], ...]
-    """Port, local name (``pan.encoder``), type."""
 
 
 @record(kw_only=True)

@@ -9,7 +9,7 @@ from cspdiag.base import Report
 from cspdiag.base.record import record
 from cspdiag.model.program import Program
 from cspdiag.network.diagnostics.external import DriverWithoutBody, MalformedTarget, MixedBody, UnsupportedLanguage
-from cspdiag.network.ir.network import ExternalBody
+from cspdiag.network.ir.equations import ExternalBody
 from cspdiag.network.submodels.inline import external_body
 from cspdiag.syntax import ast
 

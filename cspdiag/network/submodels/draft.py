@@ -9,8 +9,9 @@ from cspdiag.base.record import node
 from cspdiag.model.types import RealType, Type
 from cspdiag.model.units import SECOND
 from cspdiag.network.elaborate.constant_value import constant_value
+from cspdiag.network.ir.equations import ExternalCall, SubmodelEquation
 from cspdiag.network.ir.expressions import Expression, LiteralValue, ParameterValue, SignalValue, Value
-from cspdiag.network.ir.network import ClassParameter, ExternalCall, SubmodelEquation, SubmodelState
+from cspdiag.network.ir.network import ClassParameter, SubmodelState
 from cspdiag.network.submodels.discretize import Method
 
 SECONDS = RealType(unit=SECOND)

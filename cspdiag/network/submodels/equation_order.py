@@ -7,8 +7,8 @@ from collections import deque
 from collections.abc import Sequence
 
 from cspdiag.base.record import node
+from cspdiag.network.ir.equations import ExternalCall, SubmodelEquation
 from cspdiag.network.ir.expression_walk import signals_read
-from cspdiag.network.ir.network import ExternalCall, SubmodelEquation
 
 Item = SubmodelEquation | ExternalCall
 

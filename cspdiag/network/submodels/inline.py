@@ -13,9 +13,10 @@ from cspdiag.network.diagnostics.operators import UnknownMethod
 from cspdiag.network.diagnostics.submodels import StepNotPositive, TooManyEquations
 from cspdiag.network.elaborate.definitions import arguments_of
 from cspdiag.network.elaborate.expression import LoweringContext, lower_expression
+from cspdiag.network.ir.equations import ExternalBody, ExternalCall, SubmodelEquation
 from cspdiag.network.ir.expression_walk import walk
 from cspdiag.network.ir.expressions import ElementValue, Expression, LiteralValue, SignalValue
-from cspdiag.network.ir.network import ExternalBody, ExternalCall, SubmodelEquation, SubmodelState
+from cspdiag.network.ir.network import SubmodelState
 from cspdiag.network.submodels.discretize import Method
 from cspdiag.network.submodels.draft import SECONDS, Draft
 from cspdiag.network.submodels.operators import PARAMETERS, Application, realize

@@ -17,6 +17,7 @@ from cspdiag.model.types import ArrayType, RealType, TimeType, Type
 from cspdiag.network.diagnostics.arrays import IndexOutOfRange
 from cspdiag.network.diagnostics.submodels import TimeOutsideEnvironment
 from cspdiag.network.elaborate.expression import LoweringContext, in_seconds, lower_expression
+from cspdiag.network.ir.equations import SubmodelEquation
 from cspdiag.network.ir.expressions import (
     ArrayElements,
     Expression,
@@ -25,7 +26,6 @@ from cspdiag.network.ir.expressions import (
     PresentTime,
     SignalValue,
 )
-from cspdiag.network.ir.network import SubmodelEquation
 from cspdiag.network.submodels.draft import SECONDS, Draft
 from cspdiag.syntax import ast
 

@@ -9,10 +9,11 @@ from cspdiag.base.record import replaced
 from cspdiag.network.diagnostics.operators import UnstableDiscretization, WrongShape
 from cspdiag.network.diagnostics.submodels import AlgebraicLoop
 from cspdiag.network.elaborate.finite import assured_law, within_domains
+from cspdiag.network.ir.equations import ExternalCall, SubmodelEquation
 from cspdiag.network.ir.expression_walk import signals_read, walk
 from cspdiag.network.ir.expressions import Expression, PresentTime, SignalValue, Value
 from cspdiag.network.ir.faults import may_fault
-from cspdiag.network.ir.network import ExternalCall, SubmodelClass, SubmodelEquation
+from cspdiag.network.ir.network import SubmodelClass
 from cspdiag.network.submodels.discretize import Method, spectral_radius, statespace_increments, transfer_coefficients
 from cspdiag.network.submodels.draft import Draft, LinearOperator
 from cspdiag.network.submodels.equation_order import Item, ordered, provides, reads

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 from cspdiag.base.record import replaced
 from cspdiag.model.types import ArrayType, Type
+from cspdiag.network.ir.equations import SubmodelEquation
 from cspdiag.network.ir.expression_parts import entry
 from cspdiag.network.ir.expressions import ArrayElements, Expression, SignalValue
-from cspdiag.network.ir.network import SubmodelEquation
 from cspdiag.network.submodels.draft import Draft
 
 

@@ -31,12 +31,12 @@ from cspdiag.network.ir.actions import (
     StopStep,
     Target,
 )
+from cspdiag.network.ir.equations import ExternalCall
 from cspdiag.network.ir.everywhere import rewritten
 from cspdiag.network.ir.expressions import ParameterValue, VariableValue
 from cspdiag.network.ir.network import (
     CreatedChoice,
     CreatedInstance,
-    ExternalCall,
     Instantiation,
     Network,
     Port,

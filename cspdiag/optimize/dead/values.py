@@ -10,10 +10,11 @@ from typing import Any, TypeAlias
 
 from cspdiag.base.record import field_names, is_record, replaced
 from cspdiag.network.ir.actions import AssignValue, ChannelEnd, ResetStates, RunLaw, SequentialSteps, SkipStep
+from cspdiag.network.ir.equations import ExternalCall, SubmodelEquation
 from cspdiag.network.ir.everywhere import rewritten
 from cspdiag.network.ir.expressions import Expression, SignalValue, Typed, VariableValue
 from cspdiag.network.ir.faults import may_fault
-from cspdiag.network.ir.network import ExternalCall, ProcessClass, SubmodelEquation
+from cspdiag.network.ir.network import ProcessClass
 from cspdiag.network.ir.walk import parts
 from cspdiag.optimize.changes import changed, in_sequence
 

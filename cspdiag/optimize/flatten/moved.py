@@ -22,6 +22,7 @@ from cspdiag.network.ir.actions import (
     Target,
     WriteOutputs,
 )
+from cspdiag.network.ir.equations import ExternalCall, SubmodelEquation
 from cspdiag.network.ir.expressions import Expression
 from cspdiag.network.ir.network import (
     Attachment,
@@ -30,13 +31,11 @@ from cspdiag.network.ir.network import (
     CreatedChoice,
     CreatedInstance,
     DiscardEnd,
-    ExternalCall,
     InstanceOf,
     LocalChannel,
     MediumKind,
     ProcessClass,
     SubmodelClass,
-    SubmodelEquation,
 )
 from cspdiag.network.ir.walk import parts
 from cspdiag.optimize.changes import with_parts

@@ -7,8 +7,9 @@ from typing import TypeVar
 
 from cspdiag.base import Span
 from cspdiag.base.record import replaced
+from cspdiag.network.ir.equations import ExternalCall, SubmodelEquation
 from cspdiag.network.ir.expressions import Expression, LiteralValue, ParameterValue, SignalValue, VariableValue
-from cspdiag.network.ir.network import ClassParameter, ExternalCall, InstanceOf, SubmodelEquation
+from cspdiag.network.ir.network import ClassParameter, InstanceOf
 from cspdiag.optimize.changes import with_parts
 
 T = TypeVar("T")

@@ -12,7 +12,8 @@ from cspdiag.network.ir.actions import (
     SequentialSteps,
     WriteOutputs,
 )
-from cspdiag.network.ir.network import ExternalCall, Network, ProcessClass
+from cspdiag.network.ir.equations import ExternalCall
+from cspdiag.network.ir.network import Network, ProcessClass
 from cspdiag.network.ir.walk import parts
 from cspdiag.optimize import optimize, pass_named
 from tests.network import programs

@@ -6,9 +6,10 @@ from cspdiag.analyses.timing.flow.graph import Offer
 from cspdiag.base import Span
 from cspdiag.network.elaborate.constant_value import constant_value
 from cspdiag.network.ir.actions import ChannelEnd, End, Step
+from cspdiag.network.ir.declared import Declared
 from cspdiag.network.ir.durations import Durations
 from cspdiag.network.ir.expressions import Expression, ParameterValue, SignalValue, Value
-from cspdiag.network.ir.network import Declared, Net, Network, ProcessClass
+from cspdiag.network.ir.network import Net, Network, ProcessClass
 
 
 class Ends:

@@ -12,8 +12,9 @@ from cspdiag.analyses.timing.flow.ends import Ends
 from cspdiag.analyses.timing.flow.graph import Missing, Move, Offer, Place, Thread
 from cspdiag.analyses.timing.result import Refusal
 from cspdiag.network.ir.actions import Action, Branch, Event, PortEnd, Step
+from cspdiag.network.ir.declared import Declared
 from cspdiag.network.ir.expressions import Expression, VariableValue
-from cspdiag.network.ir.network import Connection, Declared, Network, ProcessClass, SubmodelClass
+from cspdiag.network.ir.network import Connection, Network, ProcessClass, SubmodelClass
 from cspdiag.network.ir.walk import parts
 
 

@@ -16,7 +16,8 @@ from cspdiag.codegen.c.text.literals import quoted
 from cspdiag.codegen.c.text.names import PackageNames
 from cspdiag.codegen.c.text.types import CTypes
 from cspdiag.model.types import Type
-from cspdiag.network.ir.network import ExternalBody, ExternalCall, Network, SubmodelClass
+from cspdiag.network.ir.equations import ExternalBody, ExternalCall
+from cspdiag.network.ir.network import Network, SubmodelClass
 from cspdiag.network.ir.walk import parts
 
 FILE = "types_by_hand.c"

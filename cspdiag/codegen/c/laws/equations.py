@@ -8,9 +8,10 @@ from dataclasses import dataclass
 from cspdiag.codegen.c.text.code import INDENT, Code, statement
 from cspdiag.codegen.c.text.expressions import Printer
 from cspdiag.codegen.shared.equations import Equation
+from cspdiag.network.ir.declared import Declared
+from cspdiag.network.ir.equations import ExternalCall
 from cspdiag.network.ir.expressions import Expression
 from cspdiag.network.ir.faults import may_fault
-from cspdiag.network.ir.network import Declared, ExternalCall
 
 Check = Callable[[str], list[str]]
 """From the place of a statement to what looks for a fault behind it, without indentation."""

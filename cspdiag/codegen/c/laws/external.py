@@ -6,7 +6,8 @@ import posixpath
 from collections.abc import Iterator, Mapping
 
 from cspdiag.codegen.shared.target_error import TargetError
-from cspdiag.network.ir.network import ExternalBody, Network, SubmodelClass
+from cspdiag.network.ir.equations import ExternalBody
+from cspdiag.network.ir.network import Network, SubmodelClass
 from cspdiag.network.ir.walk import parts
 
 

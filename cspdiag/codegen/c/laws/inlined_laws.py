@@ -15,8 +15,10 @@ from cspdiag.codegen.c.text.names import Names, identifier
 from cspdiag.codegen.shared.equations import signals, values
 from cspdiag.model.types import RealType, Type
 from cspdiag.network.ir.actions import RunLaw
+from cspdiag.network.ir.declared import Declared
+from cspdiag.network.ir.equations import ExternalCall
 from cspdiag.network.ir.faults import may_fault
-from cspdiag.network.ir.network import Declared, ExternalCall, ProcessClass
+from cspdiag.network.ir.network import ProcessClass
 
 
 @dataclass(frozen=True)

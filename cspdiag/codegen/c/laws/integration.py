@@ -11,9 +11,9 @@ from cspdiag.codegen.c.text.code import INDENT, Code, broken, statement
 from cspdiag.codegen.c.text.expressions import Printer
 from cspdiag.codegen.shared.equations import Equation, needed, signals, uses_time, values
 from cspdiag.model.types import Type
+from cspdiag.network.ir.equations import SubmodelEquation
 from cspdiag.network.ir.expressions import Expression
 from cspdiag.network.ir.faults import may_fault
-from cspdiag.network.ir.network import SubmodelEquation
 
 LOCALS = frozenset(["h", "half", "sixth", "step", "steps", "t", "time", "k1", "k2", "k3", "k4", "slope", "slopes"])
 """Names that an integration uses itself."""

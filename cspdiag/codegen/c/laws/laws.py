@@ -27,8 +27,10 @@ from cspdiag.codegen.shared.equations import (
     values,
 )
 from cspdiag.model.types import TimeType, Type
+from cspdiag.network.ir.declared import Declared
+from cspdiag.network.ir.equations import ExternalCall
 from cspdiag.network.ir.faults import may_fault
-from cspdiag.network.ir.network import Declared, ExternalCall, SubmodelClass
+from cspdiag.network.ir.network import SubmodelClass
 
 _STEPS = "integration_steps"
 _SUB_STEP = "sub_step"

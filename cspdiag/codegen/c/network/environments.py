@@ -28,7 +28,9 @@ from cspdiag.codegen.shared.equations import (
     values,
 )
 from cspdiag.model.types import ArrayType, StructType, Type
-from cspdiag.network.ir.network import Declared, Environment, ExternalCall, ExternalPort, Network, SubmodelClass
+from cspdiag.network.ir.declared import Declared
+from cspdiag.network.ir.equations import ExternalCall
+from cspdiag.network.ir.network import Environment, ExternalPort, Network, SubmodelClass
 
 _LOCALS = LOCALS | {"now", "present", "plant", "device", "value", "last"}
 

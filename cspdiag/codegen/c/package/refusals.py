@@ -7,7 +7,8 @@ from collections.abc import Iterator, Mapping
 from cspdiag.codegen.c.laws.external import compositions_and_laws
 from cspdiag.codegen.shared.target_error import TargetError
 from cspdiag.model.types import TextType
-from cspdiag.network.ir.network import Environment, ExternalBody, ExternalCall, Network, ProcessClass
+from cspdiag.network.ir.equations import ExternalBody, ExternalCall
+from cspdiag.network.ir.network import Environment, Network, ProcessClass
 from cspdiag.network.ir.walk import parts
 
 

@@ -34,8 +34,9 @@ from cspdiag.network.ir.actions import (
     Step,
     WriteOutputs,
 )
+from cspdiag.network.ir.declared import Declared
 from cspdiag.network.ir.expressions import SignalValue
-from cspdiag.network.ir.network import Connection, ConstantEnd, Declared, DiscardEnd, SubmodelClass
+from cspdiag.network.ir.network import Connection, ConstantEnd, DiscardEnd, SubmodelClass
 
 EXTERNAL = ("latched", "direct")
 

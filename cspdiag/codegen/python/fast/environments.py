@@ -18,8 +18,9 @@ from cspdiag.codegen.python.text.code import PRODUCT, Atom, Code, call, infix
 from cspdiag.codegen.python.text.names import PackageNames
 from cspdiag.codegen.python.text.statements import Block, Line, Statement, assign, lines
 from cspdiag.network.elaborate.constant_value import constant_value
+from cspdiag.network.ir.equations import SubmodelEquation
 from cspdiag.network.ir.expressions import Value
-from cspdiag.network.ir.network import Environment, Network, SubmodelClass, SubmodelEquation
+from cspdiag.network.ir.network import Environment, Network, SubmodelClass
 
 
 def environment_module(

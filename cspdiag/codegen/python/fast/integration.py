@@ -16,8 +16,8 @@ from cspdiag.codegen.python.text.code import PRODUCT, SUM, Atom, Code, infix
 from cspdiag.codegen.python.text.names import Names
 from cspdiag.codegen.python.text.statements import Line, Statement, assign
 from cspdiag.codegen.shared.equations import needed, signals, uses_time
+from cspdiag.network.ir.equations import SubmodelEquation
 from cspdiag.network.ir.expressions import Expression
-from cspdiag.network.ir.network import SubmodelEquation
 
 
 @dataclass(frozen=True)

@@ -17,8 +17,10 @@ from cspdiag.codegen.python.text.statements import Block, Line, Statement, Unpac
 from cspdiag.codegen.python.text.types import real
 from cspdiag.codegen.shared.equations import defined, signals
 from cspdiag.network.ir.actions import RunLaw
+from cspdiag.network.ir.declared import Declared
+from cspdiag.network.ir.equations import ExternalCall, SubmodelEquation
 from cspdiag.network.ir.expressions import FunctionCall
-from cspdiag.network.ir.network import Declared, ExternalCall, ProcessClass, SubmodelEquation
+from cspdiag.network.ir.network import ProcessClass
 from cspdiag.network.ir.walk import parts
 
 _SECOND = 1_000_000_000

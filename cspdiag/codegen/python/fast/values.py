@@ -15,8 +15,8 @@ from cspdiag.codegen.python.text.code import Atom, Code, call
 from cspdiag.codegen.python.text.imports import Imports
 from cspdiag.codegen.python.text.statements import Statement, assign
 from cspdiag.network.ir.actions import Action, Step, Target
+from cspdiag.network.ir.declared import Declared
 from cspdiag.network.ir.expressions import Expression, LiteralValue, ParameterValue, SignalValue, VariableValue
-from cspdiag.network.ir.network import Declared
 
 _LONGEST_COMMENT = 70
 

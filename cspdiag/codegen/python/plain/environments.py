@@ -30,15 +30,9 @@ from cspdiag.codegen.shared.equations import (
     values,
 )
 from cspdiag.model.types import BOOL, DOUBLE, INT, TEXT, Type
-from cspdiag.network.ir.network import (
-    Declared,
-    Environment,
-    ExternalCall,
-    ExternalPort,
-    Network,
-    SubmodelClass,
-    SubmodelEquation,
-)
+from cspdiag.network.ir.declared import Declared
+from cspdiag.network.ir.equations import ExternalCall, SubmodelEquation
+from cspdiag.network.ir.network import Environment, ExternalPort, Network, SubmodelClass
 
 MEMBERS = INTEGRATION | {"self", "now", "steps", "start", "advance", "drivers", "on_miss", "_evaluate"}
 

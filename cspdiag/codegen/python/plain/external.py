@@ -14,7 +14,8 @@ from cspdiag.codegen.python.text.imports import Imports
 from cspdiag.codegen.python.text.names import Names, identifier
 from cspdiag.codegen.python.text.statements import Statement, Unpack, assign
 from cspdiag.codegen.shared.target_error import TargetError
-from cspdiag.network.ir.network import ExternalBody, ExternalCall, Network
+from cspdiag.network.ir.equations import ExternalBody, ExternalCall
+from cspdiag.network.ir.network import Network
 from cspdiag.network.ir.walk import parts
 
 

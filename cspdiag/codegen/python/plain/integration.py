@@ -10,7 +10,8 @@ from cspdiag.codegen.python.text.code import PRODUCT, SUM, Argument, Atom, Call,
 from cspdiag.codegen.python.text.names import Names
 from cspdiag.codegen.python.text.statements import Block, Line, Statement, Unpack, assign, lines, signature
 from cspdiag.codegen.shared.equations import held, needed, signals, uses_time
-from cspdiag.network.ir.network import SubmodelClass, SubmodelEquation
+from cspdiag.network.ir.equations import SubmodelEquation
+from cspdiag.network.ir.network import SubmodelClass
 
 
 @dataclass(frozen=True)

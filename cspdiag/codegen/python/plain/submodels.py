@@ -29,7 +29,8 @@ from cspdiag.codegen.shared.equations import (
     values,
 )
 from cspdiag.model.types import TimeType
-from cspdiag.network.ir.network import ExternalBody, ExternalCall, SubmodelClass, SubmodelEquation
+from cspdiag.network.ir.equations import ExternalBody, ExternalCall, SubmodelEquation
+from cspdiag.network.ir.network import SubmodelClass
 
 INTEGRATION = frozenset({"h", "half", "sixth", "step", "t", "time", "_steps", "_h", "_derivative", "_derivatives"})
 """Names that an integration uses itself."""

@@ -11,6 +11,7 @@ from functools import cached_property
 from cspdiag.model.types import ArrayType, IntType, TimeType, Type, UnknownType
 from cspdiag.network.checks.unwritten import may_be_unwritten, ports_of_unwritten
 from cspdiag.network.ir.actions import ChannelEnd, PortEnd, Target
+from cspdiag.network.ir.equations import ExternalCall
 from cspdiag.network.ir.expression_walk import walk
 from cspdiag.network.ir.expressions import (
     BinaryOperation,
@@ -25,7 +26,7 @@ from cspdiag.network.ir.expressions import (
     VariableValue,
 )
 from cspdiag.network.ir.faults import conversion_fits, index_fits, is_index_of
-from cspdiag.network.ir.network import Attachment, ExternalCall, InstanceOf, Network, ProcessClass, SubmodelClass
+from cspdiag.network.ir.network import Attachment, InstanceOf, Network, ProcessClass, SubmodelClass
 from cspdiag.network.ir.ranges import needs_check
 
 _MAY_FAIL = frozenset({"sqrt", "log", "exp", "asin", "acos", "quantize", "finite"})

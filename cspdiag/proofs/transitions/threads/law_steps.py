@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from cspdiag.network.ir.equations import ExternalCall
 from cspdiag.network.ir.expressions import LiteralValue
-from cspdiag.network.ir.network import Connection, ExternalCall, SubmodelClass
+from cspdiag.network.ir.network import Connection, SubmodelClass
 from cspdiag.proofs.transitions.occurrences import PATIENT
 from cspdiag.proofs.transitions.program import Node
 from cspdiag.proofs.transitions.systems.template import Reference

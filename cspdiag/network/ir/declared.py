@@ -1,0 +1,15 @@
+"""What everything that a text declares has."""
+
+from __future__ import annotations
+
+from cspdiag.base import Span
+from cspdiag.base.record import record
+
+
+@record(kw_only=True)
+class Declared:
+    """Something with a name, a doc comment and a place."""
+
+    name: str
+    doc: str | None = None
+    span: Span

@@ -1,0 +1,38 @@
+"""The equations of control laws, and the laws in other languages that take the place of some."""
+
+from __future__ import annotations
+
+from cspdiag.base import Span
+from cspdiag.base.record import record
+from cspdiag.model.types import Type
+from cspdiag.network.ir.declared import Declared
+from cspdiag.network.ir.expressions import Expression
+
+
+@record(kw_only=True)
+class ExternalBody:
+    """A body in another language: ``target`` is ``module.py:Class`` or a C file; ``span`` is where it was named."""
+
+    language: str
+    target: str
+    span: Span
+
+
+@record(kw_only=True)
+class SubmodelEquation(Declared):
+    """``name = value``; ``name`` is an output or a local. Nested submodels are inlined: ``pid.error`` is a local."""
+
+    type: Type
+    value: Expression
+
+
+@record(kw_only=True)
+class ExternalCall(Declared):
+    """A nested external submodel (its instance is ``name``): all ``outputs`` are had by one call with all ``inputs``."""
+
+    external: ExternalBody
+    definition: str
+    arguments: tuple[tuple[str, Expression], ...]
+    inputs: tuple[tuple[str, Expression], ...]
+    outputs: tuple[tuple[str, str, Type], ...]
+    """Port, local name (``pan.encoder``), type."""
