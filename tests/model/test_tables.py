@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cspdiag.model.names.graphs import walk
+from cspdiag.model.names.tree_walk import walk
 from cspdiag.model.program import BuiltinSymbol, EnumLiteralSymbol, PortSymbol, Program
 from cspdiag.syntax import ast
 from tests.model.programs import correct, resolved

@@ -7,7 +7,7 @@ from cspdiag.model.checks.ports import check_duration
 from cspdiag.model.diagnostics.names import WrongKind
 from cspdiag.model.diagnostics.ports import DifferentEnds, NotReadable, NotVariable, NotWritable
 from cspdiag.model.expressions.coercion import same
-from cspdiag.model.names.graphs import walk
+from cspdiag.model.names.tree_walk import walk
 from cspdiag.model.program import EndLabelSymbol, PortSymbol, Program, Symbol
 from cspdiag.model.symbols import declared_at, described
 from cspdiag.model.types import UNKNOWN

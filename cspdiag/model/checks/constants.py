@@ -8,7 +8,7 @@ from cspdiag.base import Report, Span
 from cspdiag.model.constants.arithmetic import OutOfRangeError, UndefinedError, checked
 from cspdiag.model.constants.evaluate import evaluate
 from cspdiag.model.diagnostics.constants import IndexOutOfRange, NumberTooLarge
-from cspdiag.model.names.graphs import walk
+from cspdiag.model.names.tree_walk import walk
 from cspdiag.model.program import Program
 from cspdiag.model.types import INT, TIME, UNKNOWN, ArrayType, IntType, RealType, TimeType
 from cspdiag.syntax import ast

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from cspdiag.base.graphs import is_circular, shortest_circle, strong_components
 from cspdiag.model.constants.evaluate import evaluate
 from cspdiag.model.constants.values import parse_value, with_part
 from cspdiag.model.context import Context, Surroundings
@@ -11,7 +12,7 @@ from cspdiag.model.expressions.coercion import Purpose
 from cspdiag.model.expressions.declared_types import declared_type
 from cspdiag.model.expressions.functions import FUNCTIONS
 from cspdiag.model.expressions.numbers import Typer
-from cspdiag.model.names.graphs import circle, components, walk
+from cspdiag.model.names.tree_walk import walk
 from cspdiag.model.program import Scope
 from cspdiag.model.symbols import BUILTIN_EXCEPTIONS, RESERVED_VALUES, TYPE_NAMES, described
 from cspdiag.model.types import TEXT, UNKNOWN, EnumType, StructType, Type
@@ -82,8 +83,8 @@ def settle(context: Context) -> None:
             _refuse_twins(context, definition.literals, f"the enum `{definition.name.text}`", "a literal")
     settled = [item for item in program.definitions.values() if isinstance(item, Settled)]
     needs = {item: _needed(context, item) for item in settled}
-    for component in components(settled, needs.__getitem__):
-        if len(component) > 1 or component[0] in needs[component[0]]:
+    for component in strong_components(settled, needs.__getitem__):
+        if is_circular(component, needs.__getitem__):
             _refuse_circle(context, component, needs)
         else:
             _settle(context, component[0])
@@ -109,7 +110,7 @@ def _needed(context: Context, item: Settled) -> list[Settled]:
 
 def _refuse_circle(context: Context, component: list[Settled], needs: dict[Settled, list[Settled]]) -> None:
     members = sorted(component, key=lambda item: (item.span.file, item.span.start))
-    cycle = circle(members, needs.__getitem__)
+    cycle = shortest_circle(members, needs.__getitem__)
     first = members[0]
     kind = described(first).removeprefix("a ")
     refused = Recursion(

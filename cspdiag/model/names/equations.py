@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from cspdiag.base import Report
+from cspdiag.base.graphs import is_circular, strong_components
 from cspdiag.model.context import Context, Surroundings
 from cspdiag.model.diagnostics.names import UnknownName, WrongKind
 from cspdiag.model.expressions.coercion import Purpose, agrees
 from cspdiag.model.expressions.declared_types import declared_type
 from cspdiag.model.expressions.numbers import Typer
-from cspdiag.model.names.graphs import components, walk
 from cspdiag.model.names.instances import resolve_instance
 from cspdiag.model.names.references import end_of_channel
 from cspdiag.model.names.scopes import declare, definition_text
+from cspdiag.model.names.tree_walk import walk
 from cspdiag.model.symbols import declared_at, described
 from cspdiag.model.types import UNKNOWN, ArrayType, RealType, Type
 from cspdiag.model.units import DIMENSIONLESS, SECOND, divide
@@ -140,8 +141,8 @@ def _resolve_lets(typer: Typer, lets: list[ast.Let]) -> None:
         used = [names.get(part.name) for part in walk(let.value) if isinstance(part, ast.Name)]
         needs[let] = [symbol for symbol in used if isinstance(symbol, ast.Let)]
     types = context.program.types
-    for component in components(lets, needs.__getitem__):
-        if len(component) > 1 or component[0] in needs[component[0]]:
+    for component in strong_components(lets, needs.__getitem__):
+        if is_circular(component, needs.__getitem__):
             _guess_types(context, typer, component)
         for let in component:
             types[let] = typer.infer(let.value)

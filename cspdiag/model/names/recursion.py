@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from cspdiag.base.graphs import is_circular, shortest_circle, strong_components
 from cspdiag.model.context import Context
 from cspdiag.model.diagnostics.names import Recursion
-from cspdiag.model.names.graphs import circle, components
 from cspdiag.model.symbols import described
 from cspdiag.syntax import ast
 
@@ -42,11 +42,11 @@ def refuse_recursion(context: Context) -> None:
     for item in composed:
         inner = [program.bindings.get(instance.definition) for instance in instances[item]]
         needs[item] = [found for found in inner if isinstance(found, Composed)]
-    for component in components(composed, needs.__getitem__):
-        if len(component) == 1 and component[0] not in needs[component[0]]:
+    for component in strong_components(composed, needs.__getitem__):
+        if not is_circular(component, needs.__getitem__):
             continue
         members = sorted(component, key=lambda item: (item.span.file, item.span.start))
-        path = circle(members, needs.__getitem__)
+        path = shortest_circle(members, needs.__getitem__)
         inside = set(component)
         closing = [
             instance

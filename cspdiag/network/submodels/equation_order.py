@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import heapq
-from collections import deque
 from collections.abc import Sequence
 
+from cspdiag.base.graphs import is_circular, shortest_circle, strong_components
 from cspdiag.base.record import node
 from cspdiag.network.ir.equations import ExternalCall, SubmodelEquation
 from cspdiag.network.ir.expression_walk import signals_read
@@ -68,66 +68,7 @@ def _loops(unsorted: list[int], needs: list[list[int]]) -> list[list[int]]:
     """A shortest loop through the first member of every strongly connected component."""
     inside = set(unsorted)
     graph = {index: [other for other in needs[index] if other in inside] for index in unsorted}
-    components = (sorted(component) for component in _components(graph))
-    return sorted(_shortest_loop(members, graph) for members in components if _is_knot(members, graph))
-
-
-def _is_knot(members: list[int], graph: dict[int, list[int]]) -> bool:
-    return len(members) > 1 or members[0] in graph[members[0]]
-
-
-def _shortest_loop(members: list[int], graph: dict[int, list[int]]) -> list[int]:
-    """The loop in the order of reading: each member reads the next, the last reads the first."""
-    first, inside = members[0], set(members)
-    came_from: dict[int, int] = {}
-    pending = deque([first])
-    while pending:
-        present = pending.popleft()
-        for other in graph[present]:
-            if other == first:
-                loop = [present]
-                while loop[-1] != first:
-                    loop.append(came_from[loop[-1]])
-                return loop[::-1]
-            if other in inside and other not in came_from:
-                came_from[other] = present
-                pending.append(other)
-    raise AssertionError("a strongly connected component has a loop through each of its members")
-
-
-def _components(graph: dict[int, list[int]]) -> list[list[int]]:
-    """Strongly connected components (Tarjan 1972), without recursion."""
-    number: dict[int, int] = {}
-    lowest: dict[int, int] = {}
-    stack: list[int] = []
-    waiting: set[int] = set()
-    found: list[list[int]] = []
-    for root in graph:
-        if root in number:
-            continue
-        path = [(root, iter(graph[root]))]
-        number[root] = lowest[root] = len(number)
-        stack.append(root)
-        waiting.add(root)
-        while path:
-            present, others = path[-1]
-            for other in others:
-                if other not in number:
-                    number[other] = lowest[other] = len(number)
-                    stack.append(other)
-                    waiting.add(other)
-                    path.append((other, iter(graph[other])))
-                    break
-                if other in waiting:
-                    lowest[present] = min(lowest[present], number[other])
-            else:
-                path.pop()
-                if path:
-                    lowest[path[-1][0]] = min(lowest[path[-1][0]], lowest[present])
-                if lowest[present] == number[present]:
-                    component = [stack.pop()]
-                    while component[-1] != present:
-                        component.append(stack.pop())
-                    waiting.difference_update(component)
-                    found.append(component)
-    return found
+    components = (sorted(component) for component in strong_components(graph, graph.__getitem__))
+    return sorted(
+        shortest_circle(members, graph.__getitem__) for members in components if is_circular(members, graph.__getitem__)
+    )

@@ -12,7 +12,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from cspdiag.proofs.graph_components import strong_components
+from cspdiag.base.graphs import strong_components
 from cspdiag.proofs.transitions.systems.system import INTERNAL, Edge
 from cspdiag.proofs.verdict import Limits
 

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from itertools import product
 from typing import TypeAlias
 
-from cspdiag.proofs.graph_components import strong_components
+from cspdiag.base.graphs import strong_components
 from cspdiag.proofs.search.local_dependence import LocalDependence, Targets
 from cspdiag.proofs.transitions.systems.system import INTERNAL, Edge, System
 from cspdiag.proofs.verdict import Limits, Move
@@ -82,7 +82,7 @@ class ClosedSets:
             if any(other in goes_on for event in component for other in interfering(event)):
                 goes_on.update(component)
                 continue
-            events = [event for event in component if event in can]
+            events = [event for event in reversed(component) if event in can]
             if events:
                 goes_on.update(component)
                 if len(events) < len(best):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 
-from cspdiag.proofs.graph_components import strong_components
+from cspdiag.base.graphs import strong_components
 from cspdiag.proofs.transitions.systems.system import INTERNAL, Component, Edge, System
 
 

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
-from cspdiag.proofs.graph_components import final_components
+from cspdiag.base.graphs import final_components
 from cspdiag.proofs.search.closed_sets import ClosedSets
 from cspdiag.proofs.search.stuck_sets import Offers
 from cspdiag.proofs.search.traces import causes

@@ -26,7 +26,7 @@ from cspdiag.analyses.timing.flow.books import (
 from cspdiag.analyses.timing.flow.graph import Offer, Place, Thread
 from cspdiag.analyses.timing.flow.paths import Job, Node, Path, either
 from cspdiag.base import Span
-from cspdiag.model.names.graphs import components
+from cspdiag.base.graphs import strong_components
 
 State = tuple[int, Books]
 Step = tuple[State, int, bool, Offer | None, bool]
@@ -319,5 +319,5 @@ def _merged(paths: list[Path]) -> Path:
 
 def cycles(stops: dict[int, frozenset[int]]) -> list[frozenset[int]]:
     """Sets of waits that a thread may come back to from each other; ``stops`` leads from each wait to the next ones."""
-    found = components(stops, lambda wait: sorted(stops.get(wait, ())))
+    found = strong_components(stops, lambda wait: sorted(stops.get(wait, ())))
     return [frozenset(group) for group in found if len(group) > 1 or group[0] in stops.get(group[0], ())]

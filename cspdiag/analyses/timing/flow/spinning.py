@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from cspdiag.analyses.timing.flow.graph import Circle, Offer, Place, Thread
 from cspdiag.analyses.timing.flow.paths import End
 from cspdiag.analyses.timing.result import Refusal
-from cspdiag.model.names.graphs import components
+from cspdiag.base.graphs import strong_components
 
 
 class Spinning:
@@ -71,7 +71,7 @@ class Spinning:
         """The places of a thread at which it communicates on a way back that takes no time."""
         thread = self._threads[number]
         edges = {k: self._at_once(number, k, supplied) for k in range(len(thread.places))}
-        found = components(edges, lambda place: sorted({target for target, _ in edges[place]}))
+        found = strong_components(edges, lambda place: sorted({target for target, _ in edges[place]}))
         for group in found:
             inside = set(group)
             for k in group:

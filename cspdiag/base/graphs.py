@@ -1,0 +1,88 @@
+"""Components and circles of graphs that are given by what each node leads to.
+
+networkx has both, but ``check`` has no time to load it, and in the proofs its components take three to seven times as long as these.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
+from typing import TypeVar
+
+T = TypeVar("T", bound=Hashable)
+
+
+def strong_components(roots: Iterable[T], after: Callable[[T], Iterable[T]]) -> Iterator[list[T]]:
+    """The strongly connected components that can be reached, ``after`` being the nodes that edges lead to.
+
+    Those that are led to come first; of the members of one, those reached last. Tarjan, "Depth-first search and linear graph
+    algorithms", 1972, without recursion.
+    """
+    order: dict[T, int] = {}
+    low: dict[T, int] = {}
+    place: dict[T, int] = {}
+    """Where a node that is not yet in a finished component is on the stack."""
+    stack: list[T] = []
+    for root in roots:
+        if root in order:
+            continue
+        path: list[tuple[T, Iterator[T]]] = []
+        fresh, is_fresh = root, True
+        while True:
+            if is_fresh:
+                order[fresh] = low[fresh] = len(order)
+                place[fresh] = len(stack)
+                stack.append(fresh)
+                path.append((fresh, iter(after(fresh))))
+            node, rest = path[-1]
+            is_fresh = False
+            for target in rest:
+                if target not in order:
+                    fresh, is_fresh = target, True
+                    break
+                if target in place and order[target] < low[node]:
+                    low[node] = order[target]
+            if is_fresh:
+                continue
+            path.pop()
+            if low[node] == order[node]:
+                component = stack[place[node] :]
+                del stack[place[node] :]
+                for member in component:
+                    del place[member]
+                component.reverse()
+                yield component
+            if not path:
+                break
+            above = path[-1][0]
+            low[above] = min(low[above], low[node])
+
+
+def final_components(after: Sequence[Sequence[int]]) -> Iterator[list[int]]:
+    """The components that no edge leaves, of a graph in which all nodes can be reached from the first."""
+    for component in strong_components(range(len(after)), after.__getitem__):
+        members = set(component)
+        if all(members.issuperset(after[node]) for node in component):
+            yield component
+
+
+def is_circular(component: Sequence[T], after: Callable[[T], Iterable[T]]) -> bool:
+    """Whether a way leads from a member of a component back to itself."""
+    return len(component) > 1 or component[0] in after(component[0])
+
+
+def shortest_circle(component: Sequence[T], after: Callable[[T], Iterable[T]]) -> list[T]:
+    """A shortest circle through the first node of a component, each member leading to the next; empty where there is none."""
+    start, members = component[0], set(component)
+    came_from: dict[T, T] = {}
+    pending = [start]
+    for node in pending:
+        for target in after(node):
+            if target == start:
+                path = [node]
+                while path[-1] != start:
+                    path.append(came_from[path[-1]])
+                return path[::-1]
+            if target in members and target not in came_from:
+                came_from[target] = node
+                pending.append(target)
+    return []
