@@ -15,10 +15,10 @@ from cspdiag.model.types import UNKNOWN, StructType, Type
 from cspdiag.syntax import ast
 
 if TYPE_CHECKING:
-    from cspdiag.model.expressions.numbers import Typer
+    from cspdiag.model.expressions.expression_typer import ExpressionTyper
 
 
-def call(typer: Typer, node: ast.Call) -> Type:
+def call(typer: ExpressionTyper, node: ast.Call) -> Type:
     """The type of a struct that is built, a function of the language, or a conversion."""
     name = node.function.text
     program = typer.context.program
@@ -38,7 +38,7 @@ def call(typer: Typer, node: ast.Call) -> Type:
     return UNKNOWN
 
 
-def _structure(typer: Typer, node: ast.Call, structure: StructType) -> Type:
+def _structure(typer: ExpressionTyper, node: ast.Call, structure: StructType) -> Type:
     definition = typer.context.program.definitions[structure.name]
     if not isinstance(definition, ast.StructDefinition):
         return UNKNOWN
@@ -66,7 +66,7 @@ _ELSEWHERE = {
 _OPERATORS = {"pow": "x ^ y", "power": "x ^ y", "mod": "x % y", "fmod": "x - y * floor(x / y)"}
 
 
-def _refuse_function(typer: Typer, node: ast.Call, definition: ast.Definition | None) -> None:
+def _refuse_function(typer: ExpressionTyper, node: ast.Call, definition: ast.Definition | None) -> None:
     name = node.function.text
     typer.context.program.poisoned.add(node)
     if isinstance(definition, ast.StructDefinition):

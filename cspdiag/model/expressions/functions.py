@@ -27,7 +27,7 @@ from cspdiag.model.units import DIMENSIONLESS, SECOND, Unit, agree, divide, mult
 from cspdiag.syntax import ast
 
 if TYPE_CHECKING:
-    from cspdiag.model.expressions.numbers import Typer
+    from cspdiag.model.expressions.expression_typer import ExpressionTyper
 
 
 @record
@@ -74,7 +74,7 @@ FUNCTIONS = {
 METHODS = ("tustin", "zoh", "euler", "backward")
 
 
-def function(typer: Typer, node: ast.Call) -> Type:
+def function(typer: ExpressionTyper, node: ast.Call) -> Type:
     """The type of a call of a function of the language."""
     name = node.function.text
     signature = FUNCTIONS[name]
@@ -129,7 +129,7 @@ def function(typer: Typer, node: ast.Call) -> Type:
             return _transcendental(typer, node, arguments[0])
 
 
-def _positional(typer: Typer, node: ast.Call, signature: Signature) -> list[ast.Expression] | None:
+def _positional(typer: ExpressionTyper, node: ast.Call, signature: Signature) -> list[ast.Expression] | None:
     """The arguments without the option ``method``; None if their number is wrong."""
     name = node.function.text
     given: list[ast.Expression] = []
@@ -172,7 +172,7 @@ def _positional(typer: Typer, node: ast.Call, signature: Signature) -> list[ast.
     return given
 
 
-def _number(typer: Typer, node: ast.Call, argument: ast.Expression, *, takes_time: bool = False) -> Type:
+def _number(typer: ExpressionTyper, node: ast.Call, argument: ast.Expression, *, takes_time: bool = False) -> Type:
     found = typer.infer(argument)
     if isinstance(found, UnknownType | IntType | RealType) or (takes_time and isinstance(found, TimeType)):
         return found
@@ -181,7 +181,7 @@ def _number(typer: Typer, node: ast.Call, argument: ast.Expression, *, takes_tim
     return UNKNOWN
 
 
-def _real(typer: Typer, node: ast.Call, argument: ast.Expression) -> Type:
+def _real(typer: ExpressionTyper, node: ast.Call, argument: ast.Expression) -> Type:
     found = default_number(typer.context, argument, typer.infer(argument))
     if isinstance(found, UnknownType | RealType):
         return found
@@ -191,7 +191,7 @@ def _real(typer: Typer, node: ast.Call, argument: ast.Expression) -> Type:
     return UNKNOWN
 
 
-def _transcendental(typer: Typer, node: ast.Call, argument: ast.Expression) -> Type:
+def _transcendental(typer: ExpressionTyper, node: ast.Call, argument: ast.Expression) -> Type:
     found = _real(typer, node, argument)
     if not isinstance(found, RealType):
         return UNKNOWN
@@ -202,7 +202,7 @@ def _transcendental(typer: Typer, node: ast.Call, argument: ast.Expression) -> T
     return RealType(found.bits)
 
 
-def _square_root(typer: Typer, node: ast.Call, argument: ast.Expression) -> Type:
+def _square_root(typer: ExpressionTyper, node: ast.Call, argument: ast.Expression) -> Type:
     found = _real(typer, node, argument)
     if not isinstance(found, RealType):
         return UNKNOWN
@@ -213,30 +213,30 @@ def _square_root(typer: Typer, node: ast.Call, argument: ast.Expression) -> Type
     return RealType(found.bits, unit)
 
 
-def _angle(typer: Typer, node: ast.Call, arguments: list[ast.Expression]) -> Type:
+def _angle(typer: ExpressionTyper, node: ast.Call, arguments: list[ast.Expression]) -> Type:
     found = _reals(typer, node, arguments)
     return RealType(found.bits) if isinstance(found, RealType) else UNKNOWN
 
 
-def _reals(typer: Typer, node: ast.Call, arguments: list[ast.Expression]) -> Type:
+def _reals(typer: ExpressionTyper, node: ast.Call, arguments: list[ast.Expression]) -> Type:
     for argument in arguments:
         if isinstance(_real(typer, node, argument), UnknownType):
             return UNKNOWN
     return _unified(typer, node, arguments)
 
 
-def _comparable(typer: Typer, node: ast.Call, arguments: list[ast.Expression]) -> Type:
+def _comparable(typer: ExpressionTyper, node: ast.Call, arguments: list[ast.Expression]) -> Type:
     for argument in arguments:
         _number(typer, node, argument, takes_time=True)
     return _unified(typer, node, arguments)
 
 
-def _unified(typer: Typer, node: ast.Call, arguments: list[ast.Expression]) -> Type:
+def _unified(typer: ExpressionTyper, node: ast.Call, arguments: list[ast.Expression]) -> Type:
     types = [typer.context.program.types[argument] for argument in arguments]
     return unified(typer.context, arguments, types, f"the arguments of `{node.function.text}`", node)
 
 
-def _convert(typer: Typer, node: ast.Call, value: ast.Expression, target: ast.Expression) -> Type:
+def _convert(typer: ExpressionTyper, node: ast.Call, value: ast.Expression, target: ast.Expression) -> Type:
     found = _real(typer, node, value)
     text = "".join(target.span.text.split())
     unit = parse_unit(text)
@@ -263,7 +263,7 @@ def near_unit(text: str) -> str | None:
     return known.get(text)
 
 
-def _remembered(typer: Typer, node: ast.Call, value: ast.Expression, initial: ast.Expression) -> Type:
+def _remembered(typer: ExpressionTyper, node: ast.Call, value: ast.Expression, initial: ast.Expression) -> Type:
     """``pre`` and ``delay`` give what they are given; the initial value is of the same type."""
     found = typer.infer(value)
     start = typer.before_running().infer(initial)
@@ -278,7 +278,7 @@ def _remembered(typer: Typer, node: ast.Call, value: ast.Expression, initial: as
     return found
 
 
-def _integral(typer: Typer, node: ast.Call, value: ast.Expression, initial: ast.Expression) -> Type:
+def _integral(typer: ExpressionTyper, node: ast.Call, value: ast.Expression, initial: ast.Expression) -> Type:
     found = _real(typer, node, value)
     if not isinstance(found, RealType):
         start = typer.before_running().infer(initial)
@@ -288,7 +288,7 @@ def _integral(typer: Typer, node: ast.Call, value: ast.Expression, initial: ast.
     return result
 
 
-def _transfer(typer: Typer, node: ast.Call, arguments: list[ast.Expression]) -> Type:
+def _transfer(typer: ExpressionTyper, node: ast.Call, arguments: list[ast.Expression]) -> Type:
     """A coefficient of ``s^i`` is a bare number, or carries the unit of the polynomial times ``s^i``."""
     gains = [_polynomial(typer, argument) for argument in arguments[:2]]
     found = _real(typer, node, arguments[2])
@@ -298,7 +298,7 @@ def _transfer(typer: Typer, node: ast.Call, arguments: list[ast.Expression]) -> 
     return RealType(found.bits, divide(multiply(found.unit, numerator), denominator))
 
 
-def _polynomial(typer: Typer, coefficients: ast.Expression) -> Unit:
+def _polynomial(typer: ExpressionTyper, coefficients: ast.Expression) -> Unit:
     if not isinstance(coefficients, ast.ArrayValue):
         found = typer.constant(coefficients, None, Purpose(what="a list of coefficients"))
         if not (isinstance(found, ArrayType) and isinstance(found.element, RealType)) and found != UNKNOWN:
@@ -329,7 +329,7 @@ def _polynomial(typer: Typer, coefficients: ast.Expression) -> Unit:
     return gain or DIMENSIONLESS
 
 
-def _state_space(typer: Typer, node: ast.Call, arguments: list[ast.Expression]) -> Type:
+def _state_space(typer: ExpressionTyper, node: ast.Call, arguments: list[ast.Expression]) -> Type:
     """Matrices of bare numbers; the result has the unit of the input, and is an array where C has several rows."""
     rows: int | None = None
     shapes = []
@@ -353,7 +353,7 @@ def _state_space(typer: Typer, node: ast.Call, arguments: list[ast.Expression]) 
     return element if rows == 1 else ArrayType(element, rows)
 
 
-def conversion(typer: Typer, node: ast.Call) -> Type:
+def conversion(typer: ExpressionTyper, node: ast.Call) -> Type:
     """The type of ``int16(x)``, ``double(x)`` and their kin; a time becomes a number of seconds."""
     name = node.function.text
     target: Type = DOUBLE if name == "double" else RealType(32) if name == "float" else integer_named(name)

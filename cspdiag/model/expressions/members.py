@@ -16,10 +16,10 @@ from cspdiag.model.wording import noun
 from cspdiag.syntax import ast
 
 if TYPE_CHECKING:
-    from cspdiag.model.expressions.numbers import Typer
+    from cspdiag.model.expressions.expression_typer import ExpressionTyper
 
 
-def member(typer: Typer, node: ast.Member) -> Type:
+def member(typer: ExpressionTyper, node: ast.Member) -> Type:
     """The type of a field, a literal of an enum, or a port of an inner submodel, which is recorded in ``members``."""
     program = typer.context.program
     symbol = _owner_symbol(typer, node.value)
@@ -47,7 +47,7 @@ def member(typer: Typer, node: ast.Member) -> Type:
     return found
 
 
-def index(typer: Typer, node: ast.Index) -> Type:
+def index(typer: ExpressionTyper, node: ast.Index) -> Type:
     """The type of an element of an array."""
     owner = typer.infer(node.value)
     found = typer.infer(node.index)
@@ -64,7 +64,7 @@ def index(typer: Typer, node: ast.Index) -> Type:
     return owner.element
 
 
-def _owner_symbol(typer: Typer, value: ast.Expression) -> Symbol | None:
+def _owner_symbol(typer: ExpressionTyper, value: ast.Expression) -> Symbol | None:
     """The enum or the instance that a member is asked of; None for values."""
     base = value
     while isinstance(base, ast.Index):
@@ -78,7 +78,7 @@ def _owner_symbol(typer: Typer, value: ast.Expression) -> Symbol | None:
     return None
 
 
-def _literal(typer: Typer, node: ast.Member, enum: ast.EnumDefinition) -> Type:
+def _literal(typer: ExpressionTyper, node: ast.Member, enum: ast.EnumDefinition) -> Type:
     names = [literal.text for literal in enum.literals]
     if node.name.text not in names:
         _refuse_member(typer, node, f"the enum `{enum.name.text}`", "literal", names, enum.name)
@@ -89,7 +89,7 @@ def _literal(typer: Typer, node: ast.Member, enum: ast.EnumDefinition) -> Type:
     return typer.context.program.types.get(enum, EnumType(enum.name.text, tuple(names)))
 
 
-def _port_of(typer: Typer, node: ast.Member, instance: ast.Instance) -> Type:
+def _port_of(typer: ExpressionTyper, node: ast.Member, instance: ast.Instance) -> Type:
     """``pid.output`` in an equation."""
     program = typer.context.program
     for position in _indexes(node.value):
@@ -124,7 +124,12 @@ def _port_of(typer: Typer, node: ast.Member, instance: ast.Instance) -> Type:
 
 
 def _refuse_member(
-    typer: Typer, node: ast.Member, owner: str, wanted: str, options: list[str], declared: ast.Identifier | None
+    typer: ExpressionTyper,
+    node: ast.Member,
+    owner: str,
+    wanted: str,
+    options: list[str],
+    declared: ast.Identifier | None,
 ) -> None:
     typer.context.refuse(
         UnknownMember(
