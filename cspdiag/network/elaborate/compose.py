@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from typing import TYPE_CHECKING, TypeAlias, assert_never
+from typing import TypeAlias, assert_never
 
 from cspdiag.base import Span
 from cspdiag.model.program import EndLabelSymbol, PortSymbol, Value
@@ -15,6 +15,7 @@ from cspdiag.network.elaborate.constant_value import constant_value
 from cspdiag.network.elaborate.expression import LoweringContext, lower_expression
 from cspdiag.network.elaborate.finite import assured
 from cspdiag.network.elaborate.places import ChannelPlace, Places, ProcessPort
+from cspdiag.network.elaborate.sizes import Sizes
 from cspdiag.network.ir.actions import (
     Action,
     AfterEvent,
@@ -54,25 +55,22 @@ from cspdiag.network.shapes import Shape
 from cspdiag.network.syntax_walk import names, nodes
 from cspdiag.syntax import ast
 
-if TYPE_CHECKING:
-    from cspdiag.network.elaborate.definitions_to_shapes import Elaboration
-
 Values: TypeAlias = Mapping[ast.Node, Value]
 
 MOST_UNROLLED = 16
 """Turns of a replicated ``seq`` that are written down one by one; more of them that are all the same are a loop."""
 
 
-def compose(elaboration: Elaboration, shape: Shape, places: Places, composition: ast.Composition) -> Action:
+def compose(sizes: Sizes, shape: Shape, places: Places, composition: ast.Composition) -> Action:
     """The composition as actions; what could not be resolved was reported and does nothing."""
-    return _Composer(elaboration, shape, places).action(composition, shape.values)
+    return _Composer(sizes, shape, places).action(composition, shape.values)
 
 
 class _Composer:
-    def __init__(self, elaboration: Elaboration, shape: Shape, places: Places) -> None:
-        self.elaboration = elaboration
-        self.program = elaboration.program
-        self.report = elaboration.report
+    def __init__(self, sizes: Sizes, shape: Shape, places: Places) -> None:
+        self.sizes = sizes
+        self.program = sizes.program
+        self.report = sizes.report
         self.shape = shape
         self.places = places
 
@@ -192,7 +190,7 @@ class _Composer:
 
     def _repeated(self, replicator: ast.Replicator, values: Values) -> list[dict[ast.Node, Value]]:
         what = f"the replicator `{replicator.name.text}`"
-        repetitions = self.elaboration.repeated(replicator, what, values)
+        repetitions = self.sizes.repeated(replicator, what, values)
         self.shape.incomplete = self.shape.incomplete or repetitions is None
         return repetitions or []
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 from cspdiag.base import Span
 from cspdiag.base.record import node
@@ -20,6 +20,7 @@ from cspdiag.network.diagnostics.connections import (
 from cspdiag.network.elaborate.array_sizes import check_sizes
 from cspdiag.network.elaborate.expression import LoweringContext, lower_expression
 from cspdiag.network.elaborate.places import ChannelPlace, Endpoint, InstancePort, Places, ProcessPort
+from cspdiag.network.elaborate.sizes import Sizes
 from cspdiag.network.shapes import (
     AskedKind,
     Attached,
@@ -36,15 +37,12 @@ from cspdiag.network.shapes import (
 )
 from cspdiag.syntax import ast
 
-if TYPE_CHECKING:
-    from cspdiag.network.elaborate.definitions_to_shapes import Elaboration
-
 Values: TypeAlias = Mapping[ast.Node, Value]
 
 
-def connect(elaboration: Elaboration, shape: Shape, places: Places, declarations: Iterable[ast.Declaration]) -> None:
+def connect(sizes: Sizes, shape: Shape, places: Places, declarations: Iterable[ast.Declaration]) -> None:
     """Make the channels of a shape and attach the ports of its instances."""
-    connector = _Connector(elaboration, shape, places)
+    connector = _Connector(sizes, shape, places)
     items = tuple(declarations)
     connector.declare(items, (), shape.values)
     connector.relate(items, shape.values)
@@ -61,10 +59,10 @@ class _Ends:
 
 
 class _Connector:
-    def __init__(self, elaboration: Elaboration, shape: Shape, places: Places) -> None:
-        self.elaboration = elaboration
-        self.program = elaboration.program
-        self.report = elaboration.report
+    def __init__(self, sizes: Sizes, shape: Shape, places: Places) -> None:
+        self.sizes = sizes
+        self.program = sizes.program
+        self.report = sizes.report
         self.shape = shape
         self.places = places
 
@@ -126,11 +124,11 @@ class _Connector:
         )
 
     def _repeated(self, item: ast.RepeatedDeclarations, values: Values) -> list[dict[ast.Node, Value]]:
-        return self.elaboration.repeated(item.replicator, "`for`", values) or []
+        return self.sizes.repeated(item.replicator, "`for`", values) or []
 
     def _declare(self, item: ast.Variable | ast.Channel, prefix: tuple[int, ...], values: Values) -> None:
         name = element_name(item.name.text, *prefix)
-        known = self.elaboration.type_of(item.type, self.program.types.get(item, UNKNOWN), values)
+        known = self.sizes.type_of(item.type, self.program.types.get(item, UNKNOWN), values)
         channel = ChannelShape(name, item, known, item.name.span)
         if isinstance(item, ast.Variable) and item.initial is not None:
             channel.replicators = dict(_known(values))
@@ -142,7 +140,7 @@ class _Connector:
     def _asked(self, kind: ast.Kind, values: Values) -> AskedKind:
         capacity = None
         if kind.capacity is not None:
-            capacity = self.elaboration.size(kind.capacity, f"the `{kind.name}`", values) or 1
+            capacity = self.sizes.size(kind.capacity, f"the `{kind.name}`", values) or 1
         return AskedKind(kind.name, kind.span, capacity)
 
     def _relationship(self, item: ast.Connection, values: Values) -> None:
@@ -260,7 +258,7 @@ class _Connector:
             name, span = instances[0].name, item.sources[0].span
         known = instances[0].port.type
         if item.type is not None:
-            known = self.elaboration.type_of(item.type, self.program.types.get(item.type, known), values)
+            known = self.sizes.type_of(item.type, self.program.types.get(item.type, known), values)
         channel = ChannelShape(name, item, known, span)
         if item.kind is not None:
             channel.asked = self._asked(item.kind, values)

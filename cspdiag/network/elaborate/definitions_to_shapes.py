@@ -9,20 +9,15 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 from cspdiag.base import Report
-from cspdiag.base.record import replaced
 from cspdiag.model.constants.evaluate import evaluate
 from cspdiag.model.program import PortSymbol, Program, Value
-from cspdiag.model.types import ArrayType, Type
-from cspdiag.network.diagnostics.arrays import SizeNotPositive, TooManyInstances
 from cspdiag.network.elaborate.compose import compose
 from cspdiag.network.elaborate.connect import connect
 from cspdiag.network.elaborate.definitions import Definitions, Instantiable, arguments_of
 from cspdiag.network.elaborate.places import Places
+from cspdiag.network.elaborate.sizes import Sizes
 from cspdiag.network.shapes import UNKNOWN_PERIOD, InstanceShape, Overrides, PortShape, Shape, element_name
 from cspdiag.syntax import ast
-
-LARGEST_PROCESS = 100_000
-"""More elements of anything in one process are refused."""
 
 Values = Mapping[ast.Node, Value]
 
@@ -34,6 +29,7 @@ class Elaboration:
         self.program = program
         self.definitions = definitions
         self.report = report
+        self.sizes = Sizes(program, report)
         self.shapes: list[Shape] = []
         """Callers before callees, in the order of discovery."""
         self.refused_periods: dict[Shape, list[tuple[ast.Expression, int]]] = {}
@@ -66,46 +62,6 @@ class Elaboration:
             if isinstance(definition, ast.ProcessDefinition):
                 self._pending.append(known)
         return known
-
-    def integer(self, expression: ast.Expression, values: Values) -> int | None:
-        """The value of a size or an index; None where it is unknown or was reported."""
-        if isinstance(expression, ast.Number) and isinstance(expression.value, int):
-            return expression.value
-        if isinstance(expression, ast.Name):
-            symbol = self.program.bindings.get(expression)
-            if isinstance(symbol, ast.Replicator):
-                found = values.get(symbol)
-                return found if isinstance(found, int) else None
-        value = evaluate(self.program, expression, values, self.report)
-        return value if isinstance(value, int) and not isinstance(value, bool) else None
-
-    def size(self, expression: ast.Expression, what: str, values: Values, *, zero: bool = False) -> int | None:
-        """Like ``integer`` for a number of elements, which is positive and, times those of all ``for`` around it, not absurd."""
-        size = self.integer(expression, values)
-        if size is None:
-            return None
-        if size < 0 or (size == 0 and not zero):
-            self.report.add(SizeNotPositive(span=expression.span, what=what, size=size))
-            return None
-        total = size
-        for outer in [key for key in values if isinstance(key, ast.Replicator)]:
-            total *= self.integer(outer.count, values) or 0
-        if total > LARGEST_PROCESS:
-            self.report.add(TooManyInstances(span=expression.span, what=what, number=total, limit=LARGEST_PROCESS))
-            return None
-        return size
-
-    def repeated(self, replicator: ast.Replicator, what: str, values: Values) -> list[dict[ast.Node, Value]] | None:
-        """The values inside each repetition; None where their number is unknown or was reported."""
-        count = self.size(replicator.count, what, values, zero=True)
-        return None if count is None else [{**values, replicator: index} for index in range(count)]
-
-    def type_of(self, declared: ast.TypeName | None, known: Type, values: Values) -> Type:
-        """A type with the sizes filled in that depend on parameters."""
-        if declared is None or not declared.dimensions or not isinstance(known, ArrayType):
-            return known
-        sizes = [self.integer(dimension, values) for dimension in declared.dimensions]
-        return _with_sizes(known, sizes)
 
     def period(self, ports: ast.Ports, shape: Shape) -> int | None:
         """The sample period of a declaration in nanoseconds; one that is refused is kept for the report and unknown."""
@@ -140,7 +96,7 @@ class Elaboration:
         if symbol.port.dimensions:
             total = 1
             for dimension in symbol.port.dimensions:
-                known = self.size(dimension, f"the array of ports `{symbol.name}`", shape.values)
+                known = self.sizes.size(dimension, f"the array of ports `{symbol.name}`", shape.values)
                 if known is None:
                     return None
                 total *= known
@@ -149,7 +105,7 @@ class Elaboration:
             symbol=symbol,
             name=symbol.name,
             direction=symbol.declaration.direction,
-            type=self.type_of(symbol.declaration.type, symbol.type, shape.values),
+            type=self.sizes.type_of(symbol.declaration.type, symbol.type, shape.values),
             size=size,
             period=self.period(symbol.declaration, shape),
         )
@@ -163,11 +119,11 @@ class Elaboration:
         elements = _Declarations(self, shape)
         if definition.communication is not None:
             elements.instances(definition.communication.declarations, (), shape.values)
-        places = Places(self, shape, elements.loops)
+        places = Places(self.sizes, shape, elements.loops)
         if definition.communication is not None:
-            connect(self, shape, places, definition.communication.declarations)
+            connect(self.sizes, shape, places, definition.communication.declarations)
         if definition.composition is not None:
-            shape.body = compose(self, shape, places, definition.composition)
+            shape.body = compose(self.sizes, shape, places, definition.composition)
 
 
 class _Declarations:
@@ -187,7 +143,7 @@ class _Declarations:
             if isinstance(item, ast.Instance):
                 self._instance(item, tuple(_index(values, loop) for loop in loops), values)
             elif isinstance(item, ast.RepeatedDeclarations):
-                repetitions = self.elaboration.repeated(item.replicator, "`for`", values)
+                repetitions = self.elaboration.sizes.repeated(item.replicator, "`for`", values)
                 self.shape.incomplete = self.shape.incomplete or repetitions is None
                 for inner in repetitions or ():
                     self.instances(item.declarations, (*loops, item.replicator), inner)
@@ -203,7 +159,7 @@ class _Declarations:
             return
         replicator = item.size if isinstance(item.size, ast.Replicator) else None
         expression = item.size.count if isinstance(item.size, ast.Replicator) else item.size
-        count = self.elaboration.size(expression, f"the array of instances `{name}`", values)
+        count = self.elaboration.sizes.size(expression, f"the array of instances `{name}`", values)
         if count is None:
             self.shape.incomplete = True
             return
@@ -284,10 +240,3 @@ def _below(overrides: Overrides, instance: str) -> Overrides:
         return overrides
     prefix = instance + "."
     return {path[len(prefix) :]: value for path, value in overrides.items() if path.startswith(prefix)}
-
-
-def _with_sizes(known: Type, sizes: list[int | None]) -> Type:
-    if not sizes or not isinstance(known, ArrayType):
-        return known
-    inner = _with_sizes(known.element, sizes[1:])
-    return replaced(known, element=inner, size=sizes[0] if known.size is None else known.size)

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 from cspdiag.base import Span
 from cspdiag.base.record import node
 from cspdiag.model.program import EndLabelSymbol, PortSymbol, Value
 from cspdiag.network.diagnostics.arrays import IndexMissing, IndexOutOfRange
+from cspdiag.network.elaborate.sizes import Sizes
 from cspdiag.network.shapes import ChannelShape, InstanceShape, Key, PortElement, PortShape, Shape, element_name
 from cspdiag.syntax import ast
-
-if TYPE_CHECKING:
-    from cspdiag.network.elaborate.definitions_to_shapes import Elaboration
 
 Values: TypeAlias = Mapping[ast.Node, Value]
 
@@ -56,11 +54,9 @@ Endpoint: TypeAlias = ProcessPort | InstancePort | ChannelPlace
 class Places:
     """Resolves the references of one shape; None means that nothing more is to be said about one."""
 
-    def __init__(
-        self, elaboration: Elaboration, shape: Shape, loops: Mapping[ast.Node, tuple[ast.Replicator, ...]]
-    ) -> None:
-        self.elaboration = elaboration
-        self.program = elaboration.program
+    def __init__(self, sizes: Sizes, shape: Shape, loops: Mapping[ast.Node, tuple[ast.Replicator, ...]]) -> None:
+        self.sizes = sizes
+        self.program = sizes.program
         self.shape = shape
         self.loops = loops
         self.aliases: dict[str, ProcessPort] = {}
@@ -71,7 +67,7 @@ class Places:
 
     def indexes(self, expressions: tuple[ast.Expression, ...], values: Values) -> list[int] | None:
         """Values of indexes; None where one is unknown."""
-        found = [self.elaboration.integer(expression, values) for expression in expressions]
+        found = [self.sizes.integer(expression, values) for expression in expressions]
         known = [index for index in found if index is not None]
         if len(known) < len(found):
             self.shape.incomplete = True
@@ -196,7 +192,7 @@ class Places:
         if indexes is None or port.size is None:
             return None
         flat = 0
-        sizes = [self.elaboration.integer(d, self.shape.values) or 0 for d in port.symbol.port.dimensions]
+        sizes = [self.sizes.integer(d, self.shape.values) or 0 for d in port.symbol.port.dimensions]
         if len(indexes) == 1:
             sizes = [port.size]
         for expression, index, size in zip(given, indexes, sizes, strict=False):
@@ -247,10 +243,10 @@ class Places:
 
     def _missing_index(self, reference: ast.Reference | ast.Name) -> None:
         name = reference.name.text if isinstance(reference, ast.Reference) else reference.name
-        self.elaboration.report.add(IndexMissing(span=reference.span, name=name))
+        self.sizes.report.add(IndexMissing(span=reference.span, name=name))
 
     def _out_of_range(self, expression: ast.Expression, index: int, what: str, size: int, declared: Span) -> None:
-        self.elaboration.report.add(
+        self.sizes.report.add(
             IndexOutOfRange(span=expression.span, index=index, what=what, size=size, declared=declared)
         )
 

@@ -1,0 +1,73 @@
+"""Sizes and indexes in the text as numbers, once the values of parameters are known."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from cspdiag.base import Report
+from cspdiag.base.record import replaced
+from cspdiag.model.constants.evaluate import evaluate
+from cspdiag.model.program import Program, Value
+from cspdiag.model.types import ArrayType, Type
+from cspdiag.network.diagnostics.arrays import SizeNotPositive, TooManyInstances
+from cspdiag.syntax import ast
+
+LARGEST_PROCESS = 100_000
+"""More elements of anything in one process are refused."""
+
+Values = Mapping[ast.Node, Value]
+
+
+class Sizes:
+    """The sizes of a program; those that cannot be are reported."""
+
+    def __init__(self, program: Program, report: Report) -> None:
+        self.program = program
+        self.report = report
+
+    def integer(self, expression: ast.Expression, values: Values) -> int | None:
+        """The value of a size or an index; None where it is unknown or was reported."""
+        if isinstance(expression, ast.Number) and isinstance(expression.value, int):
+            return expression.value
+        if isinstance(expression, ast.Name):
+            symbol = self.program.bindings.get(expression)
+            if isinstance(symbol, ast.Replicator):
+                found = values.get(symbol)
+                return found if isinstance(found, int) else None
+        value = evaluate(self.program, expression, values, self.report)
+        return value if isinstance(value, int) and not isinstance(value, bool) else None
+
+    def size(self, expression: ast.Expression, what: str, values: Values, *, zero: bool = False) -> int | None:
+        """Like ``integer`` for a number of elements, which is positive and, times those of all ``for`` around it, not absurd."""
+        size = self.integer(expression, values)
+        if size is None:
+            return None
+        if size < 0 or (size == 0 and not zero):
+            self.report.add(SizeNotPositive(span=expression.span, what=what, size=size))
+            return None
+        total = size
+        for outer in [key for key in values if isinstance(key, ast.Replicator)]:
+            total *= self.integer(outer.count, values) or 0
+        if total > LARGEST_PROCESS:
+            self.report.add(TooManyInstances(span=expression.span, what=what, number=total, limit=LARGEST_PROCESS))
+            return None
+        return size
+
+    def repeated(self, replicator: ast.Replicator, what: str, values: Values) -> list[dict[ast.Node, Value]] | None:
+        """The values inside each repetition; None where their number is unknown or was reported."""
+        count = self.size(replicator.count, what, values, zero=True)
+        return None if count is None else [{**values, replicator: index} for index in range(count)]
+
+    def type_of(self, declared: ast.TypeName | None, known: Type, values: Values) -> Type:
+        """A type with the sizes filled in that depend on parameters."""
+        if declared is None or not declared.dimensions or not isinstance(known, ArrayType):
+            return known
+        sizes = [self.integer(dimension, values) for dimension in declared.dimensions]
+        return _with_sizes(known, sizes)
+
+
+def _with_sizes(known: Type, sizes: list[int | None]) -> Type:
+    if not sizes or not isinstance(known, ArrayType):
+        return known
+    inner = _with_sizes(known.element, sizes[1:])
+    return replaced(known, element=inner, size=sizes[0] if known.size is None else known.size)
