@@ -187,7 +187,7 @@ class Lexer:
 
     def _take_foreign(self) -> None:
         """A name in letters that the language does not have; each is told once."""
-        from cspdiag.syntax.unexpected.words import ascii_name
+        from cspdiag.syntax.parse.ascii_names import ascii_name
 
         self.kind = "NAME"
         if self.text not in self._foreign:

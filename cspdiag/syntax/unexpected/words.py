@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from contextlib import suppress
 
 from cspdiag.base.span import Span
 from cspdiag.base.spelling import Speller
@@ -112,24 +111,3 @@ def unit(situation: Situation) -> Finding | None:
             span = Span(source, match.start(), match.end())
             return MissingUnitBrackets(span, match["number"], match["unit"][1:-1]), None
     return None
-
-
-def ascii_name(word: str) -> str | None:
-    """A name of letters that everybody can type, for one of others: ``groesse``, ``omega``; None where none comes to mind."""
-    from unicodedata import name, normalize
-
-    letters = []
-    for letter in word:
-        plain = _SPELLED_OUT.get(letter) or "".join(part for part in normalize("NFKD", letter) if part.isascii())
-        if not plain:
-            with suppress(ValueError):
-                # "GREEK SMALL LETTER OMEGA WITH TONOS" is an omega.
-                plain = name(letter).partition(" LETTER ")[2].split(" ")[0].lower()
-        letters.append(plain)
-    found = "".join(letters)
-    return found if all(letters) and found.isascii() and found.isidentifier() else None
-
-
-_SPELLED_OUT = dict(
-    zip("äöüÄÖÜßæøåÆØÅ", ["ae", "oe", "ue", "Ae", "Oe", "Ue", "ss", "ae", "oe", "aa", "Ae", "Oe", "Aa"], strict=True)
-)
