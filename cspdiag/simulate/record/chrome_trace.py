@@ -13,20 +13,20 @@ from cspdiag.model.types import BoolType, EnumType, IntType, RealType
 from cspdiag.simulate.record.files import readable
 
 if TYPE_CHECKING:
-    from cspdiag.simulate.result import Run
+    from cspdiag.simulate.record.run_data import RunData
 
 _MOMENT = 0.5
 """Length in microseconds of the slices that carry the ends of a flow arrow: arrows need slices to start and end in."""
 
 
-def chrome_trace_text(run: Run) -> str:
+def chrome_trace_text(run: RunData) -> str:
     """The whole trace as one JSON object, an event a line."""
     events = ",\n".join(json.dumps(event) for event in _events(run))
     measured = _execution_times(run)
     return f'{{"displayTimeUnit": "ms", {measured}"traceEvents": [\n{events}\n]}}\n'
 
 
-def _execution_times(run: Run) -> str:
+def _execution_times(run: RunData) -> str:
     """The longest steps that were measured, in seconds, for ``cspdiag verify --wcet-from``; viewers pass over them."""
     if not run.execution_times:
         return ""
@@ -37,7 +37,7 @@ def _execution_times(run: Run) -> str:
     return f'"executionTimes": {json.dumps(times)},\n'
 
 
-def _events(run: Run) -> Iterator[dict[str, object]]:
+def _events(run: RunData) -> Iterator[dict[str, object]]:
     tracks = _tracks(run)
     yield {"ph": "M", "pid": 1, "name": "process_name", "args": {"name": run.network.top}}
     for path, track in tracks.items():
@@ -54,7 +54,7 @@ def _events(run: Run) -> Iterator[dict[str, object]]:
     yield from _communication_events(run, tracks)
 
 
-def _tracks(run: Run) -> dict[str, int]:
+def _tracks(run: RunData) -> dict[str, int]:
     paths = {activity.path for activity in run.activities}
     for _, _, _, writer, reader in run.communications:
         paths.update((writer, reader))
@@ -62,7 +62,7 @@ def _tracks(run: Run) -> dict[str, int]:
     return {path: number for number, path in enumerate(sorted(paths), start=1)}
 
 
-def _communication_events(run: Run, tracks: dict[str, int]) -> Iterator[dict[str, object]]:
+def _communication_events(run: RunData, tracks: dict[str, int]) -> Iterator[dict[str, object]]:
     types = run.types
     external = {f"{run.network.top}.{port.name}" for port in run.network.external_ports}
     for number, (time, channel, value, writer, reader) in enumerate(run.communications, start=1):

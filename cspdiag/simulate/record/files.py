@@ -15,7 +15,7 @@ from cspdiag.model.types import ArrayType, BoolType, EnumType, StructType, Type
 from cspdiag.simulate.record.leaves import Picker, leaves
 
 if TYPE_CHECKING:
-    from cspdiag.simulate.result import Run
+    from cspdiag.simulate.record.run_data import RunData
 
 
 def write_whole(path: Path, data: bytes) -> None:
@@ -72,7 +72,7 @@ def readable(value: object, kind: Type | None) -> object:
             return value
 
 
-def plain_trace_text(run: Run) -> str:
+def plain_trace_text(run: RunData) -> str:
     """One JSON object a communication, in order: time in nanoseconds, channel, value."""
     types: Mapping[str, Type] = run.types
     lines = [
@@ -82,7 +82,7 @@ def plain_trace_text(run: Run) -> str:
     return "".join(f"{line}\n" for line in lines)
 
 
-def csv_text(run: Run) -> str:
+def csv_text(run: RunData) -> str:
     """A header, then a row for each instant at which an external port had a new value; values held between.
 
     Arrays and structs have a column for each of their numbers.
@@ -123,7 +123,7 @@ def _writer(kind: Type) -> Callable[[Any], str]:
             return str
 
 
-def npz_bytes(run: Run) -> bytes:
+def npz_bytes(run: RunData) -> bytes:
     """For each external port ``NAME`` its values, as ``Signal`` has them, and ``NAME.time`` its instants in seconds."""
     import numpy
 

@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     from matplotlib.axis import Axis
     from matplotlib.figure import Figure
 
-    from cspdiag.simulate.result import Run
+    from cspdiag.simulate.record.run_data import RunData
 
 _LINE_COLORS = ("#1f4e79", "#c0504d", "#4f8a3c", "#7f5fa0", "#b07d2b", "#3a8f99")
 _DASHES = ((), (5, 1.5), (1, 1), (6, 1.5, 1, 1.5), (3, 1, 1, 1, 1, 1), (8, 3))
@@ -88,7 +88,7 @@ class _Column(NamedTuple):
         return list(dict.fromkeys([*self.panels, *self.variables]))
 
 
-def plot(run: Run, path: Path | None) -> Figure:
+def plot(run: RunData, path: Path | None) -> Figure:
     """The figure; written whole to ``path`` (its suffix says the format) if given."""
     import matplotlib as mpl
     from matplotlib.figure import Figure
@@ -140,7 +140,7 @@ def plot(run: Run, path: Path | None) -> Figure:
     return figure
 
 
-def svg_text(run: Run) -> str:
+def svg_text(run: RunData) -> str:
     """The figure as SVG."""
     return _rendered(plot(run, None), "svg").decode()
 
@@ -155,7 +155,7 @@ def _rendered(figure: Figure, kind: str) -> bytes:
     return buffer.getvalue()
 
 
-def _columns(run: Run) -> list[_Column]:
+def _columns(run: RunData) -> list[_Column]:
     """What is shown beside each other; curves of one unit and of like size share panels, variables with ports."""
     every = series_of(run)
     end = run.outcome.time / 1e9
@@ -188,7 +188,7 @@ def _greatest(line: Points) -> float:
     return max((abs(value) for _, value in line if math.isfinite(value)), default=0.0)
 
 
-def _columns_of_series(run: Run, every: Sequence[Series], size: Callable[[Series], int]) -> list[_Column]:
+def _columns_of_series(run: RunData, every: Sequence[Series], size: Callable[[Series], int]) -> list[_Column]:
     """The parallel parts, if each has modes and ports of its own to show; else everything in one column."""
     groups = mode_groups(run.network)
     with_ports = [group for group in groups if group.ports]
@@ -208,7 +208,7 @@ def _used(every: Sequence[Series], group: ModeGroup) -> list[Series]:
 
 
 def _column(
-    run: Run, group: ModeGroup, parts: Sequence[ModeGroup], every: Sequence[Series], size: Callable[[Series], int]
+    run: RunData, group: ModeGroup, parts: Sequence[ModeGroup], every: Sequence[Series], size: Callable[[Series], int]
 ) -> _Column:
     lanes = activity_lanes(run, parts)
     curves: list[Series] = []
@@ -230,7 +230,7 @@ _MOST_MARKS = 20
 """A port with more events than this does not mark them behind the curves."""
 
 
-def _panel(run: Run, axes: Axes, column: _Column, row: Row) -> None:
+def _panel(run: RunData, axes: Axes, column: _Column, row: Row) -> None:
     unit = row.unit
     end = axes.get_xlim()[1]
     for bar in one_after_the_other(run, column.group):
@@ -346,12 +346,12 @@ def _steps(line: Points, end: float) -> tuple[Any, Any]:
     return thinned(numpy.repeat(time, 2)[1:], numpy.repeat(value, 2)[:-1], end)
 
 
-def _variables(run: Run, group: ModeGroup, unit: str) -> dict[str, Points]:
+def _variables(run: RunData, group: ModeGroup, unit: str) -> dict[str, Points]:
     """Variables of the group's quantity; those of one name in several modes make one line, with gaps between."""
     return dict(_sorted_lines(run, group, unit))
 
 
-def _sorted_lines(run: Run, group: ModeGroup, unit: str) -> Iterator[tuple[str, Points]]:
+def _sorted_lines(run: RunData, group: ModeGroup, unit: str) -> Iterator[tuple[str, Points]]:
     prefixes = tuple({prefix for path in group.modes for prefix in (f"{path}.", f"{path.rpartition('.')[0]}.")})
     prefixes = prefixes or (f"{group.name}.",)
     found: dict[str, Points] = {}

@@ -13,7 +13,7 @@ from cspdiag.simulate.record.plot_series import Series, apart, shortened, stairs
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from cspdiag.simulate.result import Run
+    from cspdiag.simulate.record.run_data import RunData
 
 MODE_COLORS = ("#dbe9f6", "#a9d18e", "#e8a35c", "#d9cbe8", "#e99aa0", "#9a9a9a")
 """Different in lightness, too, for grey print."""
@@ -53,7 +53,7 @@ class Lane(NamedTuple):
     arrivals: Sequence[float] = ()
 
 
-def activity_lanes(run: Run, groups: Sequence[ModeGroup]) -> list[Lane]:
+def activity_lanes(run: RunData, groups: Sequence[ModeGroup]) -> list[Lane]:
     """A lane for each part of the program with its modes one after the other; modes that run at the same time have lanes of their own."""
     found: list[Lane] = []
     for group in groups:
@@ -76,26 +76,26 @@ def activity_lanes(run: Run, groups: Sequence[ModeGroup]) -> list[Lane]:
     return found[:_MOST_LANES]
 
 
-def process_lanes(run: Run) -> list[Lane]:
+def process_lanes(run: RunData) -> list[Lane]:
     """A lane for each process, for a program that has nothing else to show."""
     paths = list(dict.fromkeys(activity.path for activity in run.activities))[:_MOST_LANES]
     return [Lane(path, [Bar(*_span(run, a.start, a.end)) for a in run.activities if a.path == path]) for path in paths]
 
 
-def one_after_the_other(run: Run, group: ModeGroup) -> list[Bar]:
+def one_after_the_other(run: RunData, group: ModeGroup) -> list[Bar]:
     """The modes of a group, if no two of them run at the same time; else nothing."""
     bars = sorted(bar for path in group.modes for bar in _bars(run, group, path))
     return [] if len(group.modes) < 2 or _overlap(bars) else bars
 
 
-def _bars(run: Run, group: ModeGroup, path: str) -> Iterator[Bar]:
+def _bars(run: RunData, group: ModeGroup, path: str) -> Iterator[Bar]:
     color = MODE_COLORS[list(group.modes).index(path) % len(MODE_COLORS)]
     for activity in run.activities:
         if activity.path == path:
             yield Bar(*_span(run, activity.start, activity.end), group.modes[path], color)
 
 
-def _span(run: Run, start: int, end: int | None) -> tuple[float, float]:
+def _span(run: RunData, start: int, end: int | None) -> tuple[float, float]:
     return start / 1e9, (run.outcome.time if end is None else end) / 1e9
 
 
@@ -117,7 +117,7 @@ def are_events(series: Series) -> bool:
     return sum(len(str(series.value[position])) + 2 for position in series.changes) <= _MOST_LETTERS
 
 
-def series_lane(run: Run, series: Series) -> Lane:
+def series_lane(run: RunData, series: Series) -> Lane:
     """The lane of truth values, literals or events."""
     end = run.outcome.time / 1e9
     arrivals = apart(series, end).time.tolist() if series.is_event else []

@@ -12,7 +12,7 @@ from cspdiag.simulate.record.leaves import leaves
 if TYPE_CHECKING:
     import numpy
 
-    from cspdiag.simulate.result import Run
+    from cspdiag.simulate.record.run_data import RunData
 
 _COLUMNS = 1500
 """Finer than this nothing is drawn: of what falls into one column the first, the least, the greatest and the last value are left."""
@@ -55,13 +55,13 @@ class Series(NamedTuple):
         return self._replace(time=self.time[again], value=self.value[again], unread=self.unread[again])
 
 
-def series_of(run: Run) -> list[Series]:
+def series_of(run: RunData) -> list[Series]:
     """All ports, measured quantities before outputs; arrays and structs as their elements."""
     ports = sorted(run.network.external_ports, key=lambda port: port.direction == "out")
     return [series for port in ports for series in _of_port(run, port)]
 
 
-def _of_port(run: Run, port: ExternalPort) -> Iterator[Series]:
+def _of_port(run: RunData, port: ExternalPort) -> Iterator[Series]:
     import numpy
 
     signal = run.signals[port.name]

@@ -11,15 +11,15 @@ from cspdiag.simulate.record.modes import mode_groups
 
 if TYPE_CHECKING:
     from cspdiag.runtime import Outcome
-    from cspdiag.simulate.result import Run
+    from cspdiag.simulate.record.run_data import RunData
 
 
-def summary(run: Run) -> str:
+def summary(run: RunData) -> str:
     """Several lines: why it ended and when, what ended when, missed samples, jitter."""
     return "\n".join(_lines(run))
 
 
-def _lines(run: Run) -> Iterator[str]:
+def _lines(run: RunData) -> Iterator[str]:
     outcome = run.outcome
     where = f" in {run.environment.name}" if run.environment is not None else ""
     yield f"{run.network.top}{where}: {_ending(run)}"
@@ -49,7 +49,7 @@ def _three_digits(factor: float) -> str:
     return f"{factor:.3g}" if factor < 1000 else f"{float(f'{factor:.3g}'):.0f}"
 
 
-def _ending(run: Run) -> str:
+def _ending(run: RunData) -> str:
     outcome = run.outcome
     at = f"at {shown(outcome.time)}"
     match outcome.ended:
@@ -75,7 +75,7 @@ _SHOWN = 8
 """More processes than this in one group are counted, not listed."""
 
 
-def _process_lines(run: Run) -> Iterator[str]:
+def _process_lines(run: RunData) -> Iterator[str]:
     ends = {activity.path: activity.end for activity in run.activities}
     for group in mode_groups(run.network):
         run_ = [(name, ends[path]) for path, name in group.modes.items() if path in ends]
