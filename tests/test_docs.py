@@ -39,16 +39,16 @@ def no_other_file(path: str) -> SourceFile:
 
 @pytest.mark.parametrize("text", blocks("csp"))
 def test_programs_compile(text: str) -> None:
-    checked = pipeline.check(SourceFile("language.md", text), no_other_file)
+    checked = pipeline.check(SourceFile(name="language.md", text=text), no_other_file)
     assert [f"{d.span.line}: {d.code} {d.message}" for d in checked.report.diagnostics] == []
 
 
 @pytest.mark.parametrize("text", blocks("csp") + blocks("csp-fragment"))
 def test_examples_are_in_the_one_style(text: str) -> None:
     report = Report()
-    tree = parse(SourceFile("language.md", text), report)
+    tree = parse(SourceFile(name="language.md", text=text), report)
     assert [f"{d.span.line}: {d.code} {d.message}" for d in report.diagnostics] == []
-    assert ast.same_tree(tree, parse(SourceFile("language.md", format_tree(tree)), report))
+    assert ast.same_tree(tree, parse(SourceFile(name="language.md", text=format_tree(tree)), report))
     assert format_tree(tree) == text
 
 

@@ -41,13 +41,13 @@ def test_compiler_says_what_the_text_shows(name: str) -> None:
     (place,) = [k for k, block in enumerate(found) if block.language == "csp" and block.name == name]
     following = found[place + 1] if place + 1 < len(found) else None
     expected = following.text if following is not None and following.language == "text" else ""
-    checked = check(SourceFile("axis.csp", program(name)), read_source)
+    checked = check(SourceFile(name="axis.csp", text=program(name)), read_source)
     assert render(checked.report.diagnostics) == expected
 
 
 @pytest.mark.parametrize("name", [block.name for block in blocks() if block.language == "csp"])
 def test_program_is_in_the_one_style(name: str) -> None:
-    tree = parse(SourceFile("axis.csp", program(name)), Report())
+    tree = parse(SourceFile(name="axis.csp", text=program(name)), Report())
     assert tree is not None
     assert format_tree(tree) == program(name)
 

@@ -8,34 +8,66 @@ to a type checker, but share their methods.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, TypeVar, dataclass_transform, overload
+from functools import partial
+from types import FunctionType
+from typing import Any, TypeAlias, TypeVar, dataclass_transform, overload
 
 T = TypeVar("T")
+Constructor: TypeAlias = "Callable[..., None]"
 
 
 class _Shared:
     __record_fields__: tuple[str, ...] = ()
-    __record_required__: frozenset[str] = frozenset()
     __record_compared__: tuple[str, ...] = ()
-
-    def __init__(self, *positional: Any, **values: Any) -> None:
-        if positional:
-            values.update(zip(self.__record_fields__, positional, strict=False))
-        if not self.__record_required__ <= values.keys() or len(values) > len(self.__record_fields__):
-            expected, given = ", ".join(self.__record_fields__), ", ".join(values)
-            raise TypeError(f"{type(self).__name__} takes the fields {expected}; given: {given}")
-        self.__dict__.update(values)
 
     def __setattr__(self, name: str, value: object) -> None:
         raise AttributeError(f"{type(self).__name__}.{name} cannot be set: records do not change")
+
+    def __delattr__(self, name: str) -> None:
+        raise AttributeError(f"{type(self).__name__}.{name} cannot be deleted: records do not change")
 
     def __repr__(self) -> str:
         shown = ", ".join(f"{name}={getattr(self, name)!r}" for name in self.__record_fields__ if name != "span")
         return f"{type(self).__name__}({shown})"
 
+    def __getstate__(self) -> dict[str, Any]:
+        # The hash of a text differs from one process to the next: it is not handed on.
+        return {name: value for name, value in self.__dict__.items() if name != "__record_hash__"}
+
+
+def _keep(values: dict[str, Any]) -> None:
+    values.pop("self").__dict__.update(values)
+
+
+def _construct(self: Any) -> None:
+    _keep(locals())
+
+
+def _constructor(cls: type, positional: tuple[str, ...], by_name: tuple[str, ...]) -> Constructor:
+    """``_construct`` with the fields as its parameters, so that the interpreter itself checks each call.
+
+    Its instructions do not depend on its parameters, so that nothing has to be compiled.
+    """
+    defaults = {name: getattr(cls, name) for name in positional + by_name if hasattr(cls, name)}
+    optional = tuple(name for name in positional if name in defaults)
+    if positional[len(positional) - len(optional) :] != optional:
+        raise TypeError(f"{cls.__name__} has fields without a default after fields with one")
+    code = _construct.__code__.replace(
+        co_varnames=("self", *positional, *by_name),
+        co_nlocals=1 + len(positional) + len(by_name),
+        co_argcount=1 + len(positional),
+        co_kwonlyargcount=len(by_name),
+        co_qualname=f"{cls.__qualname__}.__init__",
+    )
+    made = FunctionType(code, globals(), "__init__", tuple(defaults[name] for name in optional))
+    made.__kwdefaults__ = {name: defaults[name] for name in by_name if name in defaults}
+    return made
+
 
 def _equal(self: Any, other: object) -> bool:
     compared: tuple[str, ...] = self.__record_compared__
+    if self is other:
+        return True
     if type(self) is not type(other):
         return False
     return all(getattr(self, name) == getattr(other, name) for name in compared)
@@ -52,20 +84,23 @@ def _hash(self: Any) -> int:
     return known
 
 
-def _prepare(cls: type[T]) -> None:
+def _prepare(cls: Any, kw_only: bool) -> None:
     inherited: tuple[str, ...] = getattr(cls, "__record_fields__", ())
     own = tuple(
         name for name, kind in cls.__annotations__.items() if name not in inherited and not kind.startswith("ClassVar")
     )
     names = inherited + own
-    cls.__record_fields__ = names  # type: ignore[attr-defined]
-    cls.__record_required__ = frozenset(name for name in names if not hasattr(cls, name))  # type: ignore[attr-defined]
+    positional: tuple[str, ...] = getattr(cls, "__match_args__", ())
+    if not kw_only:
+        positional += own
+    cls.__record_fields__ = names
     uncompared: frozenset[str] = getattr(cls, "uncompared", frozenset())
-    cls.__record_compared__ = tuple(  # type: ignore[attr-defined]
-        name for name in names if name != "span" and name not in uncompared
-    )
-    cls.__match_args__ = names  # type: ignore[attr-defined,misc]
-    for method in ("__init__", "__setattr__", "__repr__"):
+    cls.__record_compared__ = tuple(name for name in names if name != "span" and name not in uncompared)
+    cls.__match_args__ = positional  # type: ignore[misc]
+    if "__init__" not in vars(cls):
+        by_name = names if not positional else tuple(name for name in names if name not in positional)
+        cls.__init__ = _constructor(cls, positional, by_name)
+    for method in ("__setattr__", "__delattr__", "__repr__", "__getstate__"):
         if getattr(cls, method) is getattr(object, method):
             setattr(cls, method, getattr(_Shared, method))
 
@@ -74,10 +109,10 @@ def _prepare(cls: type[T]) -> None:
 def node(cls: type[T]) -> type[T]:
     """A record that compares and hashes by identity; its fields are given by name.
 
-    Annotations must be strings (``from __future__ import annotations``). Raises TypeError when fields
-    are missing or unknown.
+    Annotations must be strings (``from __future__ import annotations``). A call with missing, unknown or too many
+    fields raises TypeError.
     """
-    _prepare(cls)
+    _prepare(cls, kw_only=True)
     return cls
 
 
@@ -89,11 +124,12 @@ def record(*, kw_only: bool) -> Callable[[type[T]], type[T]]: ...
 def record(cls: type[T] | None = None, *, kw_only: bool = False) -> type[T] | Callable[[type[T]], type[T]]:
     """A record that compares and hashes by value, its ``span`` (and the fields named in ``uncompared``) left out.
 
-    ``kw_only`` concerns type checkers only: fields without a default may then follow fields with one.
+    With ``kw_only`` its own fields are given by name; fields without a default may then follow fields with one. A call
+    with missing, unknown or too many fields, or with one that is given twice, raises TypeError.
     """
     if cls is None:
-        return record
-    _prepare(cls)
+        return partial(record, kw_only=kw_only)
+    _prepare(cls, kw_only)
     cls.__eq__ = _equal  # type: ignore[method-assign]
     cls.__hash__ = _hash  # type: ignore[method-assign]
     return cls

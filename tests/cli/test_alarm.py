@@ -107,7 +107,7 @@ def test_modules_are_loaded_to_their_end(tmp_path: Path, monkeypatch: pytest.Mon
 def test_at_whatever_moment_it_rings_the_answer_is_none_or_the_right_one(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    asked = pipeline.ask(SourceFile("case.csp", STUCK), read)
+    asked = pipeline.ask(SourceFile(name="case.csp", text=STUCK), read)
     (question,) = asked.questions
     whole = Verifier(asked, read).answer(question, Limits())
     assert whole.outcome == "refuted"

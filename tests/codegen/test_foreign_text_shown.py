@@ -62,7 +62,9 @@ def assert_shown(capsys: pytest.CaptureFixture[str]) -> str:
 @pytest.mark.parametrize("name", FILE_NAMES)
 @pytest.mark.parametrize("format_", FORMATS)
 def test_a_diagnostic_in_a_file_of_any_name(format_: str, name: str) -> None:
-    found = pipeline.check(SourceFile(name=name, text=BAD), lambda path: SourceFile(path, "")).report.diagnostics
+    found = pipeline.check(
+        SourceFile(name=name, text=BAD), lambda path: SourceFile(name=path, text="")
+    ).report.diagnostics
     said = "".join(told_diagnostics(found, format_, [name], colour=False))
     assert UNSEEN.search(said) is None
     match format_:

@@ -121,7 +121,7 @@ def test_elements_of_the_diagram_carry_the_numbers_of_the_ring() -> None:
 
 def marked_steps(text: str, *waiting: Waiting) -> dict[str, dict[str, tuple[int, ...]]]:
     """By process, the texts of the steps that are marked, with the numbers that they carry."""
-    program = check(SourceFile("steps.csp", text), read_source).program
+    program = check(SourceFile(name="steps.csp", text=text), read_source).program
     assert program is not None
     found = {}
     for diagram, marks in waiting_steps(program, waiting):
@@ -160,7 +160,7 @@ def test_the_step_at_which_a_process_waits_is_marked_where_its_line_tells_it() -
 
 
 def test_the_step_at_which_a_process_waits_is_marked_where_its_place_is_known() -> None:
-    program = check(SourceFile("steps.csp", STEPS), read_source).program
+    program = check(SourceFile(name="steps.csp", text=STEPS), read_source).program
     assert program is not None
     source = program.main.span.source
     start = STEPS.index("c ! 2")
@@ -179,7 +179,7 @@ def test_the_step_at_which_a_process_waits_is_marked_where_its_place_is_known() 
 def test_the_diagram_is_that_of_the_innermost_process_around(
     paths: list[str], diagram: str, boxes: dict[str, tuple[int, ...]]
 ) -> None:
-    program = check(SourceFile("crossed.csp", CROSSED), read_source).program
+    program = check(SourceFile(name="crossed.csp", text=CROSSED), read_source).program
     assert program is not None
     found = surroundings(program, "Top", [Waiting(path, "to read", None, (f"{path}.a",)) for path in paths])
     assert found is not None
@@ -189,7 +189,7 @@ def test_the_diagram_is_that_of_the_innermost_process_around(
 
 @pytest.mark.parametrize("paths", [["Elsewhere.x"], ["Top.nobody.x", "Top.nobody.y"], []])
 def test_processes_that_are_not_in_the_program_have_no_surroundings(paths: list[str]) -> None:
-    program = check(SourceFile("crossed.csp", CROSSED), read_source).program
+    program = check(SourceFile(name="crossed.csp", text=CROSSED), read_source).program
     assert program is not None
     assert surroundings(program, "Top", [Waiting(path, "to read") for path in paths]) is None
 

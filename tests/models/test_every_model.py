@@ -19,7 +19,7 @@ def test_checks_cleanly(name: str) -> None:
 @pytest.mark.parametrize("name", all_files())
 def test_formats_to_itself(name: str) -> None:
     text = (MODELS / name).read_text(encoding="utf-8")
-    tree = parse(SourceFile(name, text), Report())
+    tree = parse(SourceFile(name=name, text=text), Report())
     assert tree is not None
     assert format_tree(tree) == text
 

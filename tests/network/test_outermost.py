@@ -31,7 +31,7 @@ SPECIFICATION = CELL[: CELL.index("process Cell")].replace("Robot", "Specificati
 
 
 def _outermost(text: str) -> str:
-    built = pipeline.build(SourceFile("main.csp", text), read_source)
+    built = pipeline.build(SourceFile(name="main.csp", text=text), read_source)
     assert built.network is not None
     assert built.checked.program is not None
     drawn = Pictures(built.checked.program).outermost()

@@ -20,7 +20,7 @@ RELAXED = settings(max_examples=150, deadline=None, suppress_health_check=list(H
 
 def parsed(text: str) -> ast.SourceTree:
     report = Report()
-    tree = parse(SourceFile("case.csp", text), report)
+    tree = parse(SourceFile(name="case.csp", text=text), report)
     assert not report.diagnostics, [f"{d.span} {d.message}" for d in report.diagnostics] + [text]
     return tree
 

@@ -45,7 +45,7 @@ PROGRAMS = {f"expression of {name}": law(text) for name, text in EXPRESSIONS.ite
 @pytest.mark.parametrize("text", PROGRAMS.values(), ids=PROGRAMS.keys())
 def test_deep_programs_are_read_formatted_and_checked(text: str) -> None:
     report = Report()
-    tree = parse(SourceFile("case.csp", text), report)
+    tree = parse(SourceFile(name="case.csp", text=text), report)
     assert not report.diagnostics
-    assert ast.same_tree(tree, parse(SourceFile("case.csp", format_tree(tree)), report))
-    pipeline.check(SourceFile("case.csp", text), lambda path: SourceFile(path, ""))
+    assert ast.same_tree(tree, parse(SourceFile(name="case.csp", text=format_tree(tree)), report))
+    pipeline.check(SourceFile(name="case.csp", text=text), lambda path: SourceFile(name=path, text=""))

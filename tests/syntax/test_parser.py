@@ -18,7 +18,7 @@ SEEDS = st.integers(0, 2**40).map(Random)
 
 def parsed(text: str) -> tuple[ast.SourceTree, list[str]]:
     report = Report()
-    tree = parse(SourceFile("case.csp", text), report)
+    tree = parse(SourceFile(name="case.csp", text=text), report)
     return tree, [diagnostic.code for diagnostic in report.diagnostics]
 
 
@@ -229,7 +229,7 @@ def test_damage_gives_diagnostics_with_places(random: Random, data: st.DataObjec
             )
     text = text_of(tokens)
     report = Report()
-    parse(SourceFile("case.csp", text), report)
+    parse(SourceFile(name="case.csp", text=text), report)
     for diagnostic in report.diagnostics:
         assert 0 <= diagnostic.span.start <= diagnostic.span.end <= len(text)
         assert diagnostic.message

@@ -83,7 +83,7 @@ def test_reading_a_program_does_not_import_lark() -> None:
         "import sys\n"
         "from cspdiag.base import Report, SourceFile\n"
         "from cspdiag.syntax.parser import parse\n"
-        "parse(SourceFile('case.csp', 'const A = 1'), Report())\n"
+        "parse(SourceFile(name='case.csp', text='const A = 1'), Report())\n"
         "print(sorted({'lark', 'numpy', 'networkx', 'jinja2', 'control'} & set(sys.modules)))\n"
     )
     tables.load()

@@ -12,7 +12,7 @@ from cspdiag.proofs.verdict import Limits
 from tests.analyses.proofs import known
 from tests.verifying import answers_to
 
-SPAN = Span(SourceFile("a.csp", "assert P deadlock free"), 0, 22)
+SPAN = Span(SourceFile(name="a.csp", text="assert P deadlock free"), 0, 22)
 
 
 def test_memory_that_is_used_up_is_no_answer(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -126,7 +126,7 @@ environment Bench for Main {{
 
 def program(text: str, **values: object) -> LoadedProgram:
     """A program from one of the texts."""
-    return LoadedProgram(SourceFile("loop.csp", text.format(**values)))
+    return LoadedProgram(SourceFile(name="loop.csp", text=text.format(**values)))
 
 
 def loops(loaded: LoadedProgram, **options: object) -> LoopReport:

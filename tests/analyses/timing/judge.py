@@ -36,7 +36,7 @@ class _StandsStillError(BaseException):
 
 def build(text: str) -> Network | None:
     """The network of a program, None where it has errors."""
-    return pipeline.build(SourceFile("main.csp", text), read).network
+    return pipeline.build(SourceFile(name="main.csp", text=text), read).network
 
 
 def missed(network: Network, seed: int, *, runs: int = 4, until: int = HORIZON, patience: float = 20) -> str:

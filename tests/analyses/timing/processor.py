@@ -97,4 +97,4 @@ def with_bench(text: str, ports: list[str], outputs: list[str], grid: str) -> Ne
         submodel Source {{ out {", ".join(ports)} : double {source} }}
         environment Bench for Main step {grid} {{ source : Source {wires} }}
         """
-    return LoadedProgram(SourceFile("main.csp", text + bench)).network
+    return LoadedProgram(SourceFile(name="main.csp", text=text + bench)).network

@@ -32,7 +32,7 @@ def loops_of(*loops: tuple[str, str, str | None], order: str = "||", latch: str 
 
 def network_of(text: str) -> Network:
     """The network of a program in a text."""
-    return LoadedProgram(SourceFile("main.csp", text)).network
+    return LoadedProgram(SourceFile(name="main.csp", text=text)).network
 
 
 def report_of(text: str, measured: Mapping[str, int] | None = None) -> TimingReport:

@@ -31,4 +31,4 @@ def test_the_picture_is_that_of_the_program() -> None:
 
 
 def test_the_program_is_in_the_one_style() -> None:
-    assert format_tree(parse(SourceFile("timing.md", block("csp")), Report())) == block("csp")
+    assert format_tree(parse(SourceFile(name="timing.md", text=block("csp")), Report())) == block("csp")

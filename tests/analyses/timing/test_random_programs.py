@@ -30,7 +30,7 @@ def no_other_file(path: str) -> SourceFile:
 def drawn(count: int, start: int) -> list[Network]:
     texts: list[str] = []
     draw_programs(texts.append, count, start, shrink=False)
-    built = [pipeline.build(SourceFile("random.csp", text), no_other_file).network for text in texts]
+    built = [pipeline.build(SourceFile(name="random.csp", text=text), no_other_file).network for text in texts]
     return [network for network in built if network is not None]
 
 

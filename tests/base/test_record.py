@@ -1,0 +1,218 @@
+"""Records say at the call what is wrong with their fields, compare as they promise, and do not change."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+import subprocess
+import sys
+from pathlib import Path
+from typing import ClassVar
+
+import pytest
+
+from cspdiag.base.record import field_names, is_record, node, record, replaced
+
+
+@record
+class Port:
+    name: str
+    size: int = 1
+    unit: str = ""
+
+
+@record(kw_only=True)
+class Arrow(Port):
+    """Begins with the fields of ``Port``, which may be given by position."""
+
+    uncompared: ClassVar[frozenset[str]] = frozenset({"drawn"})
+
+    kind: str = "channel"
+    span: int
+    drawn: bool = False
+
+
+@node
+class Step:
+    process: str
+    repeated: bool = False
+    span: int
+
+
+@node
+class Nothing:
+    pass
+
+
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        (lambda: Port(), "missing 1 required positional argument: 'name'"),
+        (lambda: Port(size=2), "missing 1 required positional argument: 'name'"),
+        (lambda: Port("u", width=2), "unexpected keyword argument 'width'"),
+        (lambda: Port("u", 2, "V", "W"), "takes from 2 to 4 positional arguments but 5 were given"),
+        (lambda: Port("u", name="y"), "multiple values for argument 'name'"),
+        (lambda: Arrow("u"), "missing 1 required keyword-only argument: 'span'"),
+        (lambda: Arrow("u", spam=1, span=1), "unexpected keyword argument 'spam'"),
+        (lambda: Arrow("u", 1, "V", "event", span=1), "takes from 2 to 4 positional arguments but 5"),
+        (lambda: Step(process="p"), "missing 1 required keyword-only argument: 'span'"),
+        (lambda: Step(process="p", span=1, again=True), "unexpected keyword argument 'again'"),
+        (lambda: Step("p", span=1), "takes 1 positional argument but 2"),
+        (lambda: Nothing(1), "takes 1 positional argument but 2 were given"),
+        (lambda: Nothing(name=1), "unexpected keyword argument 'name'"),
+        (lambda: replaced(Port("u"), width=2), "unexpected keyword argument 'width'"),
+        (lambda: replaced(Step(process="p", span=1), again=True), "unexpected keyword argument 'again'"),
+    ],
+)
+def test_a_call_with_wrong_fields_is_refused(call, said):
+    with pytest.raises(TypeError, match=said):
+        call()
+
+
+def test_the_refusal_names_the_record():
+    with pytest.raises(TypeError, match=r"^Port\.__init__\(\) got an unexpected keyword argument 'width'$"):
+        Port("u", width=2)
+
+
+def test_fields_left_out_have_their_defaults():
+    arrow = Arrow("u", span=7)
+    assert (arrow.name, arrow.size, arrow.unit, arrow.kind, arrow.span, arrow.drawn) == (
+        "u",
+        1,
+        "",
+        "channel",
+        7,
+        False,
+    )
+
+
+def test_fields_may_be_given_by_name_in_any_order():
+    assert Arrow(span=7, kind="event", unit="V", name="u", size=2) == Arrow("u", 2, "V", kind="event", span=7)
+
+
+def test_a_record_whose_fields_cannot_be_told_apart_by_position_is_refused_where_it_is_defined():
+    with pytest.raises(TypeError, match="Later has fields without a default after fields with one"):
+
+        @record
+        class Later(Port):
+            limit: int
+
+
+def test_records_compare_and_hash_by_value():
+    assert Port("u", 2) == Port("u", 2)
+    assert hash(Port("u", 2)) == hash(Port("u", 2))
+    assert Port("u", 2) != Port("u", 3)
+    assert len({Port("u"), Port("u"), Port("y")}) == 2
+
+
+def test_where_a_record_stands_is_no_part_of_its_value():
+    assert Arrow("u", span=1) == Arrow("u", span=2, drawn=True)
+    assert hash(Arrow("u", span=1)) == hash(Arrow("u", span=2, drawn=True))
+
+
+def test_records_of_different_classes_differ():
+    @record
+    class Socket(Port):
+        pass
+
+    assert Port("u") != Socket("u")
+    assert Port("u") != ("u", 1, "")
+
+
+def test_nodes_compare_and_hash_by_identity():
+    one, other = Step(process="p", span=1), Step(process="p", span=1)
+    assert one == one
+    assert one != other
+    assert len({one, other}) == 2
+
+
+@pytest.mark.parametrize("item", [Port("u"), Step(process="p", span=1)])
+def test_fields_cannot_be_changed(item):
+    first = field_names(item)[0]
+    with pytest.raises(AttributeError, match=f"{first} cannot be set: records do not change"):
+        setattr(item, first, "other")
+    with pytest.raises(AttributeError, match=f"{first} cannot be deleted: records do not change"):
+        delattr(item, first)
+    assert getattr(item, first) in ("u", "p")
+
+
+def test_a_replaced_record_keeps_the_other_fields_and_forgets_the_hash():
+    arrow = Arrow("u", 2, "V", kind="event", span=3)
+    hash(arrow)
+    changed = replaced(arrow, size=4)
+    assert type(changed) is Arrow
+    assert changed == Arrow("u", 4, "V", kind="event", span=3)
+    assert changed.span == 3
+    assert hash(changed) == hash(Arrow("u", 4, "V", kind="event", span=3))
+
+
+def test_a_record_is_shown_as_it_would_be_written_without_its_place():
+    assert repr(Arrow("u", span=1)) == "Arrow(name='u', size=1, unit='', kind='channel', drawn=False)"
+    assert repr(Step(process="p", span=1)) == "Step(process='p', repeated=False)"
+
+
+def test_fields_are_listed_in_their_order():
+    assert field_names(Arrow("u", span=1)) == ("name", "size", "unit", "kind", "span", "drawn")
+    assert is_record(Port("u"))
+    assert is_record(Nothing())
+    assert not is_record("u")
+
+
+def test_fields_given_by_position_match_by_position():
+    match Arrow("u", 2, span=1):
+        case Arrow(name, size, unit):
+            assert (name, size, unit) == ("u", 2, "")
+    assert Step.__match_args__ == ()
+
+
+def test_copies_equal_what_they_are_copies_of():
+    port = Port("u", 2)
+    hash(port)
+    assert copy.copy(port) == copy.deepcopy(port) == pickle.loads(pickle.dumps(port)) == port
+
+
+def test_another_process_does_not_inherit_a_hash():
+    port = Port("u", 2)
+    hash(port)
+    assert vars(pickle.loads(pickle.dumps(port))) == {"name": "u", "size": 2, "unit": ""}
+
+
+def test_a_type_checker_sees_wrong_fields(tmp_path: Path):
+    (tmp_path / "calls.py").write_text(
+        """
+from __future__ import annotations
+from cspdiag.base.record import node, record
+
+@record
+class Port:
+    name: str
+    size: int = 1
+
+@record(kw_only=True)
+class Arrow(Port):
+    kind: str = ""
+    span: int
+
+@node
+class Step:
+    process: str
+
+Port("u", 2)
+Arrow("u", span=1)
+Step(process="p")
+Port()
+Port("u", width=2)
+Port("u", 2, 3)
+Port("u", name="y")
+Port("u", "2")
+Arrow("u")
+Step("p")
+Port("u").name = "y"
+"""
+    )
+    command = [sys.executable, "-m", "mypy", "--no-error-summary", "--follow-imports=silent", "--cache-dir"]
+    run = subprocess.run(
+        [*command, str(tmp_path), "calls.py"], cwd=tmp_path, capture_output=True, text=True, check=False
+    )
+    lines = [int(line.split(":")[1]) for line in run.stdout.splitlines() if ": error:" in line]
+    assert lines == list(range(22, 30)), run.stdout + run.stderr
