@@ -14,10 +14,11 @@ import pytest
 
 from cspdiag import pipeline
 from cspdiag.network.ir.network import Network
+from cspdiag.semantics.trace import Communication
 from tests.c_kernel.building import HERE, HOSTED, PROGRAMS, SCENARIOS, SUPPORT, kernel_files, need, run
 from tests.conformance.sources import network_of, read
 from tests.conformance.targets import GeneratedPython
-from tests.conformance.traces import Communication, compare
+from tests.conformance.traces import compare
 
 UNTIL = 3_000_500_000
 """Nanoseconds, amid two ticks: both joints of JIWY find their end stops."""

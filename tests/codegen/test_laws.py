@@ -15,9 +15,9 @@ from cspdiag.model.types import BoolType, EnumType, IntType, RealType, StructTyp
 from cspdiag.network.ir.equations import ExternalCall
 from cspdiag.network.ir.network import Instantiation, SubmodelClass
 from cspdiag.runtime import Constant, Discard
+from cspdiag.semantics.laws import Interpreter
 from cspdiag.simulate.run.package import LoadedPackage
 from tests.codegen.packages import MODELS, OWN, network, package
-from tests.laws.interpreter import Interpreter
 
 SAMPLES = 200
 

@@ -7,10 +7,10 @@ from random import SystemRandom
 
 from cspdiag.base import SourceFile
 from cspdiag.network.ir.network import Network
+from cspdiag.semantics.trace import Execution
 from tests.conformance.kit import judge
 from tests.conformance.sources import JUST_AFTER, network_of
 from tests.conformance.targets import REFERENCE, Target
-from tests.conformance.traces import Execution
 from tests.properties.drawing import draw_programs
 
 LIMIT = 60_000_000 + JUST_AFTER

@@ -12,9 +12,10 @@ from typing import Literal
 from cspdiag.network.ir import expressions as ex
 from cspdiag.network.ir.network import Network
 from cspdiag.network.ir.walk import parts
+from cspdiag.semantics.trace import Communication, Execution
 from tests.conformance.sources import JUST_AFTER, InvalidProgramError, environments, network_of, programs_in, read
 from tests.conformance.targets import REFERENCE, RefusedError, Target
-from tests.conformance.traces import Communication, Execution, compare, shown
+from tests.conformance.traces import compare, shown
 
 LIBRARY_FUNCTIONS = frozenset({"sin", "cos", "tan", "asin", "acos", "atan", "atan2", "exp", "log", "^"})
 """The functions that the C standard leaves to the library's accuracy. A target that brings another library than this machine's may be one unit in

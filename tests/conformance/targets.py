@@ -13,15 +13,15 @@ from cspdiag import pipeline
 from cspdiag.codegen import target_errors
 from cspdiag.network.ir.network import Network
 from cspdiag.runtime.kernel.exceptions import described
+from cspdiag.semantics import execute as specification
+from cspdiag.semantics.trace import Communication, Ending, Execution
 from cspdiag.simulate.native import run as native
 from cspdiag.simulate.native.build import CompilerError, find_compiler
 from cspdiag.simulate.record.recorder import Recorder
 from cspdiag.simulate.result import Run
 from cspdiag.simulate.run.execute import simulate
-from tests.conformance import specification
 from tests.conformance.sources import read
 from tests.conformance.states import ObservedRun
-from tests.conformance.traces import Communication, Ending, Execution
 
 
 class RefusedError(Exception):

@@ -11,11 +11,12 @@ import pytest
 
 from cspdiag.base import SourceFile
 from cspdiag.network.ir.network import Network
+from cspdiag.semantics.trace import Communication, Ending, Execution
 from tests.conformance.__main__ import main
 from tests.conformance.kit import certify, judge, tolerance
 from tests.conformance.sources import network_of
 from tests.conformance.targets import REFERENCE, Specification, target_named
-from tests.conformance.traces import Communication, Ending, Execution, compare, units_apart
+from tests.conformance.traces import compare, units_apart
 
 PAIR = """process Source {
   out x : double

@@ -13,9 +13,10 @@ from cspdiag.base import SourceFile
 from cspdiag.network.dump.network import dump
 from cspdiag.network.ir.network import Network
 from cspdiag.optimize import PASSES, Pass, optimize
+from cspdiag.semantics.execute import execute
+from cspdiag.semantics.trace import Execution
 from tests.conformance.sources import JUST_AFTER, MODELS, PROGRAMS, environments, network_of, read
-from tests.conformance.specification import execute
-from tests.conformance.traces import Execution, compare
+from tests.conformance.traces import compare
 from tests.properties.encounters import encounters
 from tests.properties.programs import programs
 

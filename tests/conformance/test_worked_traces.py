@@ -9,10 +9,10 @@ import re
 
 import pytest
 
+from cspdiag.semantics.trace import Execution
 from tests.conformance.kit import parsed
 from tests.conformance.sources import JUST_AFTER, PROGRAMS, read
 from tests.conformance.targets import REFERENCE, TARGETS, Target
-from tests.conformance.traces import Execution
 
 _LINE = re.compile(r"^//> (.*)$", re.MULTILINE)
 

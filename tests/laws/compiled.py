@@ -15,8 +15,8 @@ from cspdiag.model.program import Program
 from cspdiag.network.ir.network import Environment, SubmodelClass
 from cspdiag.network.lower import program as lower
 from cspdiag.network.submodels.classes import flatten
+from cspdiag.semantics.laws import Interpreter
 from cspdiag.syntax import ast
-from tests.laws.interpreter import Interpreter
 
 MS = 1_000_000
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from cspdiag.network.ir.network import SubmodelClass
+from cspdiag.semantics.laws import Interpreter
 from tests.laws.compiled import MS, environment
-from tests.laws.interpreter import Interpreter
 
 PROGRAM = """
 process Servo(T: time = 4 ms) {

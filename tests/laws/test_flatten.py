@@ -15,9 +15,9 @@ from cspdiag.network.ir.expression_walk import walk
 from cspdiag.network.ir.expressions import LiteralValue
 from cspdiag.network.ir.network import SubmodelClass
 from cspdiag.network.submodels.classes import flatten, needs_sample
+from cspdiag.semantics.laws import FaultError, Interpreter
 from cspdiag.syntax import ast
 from tests.laws.compiled import MS, instance, program, submodel
-from tests.laws.interpreter import FaultError, Interpreter
 
 GAIN = """
 submodel Gain(k: double, offset: double = k) {

@@ -12,9 +12,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cspdiag.base.resources import library_source
+from cspdiag.semantics.laws import Interpreter
 from cspdiag.syntax import ast
 from tests.laws.compiled import MS, instance, program
-from tests.laws.interpreter import Interpreter
 
 LIBRARY = "import std.control\n"
 T = 0.001

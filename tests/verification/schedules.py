@@ -9,9 +9,9 @@ from collections.abc import Sequence
 from random import Random
 
 from cspdiag.network.ir.network import Network
+from cspdiag.semantics.execute import execute
+from cspdiag.semantics.scheduler import Scheduler, Task
 from cspdiag.verify.replay.decisions import Decisions
-from tests.conformance.scheduler import Scheduler, Task
-from tests.conformance.specification import execute
 
 
 class TooManyError(Exception):

@@ -8,9 +8,9 @@ from typing import Any
 
 from cspdiag.model.types import ArrayType, BoolType, EnumType, IntType, RealType, StructType, Type
 from cspdiag.network.ir.network import Network
-from tests.conformance.scheduler import Scheduler, Task
-from tests.conformance.specification import execute
-from tests.conformance.traces import Execution
+from cspdiag.semantics.execute import execute
+from cspdiag.semantics.scheduler import Scheduler, Task
+from cspdiag.semantics.trace import Execution
 
 STEP = 1_000_000
 """Nanoseconds between the instants at which the environment may offer something."""

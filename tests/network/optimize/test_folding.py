@@ -21,7 +21,7 @@ from cspdiag.network.ir.expressions import (
 )
 from cspdiag.network.ir.faults import may_fault
 from cspdiag.optimize.folding import LIBRARY_FUNCTIONS, folded_with
-from tests.conformance.values import RaisedFaultError, value_of
+from cspdiag.semantics.values import RaisedFaultError, value_of
 
 INT8 = IntType(bits=8)
 FLOAT = RealType(bits=32)

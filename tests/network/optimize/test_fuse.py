@@ -13,8 +13,8 @@ from cspdiag.network.ir.walk import parts
 from cspdiag.optimize import PASSES, optimize
 from cspdiag.optimize.fuse.code import NotStaticError
 from cspdiag.optimize.fuse.program import explain_fusion, fuse, fused
+from cspdiag.semantics.execute import execute
 from tests.conformance.sources import JUST_AFTER, environments, network_of, read
-from tests.conformance.specification import execute
 from tests.conformance.traces import compare
 from tests.network.optimize.static_networks import static_networks
 

@@ -10,11 +10,11 @@ import dataclasses
 import math
 from typing import TYPE_CHECKING, Any
 
-from tests.conformance.values import RaisedFaultError
+from cspdiag.semantics.values import RaisedFaultError
 
 if TYPE_CHECKING:
-    from tests.conformance.requests import Request
-    from tests.conformance.scheduler import Scheduler, Task
+    from cspdiag.semantics.requests import Request
+    from cspdiag.semantics.scheduler import Scheduler, Task
 
 EndKey = tuple[str, str, int | None, int]
 """A reading end: the path of the process that owns it, its port or channel, the index of the port, the number of the end."""

@@ -19,13 +19,13 @@ from cspdiag.network.ir.network import (
     ProcessClass,
     SubmodelClass,
 )
-from tests.conformance import media
-from tests.conformance.ends import choices, ends_read, flattened_ends
-from tests.conformance.media import EndKey, Medium, Offer, RaisedFaultError, RaisedTimeoutError
-from tests.conformance.requests import Choose, Communicate, Interrupt, Parallel, Request, Steps, Wait
-from tests.conformance.scheduler import Scheduler
-from tests.conformance.submodels import InlinedLaws, SubmodelInstance
-from tests.conformance.values import value_of, within
+from cspdiag.semantics import media
+from cspdiag.semantics.ends import choices, ends_read, flattened_ends
+from cspdiag.semantics.media import EndKey, Medium, Offer, RaisedFaultError, RaisedTimeoutError
+from cspdiag.semantics.requests import Choose, Communicate, Interrupt, Parallel, Request, Steps, Wait
+from cspdiag.semantics.scheduler import Scheduler
+from cspdiag.semantics.submodels import InlinedLaws, SubmodelInstance
+from cspdiag.semantics.values import value_of, within
 
 Place = tuple[str, int | None]
 

@@ -6,9 +6,9 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from typing import Any, Protocol
 
-from tests.conformance.media import EventInput, ExternalInput, SampledInput, SampledOutput
-from tests.conformance.requests import CancelledError, Interrupt, Parallel, Promise, Request, Steps
-from tests.conformance.traces import Communication, Ending
+from cspdiag.semantics.media import EventInput, ExternalInput, SampledInput, SampledOutput
+from cspdiag.semantics.requests import CancelledError, Interrupt, Parallel, Promise, Request, Steps
+from cspdiag.semantics.trace import Communication, Ending
 
 Resumption = Callable[[], Request]
 

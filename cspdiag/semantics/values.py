@@ -10,7 +10,7 @@ from typing import Any, assert_never
 from cspdiag.model.types import IntType, RealType, StructType, TimeType, Type
 from cspdiag.network.ir import expressions as ex
 from cspdiag.network.ir.network import SubmodelClass
-from tests.laws.interpreter import Interpreter
+from cspdiag.semantics.laws import Interpreter
 
 Names = Callable[[str], Any]
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Generator, Sequence
 from typing import TYPE_CHECKING, Any
 
-from tests.conformance.media import Offer, begin_sessions
+from cspdiag.semantics.media import Offer, begin_sessions
 
 if TYPE_CHECKING:
-    from tests.conformance.scheduler import Scheduler, Task
+    from cspdiag.semantics.scheduler import Scheduler, Task
 
 
 class CancelledError(Exception):

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any
 from cspdiag.network.ir import actions as act
 from cspdiag.network.ir.expressions import Expression
 from cspdiag.network.ir.network import Connection, ConstantEnd, DiscardEnd, ProcessClass, SubmodelClass
-from tests.conformance.media import EndKey, Medium, Offer
-from tests.conformance.requests import Communicate, Steps
-from tests.conformance.values import Law, Names, fitting, value_of
+from cspdiag.semantics.media import EndKey, Medium, Offer
+from cspdiag.semantics.requests import Communicate, Steps
+from cspdiag.semantics.values import Law, Names, fitting, value_of
 
 if TYPE_CHECKING:
-    from tests.conformance.instances import Place, ProcessInstance
+    from cspdiag.semantics.instances import Place, ProcessInstance
 
 
 class SubmodelInstance:

@@ -14,13 +14,13 @@ from typing import Any
 from cspdiag.network.ir.equations import ExternalBody
 from cspdiag.network.ir.network import Environment, ExternalPort, Network, ProcessClass
 from cspdiag.network.ir.walk import parts
-from tests.conformance import media
-from tests.conformance.instances import Place, ProcessInstance, Program, exception_name
-from tests.conformance.media import Medium
-from tests.conformance.scheduler import Scheduler
-from tests.conformance.traces import Ending, Execution
-from tests.conformance.values import Law, RaisedFaultError
-from tests.laws.interpreter import FaultError, zero
+from cspdiag.semantics import media
+from cspdiag.semantics.instances import Place, ProcessInstance, Program, exception_name
+from cspdiag.semantics.laws import FaultError, zero
+from cspdiag.semantics.media import Medium
+from cspdiag.semantics.scheduler import Scheduler
+from cspdiag.semantics.trace import Ending, Execution
+from cspdiag.semantics.values import Law, RaisedFaultError
 
 
 class Plant:
