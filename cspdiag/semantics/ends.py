@@ -8,7 +8,10 @@ from cspdiag.network.ir import actions as act
 
 
 def ends_read(action: act.Action) -> Iterator[act.End]:
-    """The ends that readers and guards of an action read, in text order."""
+    """The ends that readers and guards of an action read, in text order.
+
+    «Parties, channels and guards», *the order in which they stand in the program*
+    """
     match action:
         case act.ReadValue(source=source):
             yield source
@@ -32,7 +35,10 @@ def _ends_of_branch(branch: act.Branch) -> Iterator[act.End]:
 
 
 def choices(action: act.Action) -> Iterator[act.Choice]:
-    """The alternatives in an action, in text order."""
+    """The alternatives in an action, in text order.
+
+    «Parties, channels and guards», *the order in which they stand in the program*
+    """
     match action:
         case act.Choice(branches=branches):
             yield action
@@ -47,7 +53,10 @@ def choices(action: act.Action) -> Iterator[act.Choice]:
 
 
 def flattened_ends(action: act.Action) -> Iterator[tuple[act.End, str]]:
-    """The ends of processes that were flattened into this one, with the path of each process; those of outer ones first."""
+    """The ends of processes that were flattened into this one, with the path of each process.
+
+    Those of outer ones first. «Time»: whose books they are
+    """
     if isinstance(action, act.ProcessScope):
         yield from ((end, action.instance) for end in action.ends)
     match action:

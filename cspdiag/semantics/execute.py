@@ -1,59 +1,24 @@
-"""The language's semantics as a program: slow, plain, and written from the text of the language reference alone.
+"""Runs a whole network: what must be communicated, and when.
 
-It runs a network of the compiler without anything of the runtime or of the generated code, and says what must be communicated and when.
-Processes are generators that yield requests (``requests``); channels know when two offers meet (``media``); the scheduler
-(``scheduler``) chooses who runs and when time goes on.
+Processes are generators that yield requests (``requests``, ``choice``); channels know when two offers meet (``media``,
+``outside``); the scheduler chooses who runs and when time goes on.
 """
 
 from __future__ import annotations
 
 import sys
 from collections.abc import Callable
-from typing import Any
 
 from cspdiag.network.ir.equations import ExternalBody
-from cspdiag.network.ir.network import Environment, ExternalPort, Network, ProcessClass
+from cspdiag.network.ir.network import ExternalPort, Network, ProcessClass
 from cspdiag.network.ir.walk import parts
-from cspdiag.semantics import media
+from cspdiag.semantics import outside
+from cspdiag.semantics.environment import Plant
 from cspdiag.semantics.instances import Place, ProcessInstance, Program, exception_name
-from cspdiag.semantics.laws import FaultError, zero
 from cspdiag.semantics.media import Medium
 from cspdiag.semantics.scheduler import Scheduler
 from cspdiag.semantics.trace import Ending, Execution
-from cspdiag.semantics.values import Law, RaisedFaultError
-
-
-class Plant:
-    """The environment's system."""
-
-    def __init__(self, environment: Environment) -> None:
-        assert environment.system is not None
-        assert not environment.drivers, "devices have no specification"
-        self.step = environment.step
-        self.law = Law(environment.system, {})
-        self.inputs = {port.name: zero(port.type) for port in environment.system.ports if port.direction == "in"}
-        self.now = 0
-        self.signals: dict[str, Any] = {}
-
-    def start(self) -> None:
-        """Evaluate at time 0."""
-        self.signals = self.law.evaluate(**self.inputs)
-
-    def advance(self, now: int) -> None:
-        """Integrate with the inputs held; discrete states step on the grid."""
-        signals = self.law.evaluate(**self.inputs)
-        self.law.advance(signals, (now - self.now) / 1e9, discrete=now % self.step == 0)
-        self.now = now
-        self.law.time = now / 1e9
-        self.signals = self.law.evaluate(**self.inputs)
-
-    def output(self, port: str) -> Any:
-        """The present value of an output."""
-        return self.signals[port]
-
-    def give(self, port: str, value: Any) -> None:
-        """The program's output has a new value."""
-        self.inputs[port] = value
+from cspdiag.semantics.values import FaultError
 
 
 def execute(
@@ -65,7 +30,10 @@ def execute(
 ) -> Execution:
     """Run a network in an environment (the first, where none is named) to its end, or to ``until`` nanoseconds.
 
-    ``look`` is handed the state after each communication. ``scheduler`` makes the scheduler, where it is to be another one.
+    «Scheduling and traces», «Environments and drivers»
+
+    ``look`` is handed the state after each communication. ``scheduler`` makes the scheduler, where it is to be
+    another one.
     """
     chosen = next((e for e in network.environments if environment in (None, e.name)), None)
     plant = None if chosen is None or chosen.system is None else Plant(chosen)
@@ -75,9 +43,9 @@ def execute(
     for port in network.external_ports:
         medium = _external(world, port, plant)
         ports[port.name.partition("[")[0], port.index] = medium
-        if isinstance(medium, media.ExternalInput):
+        if isinstance(medium, outside.ExternalInput):
             world.inputs.append(medium)
-        elif isinstance(medium, media.SampledOutput):
+        elif isinstance(medium, outside.SampledOutput):
             world.outputs.append(medium)
     cls = network.class_named(network.top)
     assert isinstance(cls, ProcessClass)
@@ -89,7 +57,7 @@ def execute(
             for medium in world.inputs:
                 medium.present = plant.output(medium.name.removeprefix(f"{network.top}."))
         ending = world.run(program.run(), until)
-    except (RaisedFaultError, FaultError):
+    except FaultError:
         ending = Ending("failed", world.now, "Fault")
     if world.failure is not None:
         ending = ending._replace(error=exception_name(world.failure))
@@ -97,7 +65,7 @@ def execute(
 
 
 def waits(network: Network, environment: str | None, until: int | None, communication: int) -> tuple[str, ...]:
-    """What each process waits for once so many communications have been made."""
+    """What each process waits for once so many communications have been made. «Scheduling and traces»"""
     found: list[str] = []
 
     def look(world: Scheduler) -> None:
@@ -109,7 +77,7 @@ def waits(network: Network, environment: str | None, until: int | None, communic
 
 
 def has_bodies_of_other_languages(network: Network, environment: str | None) -> bool:
-    """Whether anything in the network, or the environment, is written by hand."""
+    """Whether anything in the network, or the environment, is written by hand. «Environments and drivers»"""
     chosen = next((e for e in network.environments if environment in (None, e.name)), None)
     written = [part for part in parts((network.classes, chosen)) if isinstance(part, ExternalBody)]
     return bool(written)
@@ -119,8 +87,8 @@ def _external(world: Scheduler, port: ExternalPort, plant: Plant | None) -> Medi
     name = f"{world.top}.{port.name}"
     if port.direction == "out":
         if port.period is None or port.immediate:
-            return media.EventOutput(world, name)
-        return media.SampledOutput(world, name, port.period)
+            return outside.EventOutput(world, name)
+        return outside.SampledOutput(world, name, port.period)
     if port.period is None:
-        return media.EventInput(world, name, port.kind == "broadcast")
-    return media.SampledInput(world, name, port.period)
+        return outside.EventInput(world, name, port.kind == "broadcast")
+    return outside.SampledInput(world, name, port.period)

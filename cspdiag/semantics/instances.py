@@ -20,22 +20,24 @@ from cspdiag.network.ir.network import (
     SubmodelClass,
 )
 from cspdiag.semantics import media
+from cspdiag.semantics.choice import Choose, Interrupt
 from cspdiag.semantics.ends import choices, ends_read, flattened_ends
-from cspdiag.semantics.media import EndKey, Medium, Offer, RaisedFaultError, RaisedTimeoutError
-from cspdiag.semantics.requests import Choose, Communicate, Interrupt, Parallel, Request, Steps, Wait
+from cspdiag.semantics.media import EndKey, Medium, Offer
+from cspdiag.semantics.outside import MissedSampleError
+from cspdiag.semantics.requests import Communicate, Parallel, Request, Steps, Wait
 from cspdiag.semantics.scheduler import Scheduler
 from cspdiag.semantics.submodels import InlinedLaws, SubmodelInstance
-from cspdiag.semantics.values import value_of, within
+from cspdiag.semantics.values import FaultError, value_of, within
 
 Place = tuple[str, int | None]
 
 
 class DeclaredError(Exception):
-    """A declared exception."""
+    """A declared exception. «Exceptions»"""
 
 
 class Program:
-    """What all instances share."""
+    """What all instances share: the numbers of alternatives. «Parties, channels and guards»"""
 
     def __init__(self, network: Network, world: Scheduler) -> None:
         self.network = network
@@ -45,7 +47,10 @@ class Program:
 
 
 class ProcessInstance:
-    """An instance of a process: its variables and channels, and the instances inside."""
+    """An instance of a process: its variables and channels, and the instances inside.
+
+    «Processes and ports», «Parties, channels and guards»
+    """
 
     def __init__(
         self,
@@ -134,7 +139,7 @@ class ProcessInstance:
                 assert_never(channel.kind)
 
     def attached(self, connection: Connection) -> Medium:
-        """What a port of an instance inside is attached to."""
+        """What a port of an instance inside is attached to. «The communication diagram»"""
         match connection.attachment:
             case ConstantEnd(value=value):
                 return media.AtOnce(self.world, "", self.value(value))
@@ -144,18 +149,21 @@ class ProcessInstance:
                 return self.medium(end)
 
     def medium(self, end: act.End) -> Medium:
-        """What an end belongs to."""
+        """What an end belongs to. «The communication diagram»"""
         return self.ports[end.port, end.index] if isinstance(end, act.PortEnd) else self.channels[end.channel]
 
     def key(self, end: act.End) -> EndKey:
-        """The end as one of this process, or of one that was flattened into it."""
+        """The end as one of this process, or of one that was flattened into it. «Time»: whose books they are"""
         owner = self.flattened.get(end, self.path)
         if isinstance(end, act.PortEnd):
             return (owner, end.port, end.index, end.end)
         return (owner, f".{end.channel}", None, end.end)
 
     def value(self, expression: Expression) -> Any:
-        """The value of an expression over parameters, variables, and what inlined control laws compute."""
+        """The value of an expression over parameters, variables, and what inlined control laws compute.
+
+        «Expressions»
+        """
         return value_of(expression, self.parameters, self._variable, self.laws.values.__getitem__)
 
     def _variable(self, name: str) -> Any:
@@ -164,14 +172,14 @@ class ProcessInstance:
         return variable.value
 
     def assign(self, target: act.Target, value: Any) -> None:
-        """Give a variable, or an element of it, a value."""
+        """Give a variable, or an element of it, a value. «The composition diagram»"""
         variable = self.channels[target.channel]
         assert isinstance(variable, media.Variable)
         indexes = [self.value(index) for index in target.indexes]
         variable.value = _replaced(variable.value, indexes, value) if indexes else value
 
     def run(self) -> Steps:
-        """From the start to the end of the process."""
+        """From the start to the end of the process. «The composition diagram»"""
         assert self.cls.body is not None
         try:
             yield from self.steps(self.cls.body)
@@ -179,7 +187,7 @@ class ProcessInstance:
             self.world.process_ended(self.path)
 
     def steps(self, action: act.Action) -> Steps:
-        """What an action does."""
+        """What each form of composition does. «The composition diagram», «Guards», «Exceptions»"""
         match action:
             case act.RunInstance(instance=name):
                 yield from (self.processes[name].run() if name in self.processes else self.submodels[name].run())
@@ -296,7 +304,7 @@ class ProcessInstance:
         caught = False
         try:
             yield from self.steps(action.body)
-        except (DeclaredError, RaisedFaultError, RaisedTimeoutError) as error:
+        except (DeclaredError, FaultError, MissedSampleError) as error:
             if exception_name(error) != action.exception:
                 raise
             caught = True
@@ -341,11 +349,11 @@ class ProcessInstance:
 
 
 def exception_name(error: Exception) -> str:
-    """The name of an exception in the language."""
+    """The name of an exception in the language. «Exceptions»"""
     match error:
-        case RaisedFaultError():
+        case FaultError():
             return "Fault"
-        case RaisedTimeoutError():
+        case MissedSampleError():
             return "Timeout"
         case _:
             return str(error)

@@ -1,32 +1,33 @@
-"""What processes communicate through: channels of all kinds, and the ports of the outermost process.
+"""What processes communicate through: the channels of all kinds.
 
-An offer is the wish of one process to read or to write once. It is either plain (a reader or writer), or the guard of an alternative.
-The party that arrives second makes the communication; a plain party never decides for an alternative, which is only woken by it.
+An offer is the wish of one process to read or to write once. It is either plain (a reader or writer), or the guard of
+an alternative. The party that arrives second makes the communication; a plain party never decides for an alternative, which is only
+woken by it.
 """
 
 from __future__ import annotations
 
 import dataclasses
-import math
 from typing import TYPE_CHECKING, Any
 
-from cspdiag.semantics.values import RaisedFaultError
+from cspdiag.semantics.values import FaultError
 
 if TYPE_CHECKING:
     from cspdiag.semantics.requests import Request
     from cspdiag.semantics.scheduler import Scheduler, Task
 
 EndKey = tuple[str, str, int | None, int]
-"""A reading end: the path of the process that owns it, its port or channel, the index of the port, the number of the end."""
-
-
-class RaisedTimeoutError(Exception):
-    """A sample was overwritten before it was taken."""
+"""A reading end: the path of the process that owns it, its port or channel, the index of the port, the number of the
+end.
+"""
 
 
 @dataclasses.dataclass(eq=False)
 class Offer:
-    """A wish to communicate once; ``guard`` is the index in an alternative, None for a plain one."""
+    """A wish to communicate once; ``guard`` is the index in an alternative, None for a plain one.
+
+    «Parties, channels and guards»
+    """
 
     request: Request
     medium: Medium
@@ -40,11 +41,12 @@ class Offer:
 
     @property
     def task(self) -> Task:
+        """The process that makes it."""
         return self.request.task
 
 
 class Medium:
-    """Keeps the offers that wait, in the order in which they came."""
+    """Keeps the offers that wait, in the order in which they came. «Parties, channels and guards»"""
 
     outside = False
     """Whether a reader waits for the environment."""
@@ -56,12 +58,15 @@ class Medium:
         self.ends: list[EndKey] = []
 
     def register(self, end: EndKey) -> None:
-        """There is a reading end; ends are served in the order in which they stand in the program."""
+        """There is a reading end; ends are served in the order in which they stand in the program.
+
+        «Parties, channels and guards»
+        """
         if end not in self.ends:
             self.ends.append(end)
 
     def withdraw(self, offer: Offer) -> None:
-        """The offer no longer holds."""
+        """The offer no longer holds: another guard was chosen, or its process ends. «Alternative», «Cancellation» 1"""
         if offer in self.offers:
             self.offers.remove(offer)
 
@@ -70,15 +75,15 @@ class Medium:
         self.offers.append(offer)
 
     def arrive(self, offer: Offer) -> None:
-        """A plain offer is made: it is done, or waits."""
+        """A plain offer is made: it is done, or waits. «Rendezvous»"""
         raise NotImplementedError
 
     def ready(self, offer: Offer) -> bool:
-        """Whether the guard could be chosen."""
+        """Whether the guard could be chosen. «Guards»"""
         raise NotImplementedError
 
     def choose(self, offer: Offer) -> None:
-        """The guard has been chosen, and the other guards of its alternative withdrawn."""
+        """The guard has been chosen, and the other guards of its alternative withdrawn. «Alternative»"""
         raise NotImplementedError
 
     def retry(self, offer: Offer) -> None:
@@ -100,9 +105,10 @@ class Medium:
 
 
 class Rendezvous(Medium):
-    """A channel of kind ``sync`` or ``any``."""
+    """A channel of kind ``sync`` or ``any``. «Parties, channels and guards»"""
 
     def arrive(self, offer: Offer) -> None:
+        """Meets the first plain party that waits on the other side, or waits; it never decides for an alternative."""
         plain = [partner for partner in self.opposite(offer) if partner.guard is None]
         if plain:
             self._pass(offer, plain[0])
@@ -110,9 +116,11 @@ class Rendezvous(Medium):
             self.offers.append(offer)
 
     def ready(self, offer: Offer) -> bool:
+        """A party waits on the other side, or a guard."""
         return bool(self.opposite(offer))
 
     def choose(self, offer: Offer) -> None:
+        """Communicate with a plain party, or else with the alternative that has waited longest: it has chosen, too."""
         # Those that merely read or write are served before alternatives, which may still choose something else.
         partner = min(self.opposite(offer), key=lambda o: o.guard is not None)
         if offer.only_ready:
@@ -137,7 +145,10 @@ class Rendezvous(Medium):
 
 
 class Fifo(Medium):
-    """A channel of kind ``buffer`` or ``overwrite``: a value communicates when it enters."""
+    """A channel of kind ``buffer`` or ``overwrite``: a value communicates when it enters.
+
+    «Parties, channels and guards»
+    """
 
     def __init__(self, world: Scheduler, name: str, capacity: int, overwriting: bool) -> None:
         super().__init__(world, name)
@@ -146,17 +157,20 @@ class Fifo(Medium):
         self.values: list[Any] = []
 
     def ready(self, offer: Offer) -> bool:
+        """There is room, which ``overwrite`` always makes; or there is a value."""
         if offer.writes:
             return self.overwriting or len(self.values) < self.capacity
         return bool(self.values)
 
     def choose(self, offer: Offer) -> None:
+        """Put or take; a guard ``port`` leaves the value to the reader that follows."""
         if offer.only_ready:
             offer.done = True
         else:
             self.arrive(offer)
 
     def arrive(self, offer: Offer) -> None:
+        """Put or take, and then whatever became possible with that: a value goes on to a reader that waits."""
         self.offers.append(offer)
         offer.guard = None
         while any(self._move(o) for o in list(self.offers) if o.guard is None):
@@ -175,7 +189,10 @@ class Fifo(Medium):
 
 
 class Broadcast(Medium):
-    """Every reading end takes every value; the writer goes on when all have."""
+    """A channel of kind ``broadcast``: every reading end takes every value; the writer goes on when all have.
+
+    «Parties, channels and guards»
+    """
 
     def __init__(self, world: Scheduler, name: str) -> None:
         super().__init__(world, name)
@@ -183,11 +200,13 @@ class Broadcast(Medium):
         self.missing: list[EndKey] = []
 
     def withdraw(self, offer: Offer) -> None:
+        """The value of a writer that is taken back goes with it."""
         super().withdraw(offer)
         if offer is self.writing:
             self.writing = None
 
     def arrive(self, offer: Offer) -> None:
+        """A reader takes the value that its end has not taken, or waits; a writer serves the ends."""
         if offer.writes:
             self._write(offer)
         elif self.writing is not None and offer.end in self.missing:
@@ -206,6 +225,10 @@ class Broadcast(Medium):
         self._all_taken()
 
     def ready(self, offer: Offer) -> bool:
+        """A guard that writes.
+
+        Somebody waits at every end. One that reads: its end has a value that it has not taken.
+        """
         if offer.writes:
             return self._waited_at(self.ends, offer)
         return self.writing is not None and offer.end in self.missing
@@ -214,6 +237,7 @@ class Broadcast(Medium):
         return all(any(not o.writes and o.end == end and o.task is not offer.task for o in self.offers) for end in ends)
 
     def choose(self, offer: Offer) -> None:
+        """Two alternatives meet by the choice of the writer alone, who sees all ends."""
         if offer.writes:
             readers = [o for o in self.opposite(offer) if o.guard is not None]
             for reader in readers:
@@ -245,7 +269,11 @@ class Broadcast(Medium):
 
 
 class AtOnce(Medium):
-    """What never waits: readers get what ``value`` says. A read or a write by itself is no communication, and no process is cancelled there."""
+    """What never waits.
+
+    Readers get what ``value`` says. A read or a write by itself is no communication, and no process is cancelled
+    there. «Cancellation»
+    """
 
     communicates = False
 
@@ -254,15 +282,18 @@ class AtOnce(Medium):
         self.value = value
 
     def ready(self, offer: Offer) -> bool:
+        """Always."""
         return True
 
     def choose(self, offer: Offer) -> None:
+        """At once."""
         if offer.only_ready:
             offer.done = True
         else:
             self.arrive(offer)
 
     def arrive(self, offer: Offer) -> None:
+        """At once."""
         if offer.writes:
             self.write(offer.value)
         else:
@@ -270,17 +301,20 @@ class AtOnce(Medium):
         self.complete(offer)
 
     def write(self, value: Any) -> None:
-        """Take what was written."""
+        """Take what was written; ``_`` drops it."""
 
 
 class Variable(AtOnce):
-    """A channel of kind ``var``: one place, overwriting; no communication. To read it before it was written is a fault."""
+    """A channel of kind ``var``.
+
+    One place, overwriting; no communication. To read it before it was written is a fault. «Faults»
+    """
 
     @property
     def value(self) -> Any:
         """What was written last."""
         if self.present is None:
-            raise RaisedFaultError(f"{self.name} is read before it was written")
+            raise FaultError(f"{self.name} is read before it was written")
         return self.present
 
     @value.setter
@@ -288,165 +322,5 @@ class Variable(AtOnce):
         self.present = value
 
     def write(self, value: Any) -> None:
+        """Overwrite it."""
         self.value = value
-
-
-class EventOutput(AtOnce):
-    """An output that hands each value to the environment at the write: an event port, or an ``immediate`` one."""
-
-    communicates = True
-
-    def write(self, value: Any) -> None:
-        _refuse_what_is_no_number(value)
-        self.world.hand_over(self.name, value)
-
-
-class SampledOutput(AtOnce):
-    """A latch of one place that is handed over at the next tick."""
-
-    communicates = True
-
-    def __init__(self, world: Scheduler, name: str, period: int) -> None:
-        super().__init__(world, name)
-        self.period = period
-        self.latched: list[Any] = []
-
-    def write(self, value: Any) -> None:
-        _refuse_what_is_no_number(value)
-        self.latched = [value]
-
-    def tick(self) -> None:
-        """Hand over what was written since the last tick."""
-        for value in self.latched:
-            self.world.hand_over(self.name, value)
-        self.latched = []
-
-
-def _refuse_what_is_no_number(value: Any) -> None:
-    if isinstance(value, tuple):
-        for part in value:
-            _refuse_what_is_no_number(part)
-    elif isinstance(value, float) and not math.isfinite(value):
-        raise RaisedFaultError(f"{value} for an output of the outermost process")
-
-
-class ExternalInput(Medium):
-    """A waiting reader is woken when there is something, and takes it when it runs."""
-
-    outside = True
-
-    present: Any = None
-    """What the environment says."""
-
-    def arrive(self, offer: Offer) -> None:
-        self.offers.append(offer)
-        self.retry(offer)
-
-    def retry(self, offer: Offer) -> None:
-        if self.ready(offer):
-            offer.value = self.take(offer.end)
-            self.world.communicate(self.name, offer.value)
-            self.complete(offer)
-
-    def choose(self, offer: Offer) -> None:
-        if offer.only_ready:
-            offer.done = True
-        else:
-            self.retry(offer)
-
-    def take(self, end: EndKey) -> Any:
-        """The value; it is no longer there for this end."""
-        raise NotImplementedError
-
-
-class EventInput(ExternalInput):
-    """Keeps the latest value offered until it is read; under ``broadcast`` each end has its own."""
-
-    def __init__(self, world: Scheduler, name: str, broadcast: bool) -> None:
-        super().__init__(world, name)
-        self.broadcast = broadcast
-        self.latches: dict[EndKey | None, Any] = {}
-
-    def offered(self, value: Any) -> None:
-        """The environment's output has a value at an instant of the grid; it is an event if it has changed."""
-        if value != self.present:
-            self.present = value
-            for latch in self.ends if self.broadcast else [None]:
-                self.latches[latch] = value
-                self.world.notice()
-
-    def _key(self, end: EndKey) -> EndKey | None:
-        return end if self.broadcast else None
-
-    def ready(self, offer: Offer) -> bool:
-        return self._key(offer.end) in self.latches
-
-    def wakes(self, offer: Offer) -> bool:
-        waiting = [o for o in self.offers if o.guard is None and self._key(o.end) == self._key(offer.end)]
-        return self.ready(offer) and waiting[0] is offer
-
-    def take(self, end: EndKey) -> Any:
-        return self.latches.pop(self._key(end))
-
-
-@dataclasses.dataclass
-class Session:
-    """The books of a reading end of a sampled input."""
-
-    since: int
-    available: bool
-    missed: bool = False
-
-
-class SampledInput(ExternalInput):
-    """Communicates at the instants k·period."""
-
-    def __init__(self, world: Scheduler, name: str, period: int) -> None:
-        super().__init__(world, name)
-        self.period = period
-        self.sessions: dict[EndKey, Session] = {}
-
-    def sampled(self, value: Any) -> None:
-        """The instant of a sample."""
-        self.present = value
-        for end in self.ends:
-            session = self.sessions.get(end)
-            if session is not None:
-                session.missed = session.missed or session.available
-                session.available = True
-                self.world.notice()
-
-    def ready(self, offer: Offer) -> bool:
-        session = self.sessions.get(offer.end)
-        return self._followed(offer.end) if session is None else session.available
-
-    def _followed(self, end: EndKey) -> bool:
-        """Whether the process of the end followed this period at the present tick already, through another end."""
-        tick = self.world.now // self.period * self.period
-        return any(
-            other_end[0] == end[0] and session.since < tick
-            for port in self.world.inputs
-            if isinstance(port, SampledInput) and port.period == self.period
-            for other_end, session in port.sessions.items()
-        )
-
-    def take(self, end: EndKey) -> Any:
-        session = self.sessions.setdefault(end, Session(self.world.now, True))
-        if session.missed and self.world.timeouts:
-            session.missed = False
-            raise RaisedTimeoutError
-        session.available = session.missed = False
-        return self.present
-
-    def process_ended(self, path: str) -> None:
-        """The ends of a process begin anew with its next first read."""
-        self.sessions = {end: session for end, session in self.sessions.items() if end[0] != path}
-
-
-def begin_sessions(offers: list[Offer]) -> None:
-    """First reads, all that a process begins to wait for together."""
-    new = [o for o in offers if isinstance(o.medium, SampledInput) and o.end not in o.medium.sessions]
-    found = [(o, o.medium.ready(o)) for o in new]
-    for offer, available in found:
-        assert isinstance(offer.medium, SampledInput)
-        offer.medium.sessions[offer.end] = Session(offer.medium.world.now, available)

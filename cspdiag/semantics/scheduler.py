@@ -6,15 +6,16 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from typing import Any, Protocol
 
-from cspdiag.semantics.media import EventInput, ExternalInput, SampledInput, SampledOutput
-from cspdiag.semantics.requests import CancelledError, Interrupt, Parallel, Promise, Request, Steps
+from cspdiag.semantics.choice import Interrupt, Promise
+from cspdiag.semantics.outside import EventInput, ExternalInput, SampledInput, SampledOutput
+from cspdiag.semantics.requests import CancelledError, Parallel, Request, Steps, no_steps
 from cspdiag.semantics.trace import Communication, Ending
 
 Resumption = Callable[[], Request]
 
 
 class Outside(Protocol):
-    """The environment: ``inputs`` are the outputs of the program."""
+    """The environment: ``inputs`` are the outputs of the program. «Environments and drivers»"""
 
     step: int
 
@@ -29,7 +30,10 @@ class Outside(Protocol):
 
 
 class Task:
-    """A branch of a parallel, the body of an interrupt, or the whole program: what runs or waits."""
+    """A branch of a parallel, the body of an interrupt, or the whole program: what runs or waits.
+
+    «Scheduling and traces»
+    """
 
     def __init__(
         self, steps: Steps, priority: tuple[int, ...], parent: Parallel | Interrupt | Promise | Canceller | None
@@ -44,7 +48,7 @@ class Task:
         self.ended = False
 
     def rank(self) -> tuple[int, ...]:
-        """Priorities are compared from the outermost ``||>`` inwards, as if zeros followed."""
+        """Priorities are compared from the outermost ``||>`` inwards, as if zeros followed. «Priority»"""
         rank = list(self.priority)
         while rank and rank[-1] == 0:
             rank.pop()
@@ -52,7 +56,7 @@ class Task:
 
 
 class Canceller:
-    """Ends a process that was cancelled while it ran, if it waits when its turn has come."""
+    """Ends a process that was cancelled while it ran, if it waits when its turn has come. «Cancellation» 4"""
 
     def __init__(self, victim: Task) -> None:
         self.victim = victim
@@ -71,7 +75,7 @@ class Canceller:
 
 
 class Scheduler:
-    """The state of a run."""
+    """The state of a run. «Scheduling and traces»"""
 
     def __init__(self, top: str, outside: Outside | None, timeouts: bool) -> None:
         self.top = top
@@ -79,7 +83,10 @@ class Scheduler:
         self.timeouts = timeouts
         self.now = 0
         self.due = 0
-        """Delays and time-outs up to this instant are over; it follows ``now`` once samples have been taken and outputs handed over."""
+        """Delays and time-outs up to this instant are over.
+
+        It follows ``now`` once samples have been taken and outputs handed over.
+        """
         self.trace: list[Communication] = []
         self.inputs: list[ExternalInput] = []
         self.outputs: list[SampledOutput] = []
@@ -93,7 +100,7 @@ class Scheduler:
         """Handed the state after each communication."""
 
     def communicate(self, channel: str, value: Any) -> None:
-        """A value passes."""
+        """A value passes. «Traces»"""
         self.trace.append(Communication(self.now, channel, value))
         if self.look is not None:
             self.look(self)
@@ -109,13 +116,13 @@ class Scheduler:
                 yield f"{who} waits {' or '.join(what)}"
 
     def hand_over(self, channel: str, value: Any) -> None:
-        """A value passes to the environment."""
+        """A value passes to the environment. «Time»"""
         self.communicate(channel, value)
         if self.outside is not None:
             self.outside.give(channel.removeprefix(f"{self.top}."), value)
 
     def process_ended(self, path: str) -> None:
-        """The reading ends of a process are no longer waited at."""
+        """The reading ends of a process are no longer waited at, and its books are closed. «Time»"""
         for port in self.inputs:
             if isinstance(port, SampledInput):
                 port.process_ended(path)
@@ -136,18 +143,18 @@ class Scheduler:
         self.ready.insert(0, task)
 
     def cancel(self, task: Task) -> None:
-        """The task ends at its next communication, which is the one at which it waits."""
+        """The task ends at its next place, which is the one at which it waits. «Cancellation» 1 to 4"""
         if task.ended or task.cancelled:
             return
         task.cancelled = True
         if task is self.running:
             task.doomed = True
-            self.ready.append(self.start(iter(()), task.priority, Canceller(task)))
+            self.ready.append(self.start(no_steps(), task.priority, Canceller(task)))
         elif task.request is not None and not task.request.completed:
             task.request.abandon()
 
     def notice(self) -> None:
-        """Wake whoever may go on now, because of one event."""
+        """Wake whoever may go on now, because of one event. «Parties, channels and guards»"""
         self._wake(sorted(self.waiting, key=lambda request: request.turn))
 
     def _wake(self, requests: Sequence[Request]) -> None:
@@ -158,7 +165,7 @@ class Scheduler:
                 request.wake()
 
     def run_until_none_is_ready(self) -> None:
-        """Run processes by priority, then first come first served."""
+        """Run processes by priority, then first come first served. «Scheduling and traces», «Priority»"""
         while self.ready:
             highest = min(task.rank() for task in self.ready)
             task = self.next_of([task for task in self.ready if task.rank() == highest])
@@ -166,11 +173,14 @@ class Scheduler:
             self._run(task)
 
     def next_of(self, ready: Sequence[Task]) -> Task:
-        """Who runs of those that are ready, in the order in which they became so: the first."""
+        """Who runs of those that are ready, in the order in which they became so: the first. «Scheduling and traces»"""
         return ready[0]
 
     def fair(self, ready: Sequence[int], last: int) -> int:
-        """Which of the guards that are ready an alternative takes that is not prioritized: the first after the one that it chose last, beginning again at the front."""
+        """Which of the guards that are ready an alternative takes that is not prioritized.
+
+        The first after the one that it chose last, beginning again at the front.
+        """
         return next((index for index in ready if index > last), ready[0])
 
     def _run(self, task: Task) -> None:
@@ -237,12 +247,12 @@ class Scheduler:
             self.failure = error
 
     def instant(self, now: int) -> None:
-        """Everything that happens at an instant before processes run."""
+        """Everything that happens at an instant before processes run. «An instant», «Time»"""
         self.now = now
         outside = self.outside
         if outside is not None:
             on_grid = now % outside.step == 0
-            if on_grid or any(now % port.period == 0 for port in (*self._sampled(), *self.outputs)):
+            if on_grid or any(now % period == 0 for period in self._periods()):
                 outside.advance(now)
             for port in self.inputs:
                 value = outside.output(port.name.removeprefix(f"{self.top}."))
@@ -257,23 +267,27 @@ class Scheduler:
         self.due = now
         self._wake(list(self.waiting))
 
-    def _sampled(self) -> Sequence[SampledInput]:
-        return [port for port in self.inputs if isinstance(port, SampledInput)]
+    def _periods(self) -> list[int]:
+        sampled = [port.period for port in self.inputs if isinstance(port, SampledInput)]
+        return sampled + [port.period for port in self.outputs]
 
     def next_instant(self) -> int | None:
-        """When something is due; None: never."""
+        """When something is due; None: never, so that the program has ended or is in deadlock.
+
+        «Scheduling and traces»
+        """
         deadlines = [deadline for request in self.waiting for deadline in request.deadlines()]
         waits_outside = any(offer.medium.outside for request in self.waiting for offer in request.offers_now())
         pending = any(output.latched for output in self.outputs)
         if not deadlines and not waits_outside and not pending:
             return None
-        periods = [port.period for port in (*self._sampled(), *self.outputs)]
+        periods = self._periods()
         if self.outside is not None:
             periods.append(self.outside.step)
         return min([*deadlines, *((self.now // period + 1) * period for period in periods)])
 
     def run(self, program: Steps, until: int | None) -> Ending:
-        """Run to the end, or to ``until``."""
+        """Run to the end, or to ``until``. «Scheduling and traces»"""
         main = self.start(program, (), None)
         self.make_ready(main)
         self.run_until_none_is_ready()

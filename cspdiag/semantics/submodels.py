@@ -8,16 +8,17 @@ from typing import TYPE_CHECKING, Any
 from cspdiag.network.ir import actions as act
 from cspdiag.network.ir.expressions import Expression
 from cspdiag.network.ir.network import Connection, ConstantEnd, DiscardEnd, ProcessClass, SubmodelClass
+from cspdiag.semantics.laws import Law
 from cspdiag.semantics.media import EndKey, Medium, Offer
 from cspdiag.semantics.requests import Communicate, Steps
-from cspdiag.semantics.values import Law, Names, fitting, value_of
+from cspdiag.semantics.values import Names, fitting, value_of
 
 if TYPE_CHECKING:
     from cspdiag.semantics.instances import Place, ProcessInstance
 
 
 class SubmodelInstance:
-    """A submodel that communicates through the ends of the process that encloses it."""
+    """A submodel that communicates through the ends of the process that encloses it. «Submodels: the control laws»"""
 
     def __init__(
         self,
@@ -42,7 +43,10 @@ class SubmodelInstance:
                 yield from ((port.name, place) for place in self.joined if place[0] == port.name)
 
     def run(self) -> Steps:
-        """Read all inputs, compute one sample, write all outputs."""
+        """Offer all inputs at once, compute one sample, offer all outputs at once.
+
+        «Submodels: the control laws», «Parallel»
+        """
         reading = Communicate()
         names = []
         for name, place in self._places("in"):
@@ -61,7 +65,10 @@ class SubmodelInstance:
 
 
 class InlinedLaws:
-    """The constants, states and local signals of the control laws that were inlined into a process."""
+    """The constants, states and local signals of the control laws that were inlined into a process.
+
+    «Submodels: the control laws»
+    """
 
     def __init__(self, cls: ProcessClass, parameters: Mapping[str, Any], variables: Names) -> None:
         self.parameters = parameters
@@ -76,12 +83,12 @@ class InlinedLaws:
         return value_of(expression, self.parameters, self.variables, self.values.__getitem__)
 
     def reset(self, states: tuple[str, ...]) -> None:
-        """Put states back to their initial values."""
+        """Put states back to their initial values. «The composition diagram»"""
         for name in states:
             self.values[name] = self._value(self.initial[name])
 
     def run(self, action: act.RunLaw) -> None:
-        """One run: the local signals, and then the next states."""
+        """One run: the local signals, and then the next states. «Submodels: the control laws»"""
         law = Law(_as_submodel(action), self.parameters, self.variables)
         law.constants = self.values
         signals = law.evaluate()

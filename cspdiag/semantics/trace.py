@@ -7,9 +7,10 @@ from typing import NamedTuple
 
 
 class Communication(NamedTuple):
-    """A value that passed through an external port or a channel at ``time`` (nanoseconds).
+    """A value that passed through an external port or a channel at ``time`` (nanoseconds). «Traces»
 
-    ``writer`` and ``reader`` are the paths of the processes where an implementation knows them; traces are equal whatever they are.
+    ``writer`` and ``reader`` are the paths of the processes where an implementation knows them; traces are equal
+    whatever they are.
     """
 
     time: int
@@ -21,6 +22,8 @@ class Communication(NamedTuple):
 
 class Ending(NamedTuple):
     """How a run ended (``terminated``, ``deadlock``, ``time limit``, ``failed``), when, and the exception's name.
+
+    «Scheduling and traces»
 
     ``message`` is what the exception says, with its place; None where an implementation says nothing.
     """
@@ -42,9 +45,10 @@ class Ending(NamedTuple):
 
 
 class Execution(NamedTuple):
-    """What an implementation did with a program.
+    """What an implementation did with a program. «Traces»
 
-    ``released`` are the safe values that outputs were handed at the end, in order; None where an implementation hands over none.
+    ``released`` are the safe values that outputs were handed at the end, in order; None where an implementation hands
+    over none.
     """
 
     trace: Sequence[Communication]

@@ -7,20 +7,14 @@ import struct
 from collections.abc import Callable, Mapping
 from typing import Any, assert_never
 
-from cspdiag.model.types import IntType, RealType, StructType, TimeType, Type
+from cspdiag.model.types import ArrayType, BoolType, EnumType, IntType, RealType, StructType, TimeType, Type
 from cspdiag.network.ir import expressions as ex
-from cspdiag.network.ir.network import SubmodelClass
-from cspdiag.semantics.laws import Interpreter
 
 Names = Callable[[str], Any]
 
 
-def _no_variable(name: str) -> Any:
-    raise AssertionError(f"a control law has no variable {name}")
-
-
-class RaisedFaultError(Exception):
-    """Overflow, a value out of range, division by zero, a value that is no number."""
+class FaultError(Exception):
+    """Overflow, a value out of range, division by zero, a value that is no number. «Faults»"""
 
 
 def value_of(
@@ -28,7 +22,9 @@ def value_of(
 ) -> Any:
     """The value; ``variables`` looks up channels of kind ``var``, and ``signals`` what control laws compute.
 
-    Raises RaisedFaultError.
+    «Expressions»
+
+    Raises FaultError.
     """
 
     def inner(part: ex.Expression) -> Any:
@@ -74,14 +70,14 @@ def value_of(
 
 
 def within(index: int, array: tuple[Any, ...]) -> int:
-    """An index of an element; RaisedFaultError out of range."""
+    """An index of an element; FaultError out of range. «Faults»"""
     if not 0 <= index < len(array):
-        raise RaisedFaultError(f"index {index} of an array of {len(array)}")
+        raise FaultError(f"index {index} of an array of {len(array)}")
     return index
 
 
 def fitting(kind: Type, value: Any) -> Any:
-    """A result as a value of its type: whole numbers in range, binary32 rounded."""
+    """A result as a value of its type: whole numbers in range, binary32 rounded. «Types and units», «Faults»"""
     match kind:
         case IntType():
             low, high = kind.minimum, kind.maximum
@@ -92,7 +88,7 @@ def fitting(kind: Type, value: Any) -> Any:
         case _:
             return value
     if not low <= value <= high:
-        raise RaisedFaultError(f"{value} is no value of {kind}")
+        raise FaultError(f"{value} is no value of {kind}")
     return value
 
 
@@ -107,7 +103,7 @@ def _converted(kind: Type, value: Any) -> Any:
     if isinstance(kind, RealType):
         return fitting(kind, value)
     if isinstance(value, float) and not math.isfinite(value):
-        raise RaisedFaultError("not a number")
+        raise FaultError("not a number")
     return fitting(kind, math.trunc(value))
 
 
@@ -134,7 +130,7 @@ def _binary(operator: str, left: Any, right: Any) -> Any:
         case "^":
             return _power(left, right)
     if right == 0:
-        raise RaisedFaultError("division by zero")
+        raise FaultError("division by zero")
     if isinstance(left, float):
         return left / right if operator == "/" else (math.nan if math.isinf(left) else math.fmod(left, right))
     quotient = abs(left) // abs(right) * (1 if (left < 0) == (right < 0) else -1)
@@ -144,9 +140,9 @@ def _binary(operator: str, left: Any, right: Any) -> Any:
 def _power(base: Any, exponent: Any) -> Any:
     if isinstance(base, int):
         if exponent < 0:
-            raise RaisedFaultError("negative power of a whole number")
+            raise FaultError("negative power of a whole number")
         if abs(base) > 1 and exponent > 63:
-            raise RaisedFaultError("a power beyond 64 bits")
+            raise FaultError("a power beyond 64 bits")
         return int(base ** min(exponent, 64 + exponent % 2))
     try:
         return math.pow(base, exponent)
@@ -176,7 +172,7 @@ def _function(function: str, arguments: list[Any]) -> Any:
             return type(x)((x > 0) - (x < 0))
         case "finite", [x]:
             if not math.isfinite(x):
-                raise RaisedFaultError("infinite or no number")
+                raise FaultError("infinite or no number")
             return x
         case "seconds", [x]:
             return x / 1e9
@@ -206,13 +202,21 @@ def _of_one_number(function: str, x: float) -> float:
         return math.nan
 
 
-class Law(Interpreter):
-    """One instance of a submodel; ``variables`` are those of the process that it was inlined into, if it was."""
+def zero(kind: Type) -> Any:
+    """The value that an input of the environment has before the program writes: zero, false, the first literal.
 
-    def __init__(self, cls: SubmodelClass, parameters: Mapping[str, Any], variables: Names = _no_variable) -> None:
-        self.variables = variables
-        super().__init__(cls, parameters)
-
-    def value(self, expression: ex.Expression, signals: Mapping[str, Any]) -> Any:
-        """The value of an expression over the signals."""
-        return value_of(expression, self.parameters, self.variables, signals.__getitem__, self.time)
+    «The environment from instant to instant»
+    """
+    match kind:
+        case BoolType():
+            return False
+        case RealType():
+            return 0.0
+        case ArrayType():
+            return tuple(zero(kind.element) for _ in range(kind.size or 0))
+        case StructType():
+            return tuple(zero(field) for _, field in kind.fields)
+        case IntType() | TimeType() | EnumType():
+            return 0
+        case _:
+            raise AssertionError(kind)

@@ -15,7 +15,7 @@ from cspdiag.model.types import BoolType, EnumType, IntType, RealType, StructTyp
 from cspdiag.network.ir.equations import ExternalCall
 from cspdiag.network.ir.network import Instantiation, SubmodelClass
 from cspdiag.runtime import Constant, Discard
-from cspdiag.semantics.laws import Interpreter
+from cspdiag.semantics.laws import Law
 from cspdiag.simulate.run.package import LoadedPackage
 from tests.codegen.packages import MODELS, OWN, network, package
 
@@ -94,7 +94,7 @@ def test_submodels_calculate_like_the_interpreter(name: str, path: str, loaded: 
     class_ = network(name).class_named(instance.class_name)
     assert isinstance(class_, SubmodelClass)
     generated = instance_of(name, loaded, class_, instance)
-    reference = Interpreter(class_, dict(instance.arguments))
+    reference = Law(class_, dict(instance.arguments))
     outputs = [port.name for port in class_.ports if port.direction == "out"]
     source = random.Random(path)
     for _ in range(SAMPLES):
@@ -111,7 +111,7 @@ def test_environments_advance_like_the_interpreter(name: str, environment: str, 
     system = entry.system
     assert system is not None
     generated = loaded.module("environments").ENVIRONMENTS[environment]()
-    reference = Interpreter(system, {})
+    reference = Law(system, {})
     given = {port.name: port.type for port in system.ports if port.direction == "in"}
     outputs = [port.name for port in system.ports if port.direction == "out"]
     source = random.Random(environment)

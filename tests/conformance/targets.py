@@ -13,7 +13,7 @@ from cspdiag import pipeline
 from cspdiag.codegen import target_errors
 from cspdiag.network.ir.network import Network
 from cspdiag.runtime.kernel.exceptions import described
-from cspdiag.semantics import execute as specification
+from cspdiag.semantics import execute as semantics
 from cspdiag.semantics.trace import Communication, Ending, Execution
 from cspdiag.simulate.native import run as native
 from cspdiag.simulate.native.build import CompilerError, find_compiler
@@ -75,15 +75,15 @@ class Specification:
 
     def run(self, network: Network, environment: str | None, until: int) -> Execution:
         """See ``Target.run``."""
-        if specification.has_bodies_of_other_languages(network, environment):
+        if semantics.has_bodies_of_other_languages(network, environment):
             raise RefusedError("bodies in other languages have no specification")
-        return specification.execute(network, environment, until)
+        return semantics.execute(network, environment, until)
 
     def waits(
         self, network: Network, environment: str | None, until: int, communication: int
     ) -> tuple[str, ...] | None:
         """See ``Target.waits``."""
-        return specification.waits(network, environment, until, communication)
+        return semantics.waits(network, environment, until, communication)
 
 
 @dataclass(frozen=True)

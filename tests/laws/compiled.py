@@ -15,7 +15,7 @@ from cspdiag.model.program import Program
 from cspdiag.network.ir.network import Environment, SubmodelClass
 from cspdiag.network.lower import program as lower
 from cspdiag.network.submodels.classes import flatten
-from cspdiag.semantics.laws import Interpreter
+from cspdiag.semantics.laws import Law
 from cspdiag.syntax import ast
 
 MS = 1_000_000
@@ -60,10 +60,10 @@ def submodel(
     return flattened.cls, {**given, **flattened.derived}
 
 
-def instance(text: str, name: str, sample: int = MS, *, environment: bool = False, **arguments: Any) -> Interpreter:
+def instance(text: str, name: str, sample: int = MS, *, environment: bool = False, **arguments: Any) -> Law:
     """An instance of a submodel, ready to run."""
     cls, parameters = submodel(text, name, arguments, sample, environment=environment)
-    return Interpreter(cls, parameters)
+    return Law(cls, parameters)
 
 
 def environment(text: str, name: str | None = None, overrides: Mapping[str, Any] | None = None) -> Environment:

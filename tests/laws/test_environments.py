@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from cspdiag.network.ir.network import SubmodelClass
-from cspdiag.semantics.laws import Interpreter
+from cspdiag.semantics.laws import Law
 from tests.laws.compiled import MS, environment
 
 PROGRAM = """
@@ -116,7 +116,7 @@ def test_states_and_outputs_of_the_members_keep_their_names() -> None:
 
 
 def test_the_system_runs() -> None:
-    bench = Interpreter(system("Bench"), {})
+    bench = Law(system("Bench"), {})
     assert bench.constants["sample"] == 0.002
     for _ in range(100):
         signals = bench.evaluate(voltage=3.0)
@@ -129,8 +129,8 @@ def test_the_system_runs() -> None:
 
 
 def test_parameters_may_be_set_from_outside() -> None:
-    assert Interpreter(system("Bench"), {}).constants["motor.gain"] == 2.0
-    changed = Interpreter(system("Bench", motor__gain=7.0, motor__friction__coefficient=9.0), {})
+    assert Law(system("Bench"), {}).constants["motor.gain"] == 2.0
+    changed = Law(system("Bench", motor__gain=7.0, motor__friction__coefficient=9.0), {})
     assert changed.constants["motor.gain"] == 7.0
     assert changed.constants["motor.friction.coefficient"] == 9.0
 
@@ -167,4 +167,4 @@ def test_a_value_may_go_straight_back() -> None:
     """
     wire = environment(text).system
     assert wire is not None
-    assert Interpreter(wire, {}).evaluate(y=4.0)["x"] == 4.0
+    assert Law(wire, {}).evaluate(y=4.0)["x"] == 4.0

@@ -15,7 +15,8 @@ from cspdiag.network.ir.expression_walk import walk
 from cspdiag.network.ir.expressions import LiteralValue
 from cspdiag.network.ir.network import SubmodelClass
 from cspdiag.network.submodels.classes import flatten, needs_sample
-from cspdiag.semantics.laws import FaultError, Interpreter
+from cspdiag.semantics.laws import Law
+from cspdiag.semantics.values import FaultError
 from cspdiag.syntax import ast
 from tests.laws.compiled import MS, instance, program, submodel
 
@@ -180,7 +181,7 @@ def test_nested_external_submodels_are_calls() -> None:
     (call, _) = cls.equations
     assert isinstance(call, ExternalCall)
     assert [(a, v.value) for a, v in call.arguments if isinstance(v, LiteralValue)] == [("inertia", 2.0)]
-    block = Interpreter(cls, parameters, {"plant": lambda u: (u, 10 * u)})
+    block = Law(cls, parameters, externals={"plant": lambda u: (u, 10 * u)})
     assert block.evaluate(u=1.0)["y"] == 22
 
 

@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cspdiag.base.resources import library_source
-from cspdiag.semantics.laws import Interpreter
+from cspdiag.semantics.laws import Law
 from cspdiag.syntax import ast
 from tests.laws.compiled import MS, instance, program
 
@@ -21,7 +21,7 @@ T = 0.001
 WAVE = [math.sin(0.05 * k) + (0.5 if k > 40 else 0.0) for k in range(200)]
 
 
-def make(name: str, sample: int = MS, **arguments: Any) -> Interpreter:
+def make(name: str, sample: int = MS, **arguments: Any) -> Law:
     return instance(LIBRARY, name, sample, environment=True, **arguments)
 
 

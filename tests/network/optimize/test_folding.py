@@ -21,7 +21,7 @@ from cspdiag.network.ir.expressions import (
 )
 from cspdiag.network.ir.faults import may_fault
 from cspdiag.optimize.folding import LIBRARY_FUNCTIONS, folded_with
-from cspdiag.semantics.values import RaisedFaultError, value_of
+from cspdiag.semantics.values import FaultError, value_of
 
 INT8 = IntType(bits=8)
 FLOAT = RealType(bits=32)
@@ -88,7 +88,7 @@ def evaluated(expression: Expression, variables: dict[str, Any]) -> Any:
     """The value to the last bit, or the fault."""
     try:
         return repr(value_of(expression, {}, variables.__getitem__, {}.__getitem__))
-    except RaisedFaultError:
+    except FaultError:
         return "fault"
 
 

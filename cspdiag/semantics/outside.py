@@ -1,0 +1,194 @@
+"""The ports of the outermost process: what comes from the environment, and what goes there."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import TYPE_CHECKING, Any
+
+from cspdiag.semantics.media import AtOnce, EndKey, Medium, Offer
+from cspdiag.semantics.values import FaultError
+
+if TYPE_CHECKING:
+    from cspdiag.semantics.scheduler import Scheduler
+
+
+class MissedSampleError(Exception):
+    """A sample was overwritten before it was taken: the exception ``Timeout``. «Time»"""
+
+
+class EventOutput(AtOnce):
+    """An output that hands each value to the environment at the write: an event port, or an ``immediate`` one.
+
+    «Time»
+    """
+
+    communicates = True
+
+    def write(self, value: Any) -> None:
+        """Hand over."""
+        _refuse_what_is_no_number(value)
+        self.world.hand_over(self.name, value)
+
+
+class SampledOutput(AtOnce):
+    """A latch of one place that is handed over at the next tick. «Time»"""
+
+    communicates = True
+
+    def __init__(self, world: Scheduler, name: str, period: int) -> None:
+        super().__init__(world, name)
+        self.period = period
+        self.latched: list[Any] = []
+
+    def write(self, value: Any) -> None:
+        """The last value written in the period wins."""
+        _refuse_what_is_no_number(value)
+        self.latched = [value]
+
+    def tick(self) -> None:
+        """Hand over what was written since the last tick."""
+        for value in self.latched:
+            self.world.hand_over(self.name, value)
+        self.latched = []
+
+
+def _refuse_what_is_no_number(value: Any) -> None:
+    if isinstance(value, tuple):
+        for part in value:
+            _refuse_what_is_no_number(part)
+    elif isinstance(value, float) and not math.isfinite(value):
+        raise FaultError(f"{value} for an output of the outermost process")
+
+
+class ExternalInput(Medium):
+    """A waiting reader is woken when there is something, and takes it when it runs. «Parties, channels and guards»"""
+
+    outside = True
+
+    present: Any = None
+    """What the environment says."""
+
+    def arrive(self, offer: Offer) -> None:
+        """Take what is there, or wait."""
+        self.offers.append(offer)
+        self.retry(offer)
+
+    def retry(self, offer: Offer) -> None:
+        """Take what is there now; that is the communication. «Traces»"""
+        if self.ready(offer):
+            offer.value = self.take(offer.end)
+            self.world.communicate(self.name, offer.value)
+            self.complete(offer)
+
+    def choose(self, offer: Offer) -> None:
+        """Take it; a guard ``port`` leaves it to the reader that follows."""
+        if offer.only_ready:
+            offer.done = True
+        else:
+            self.retry(offer)
+
+    def take(self, end: EndKey) -> Any:
+        """The value; it is no longer there for this end."""
+        raise NotImplementedError
+
+
+class EventInput(ExternalInput):
+    """Keeps the latest value offered until it is read; under ``broadcast`` each end has its own. «Time»"""
+
+    def __init__(self, world: Scheduler, name: str, broadcast: bool) -> None:
+        super().__init__(world, name)
+        self.broadcast = broadcast
+        self.latches: dict[EndKey | None, Any] = {}
+
+    def offered(self, value: Any) -> None:
+        """The environment's output has a value at an instant of the grid; it is an event if it has changed."""
+        if value != self.present:
+            self.present = value
+            for latch in self.ends if self.broadcast else [None]:
+                self.latches[latch] = value
+                self.world.notice()
+
+    def _key(self, end: EndKey) -> EndKey | None:
+        return end if self.broadcast else None
+
+    def ready(self, offer: Offer) -> bool:
+        """A value was offered and not read."""
+        return self._key(offer.end) in self.latches
+
+    def wakes(self, offer: Offer) -> bool:
+        """An event that all share wakes the reader that has waited longest. «Parties, channels and guards»"""
+        waiting = [o for o in self.offers if o.guard is None and self._key(o.end) == self._key(offer.end)]
+        return self.ready(offer) and waiting[0] is offer
+
+    def take(self, end: EndKey) -> Any:
+        """The event, which is then over."""
+        return self.latches.pop(self._key(end))
+
+
+@dataclasses.dataclass
+class Session:
+    """The books of a reading end of a sampled input. «Time»"""
+
+    since: int
+    available: bool
+    missed: bool = False
+
+
+class SampledInput(ExternalInput):
+    """An input that takes a sample at the instants k·period. «Time»"""
+
+    def __init__(self, world: Scheduler, name: str, period: int) -> None:
+        super().__init__(world, name)
+        self.period = period
+        self.sessions: dict[EndKey, Session] = {}
+
+    def sampled(self, value: Any) -> None:
+        """The instant of a sample: one that was not taken is missed."""
+        self.present = value
+        for end in self.ends:
+            session = self.sessions.get(end)
+            if session is not None:
+                session.missed = session.missed or session.available
+                session.available = True
+                self.world.notice()
+
+    def ready(self, offer: Offer) -> bool:
+        """There is a sample not yet taken.
+
+        Without books, the present one counts if the process follows this period already.
+        """
+        session = self.sessions.get(offer.end)
+        return self._followed(offer.end) if session is None else session.available
+
+    def _followed(self, end: EndKey) -> bool:
+        """Whether the process of the end followed this period at the present tick already, through another end."""
+        tick = self.world.now // self.period * self.period
+        return any(
+            other_end[0] == end[0] and session.since < tick
+            for port in self.world.inputs
+            if isinstance(port, SampledInput) and port.period == self.period
+            for other_end, session in port.sessions.items()
+        )
+
+    def take(self, end: EndKey) -> Any:
+        """The latest sample; Timeout, once, where one was missed."""
+        session = self.sessions.setdefault(end, Session(self.world.now, True))
+        if session.missed and self.world.timeouts:
+            session.missed = False
+            raise MissedSampleError
+        session.available = session.missed = False
+        return self.present
+
+    def process_ended(self, path: str) -> None:
+        """Its books are closed: its next read is a first read."""
+        self.sessions = {end: session for end, session in self.sessions.items() if end[0] != path}
+
+
+def begin_sessions(offers: list[Offer]) -> None:
+    """First reads, all that a process begins to wait for together: their books are opened. «Time»"""
+    new = [o for o in offers if isinstance(o.medium, SampledInput) and o.end not in o.medium.sessions]
+    found = [(o, o.medium.ready(o)) for o in new]
+    for offer, available in found:
+        assert isinstance(offer.medium, SampledInput)
+        offer.medium.sessions[offer.end] = Session(offer.medium.world.now, available)
