@@ -15,7 +15,7 @@ from cspdiag.proofs.answers.prove import answered, not_replayed, prove
 from cspdiag.proofs.answers.question import Property, Question
 from cspdiag.proofs.transitions.told_apart import AsSpecification
 from cspdiag.proofs.verdict import LimitError, Limits, Method
-from cspdiag.verify.systems import Systems, VerificationError
+from cspdiag.verify.systems import SystemCache, VerificationError
 
 if TYPE_CHECKING:
     from cspdiag.network.ir.network import Network
@@ -73,7 +73,7 @@ class Verifier:
         self._spin = spin
         self._settings = settings
         self._enforced = enforced
-        self._systems = Systems(asked)
+        self._systems = SystemCache(asked)
         self._files: dict[str, dict[str, str]] = {}
 
     def answer(self, question: Question, limits: Limits) -> Answer:

@@ -20,7 +20,7 @@ from cspdiag.proofs.verdict import Limits
 from cspdiag.settings import SettingError
 from cspdiag.syntax.format.formatter import format_tree
 from cspdiag.syntax.parser import parse
-from cspdiag.verify.systems import Systems, VerificationError
+from cspdiag.verify.systems import SystemCache, VerificationError
 
 MOST_SUGGESTIONS = 4
 MOST_OF_A_KIND = 2
@@ -114,7 +114,7 @@ def _answer(asked: pipeline.Asked, limits: Limits) -> Answer | None:
     if limits.remaining <= 0:
         return None
     try:
-        return prove(asked.questions[0], Systems(asked).of, Limits(limits.remaining, limits.memory))
+        return prove(asked.questions[0], SystemCache(asked).of, Limits(limits.remaining, limits.memory))
     except VerificationError:
         return None
 

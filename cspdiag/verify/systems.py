@@ -18,7 +18,7 @@ class VerificationError(Exception):
     """A question that cannot be answered at all; the message is one line."""
 
 
-class Systems:
+class SystemCache:
     """The transition systems of a program of which something was asked."""
 
     def __init__(self, asked: pipeline.Asked) -> None:

@@ -14,7 +14,7 @@ from cspdiag.proofs.search import breadth_first
 from cspdiag.proofs.verdict import Limits, Refuted
 from cspdiag.verify.confirm import Verifier, replayed, trace_of
 from cspdiag.verify.runs.trace import Trace, TraceStep, read_trace
-from cspdiag.verify.systems import Systems
+from cspdiag.verify.systems import SystemCache
 from tests.models.programs import MODELS
 from tests.properties.drawing import draw_programs
 from tests.verifying import answers_to
@@ -184,7 +184,7 @@ def test_refutations_of_random_programs_replay() -> None:
         nonlocal replays
         asked = pipeline.ask(SourceFile(name="random.csp", text=text), read)
         question = asked.questions[0]
-        system = Systems(asked).of(question.process)
+        system = SystemCache(asked).of(question.process)
         verdict = breadth_first.deadlock_free(system, Limits(0.2, 100_000_000))
         if system.abstractions or not isinstance(verdict, Refuted):
             return

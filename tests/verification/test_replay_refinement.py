@@ -11,7 +11,7 @@ from cspdiag.proofs.transitions.told_apart import AsSpecification
 from cspdiag.proofs.verdict import Limits
 from cspdiag.verify.replay.refinement import judge
 from cspdiag.verify.replay.rest import Resting
-from cspdiag.verify.systems import Systems
+from cspdiag.verify.systems import SystemCache
 from tests.verifying import answers_to
 
 TEXT = """process Lights(least: int) {
@@ -68,7 +68,9 @@ def test_run(run: list[tuple[str, object]], says: str | None) -> None:
     (question,) = asked.questions
     network = asked.network("Has")
     assert network is not None
-    judged = judge(question, lambda apart: Systems(asked).of("Demands", apart, AsSpecification()), network, Limits())
+    judged = judge(
+        question, lambda apart: SystemCache(asked).of("Demands", apart, AsSpecification()), network, Limits()
+    )
     said = judged([(f"Has.{port}", value) for port, value in run], Resting((), goes_on=True))
     assert (said is None) == (says is None)
     assert (said or "").startswith(says or "")

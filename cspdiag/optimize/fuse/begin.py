@@ -2,20 +2,31 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Protocol
 
-from cspdiag.network.ir.actions import AfterEvent, Choice, InputEvent, OutputEvent, ReadyEvent, SkipEvent
+from cspdiag.network.ir.actions import AfterEvent, Choice, End, InputEvent, OutputEvent, ReadyEvent, SkipEvent
 from cspdiag.network.ir.expressions import Expression, LiteralValue
 from cspdiag.optimize.folding import is_literal
 from cspdiag.optimize.fuse.code import Communicate, Delay, NotStaticError
-from cspdiag.optimize.fuse.media import Offer
-from cspdiag.optimize.fuse.tasks import Exchange, Selection, Task, Waiting
-
-if TYPE_CHECKING:
-    from cspdiag.optimize.fuse.follow import Following
+from cspdiag.optimize.fuse.media import Medium, Offer
+from cspdiag.optimize.fuse.requests import Exchange, Selection
+from cspdiag.optimize.fuse.tasks import Task, TaskScheduler, Waiting
 
 
-def exchange(world: Following, task: Task, instruction: Communicate) -> Exchange:
+class FollowedProgram(TaskScheduler, Protocol):
+    """What is asked of the program that is followed, where an instruction is begun."""
+
+    def medium_of(self, end: End) -> Medium:
+        """What an end belongs to. Raises NotStaticError where that is an input without a period."""
+
+    def folded(self, expression: Expression) -> Expression:
+        """The expression, or its value where that is known."""
+
+    def compute_beside(self, offer: Offer) -> None:
+        """The value of one of several offers is computed before any of them is made."""
+
+
+def exchange(world: FollowedProgram, task: Task, instruction: Communicate) -> Exchange:
     """Readers and writers; of several values, each is computed before any is offered."""
     request = Exchange(world, task)
     for end, target in instruction.reads:
@@ -31,21 +42,21 @@ def exchange(world: Following, task: Task, instruction: Communicate) -> Exchange
     return request
 
 
-def delay(world: Following, task: Task, instruction: Delay) -> Waiting:
+def delay(world: FollowedProgram, task: Task, instruction: Delay) -> Waiting:
     """A delay. Raises NotStaticError where its length is not known."""
     if instruction.duration is None:
         return Waiting(world, task, None)
     return Waiting(world, task, max(0, _time(world, instruction.duration)))
 
 
-def _time(world: Following, duration: Expression) -> int:
+def _time(world: FollowedProgram, duration: Expression) -> int:
     value = world.folded(duration)
     if not isinstance(value, LiteralValue) or not isinstance(value.value, int):
         raise NotStaticError("the length of a delay is not known", duration.span)
     return value.value
 
 
-def selection(world: Following, task: Task, choice: Choice) -> Selection:
+def selection(world: FollowedProgram, task: Task, choice: Choice) -> Selection:
     """The guards that are enabled. Raises NotStaticError where that is not known."""
     request = Selection(world, task, choice.name, choice.prioritized)
     for index, branch in enumerate(choice.branches):

@@ -34,7 +34,8 @@ from cspdiag.optimize.fuse.code import (
 )
 from cspdiag.optimize.fuse.media import AtOnce, Medium, SampledInput, channel_medium
 from cspdiag.optimize.fuse.record import Recorder
-from cspdiag.optimize.fuse.tasks import Branches, Exchange, Request, Selection, Task
+from cspdiag.optimize.fuse.requests import Exchange, Selection
+from cspdiag.optimize.fuse.tasks import Branches, Request, Task
 
 LONGEST = 1000
 """Turns of tasks that are followed at most; a schedule that is longer would not be worth its memory."""

@@ -7,16 +7,14 @@ an assignment and, for the trace, a report.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol, assert_never
+from typing import Protocol, assert_never
 
 from cspdiag.base import Span
 from cspdiag.network.ir.actions import End, Target
 from cspdiag.network.ir.expressions import Expression
 from cspdiag.network.ir.network import LocalChannel
 from cspdiag.optimize.fuse.code import NotStaticError
-
-if TYPE_CHECKING:
-    from cspdiag.optimize.fuse.tasks import Exchange, Selection, Task
+from cspdiag.optimize.fuse.tasks import Task
 
 
 class Follower(Protocol):
@@ -49,11 +47,26 @@ class Follower(Protocol):
         """Wake whoever may go on now."""
 
 
+class Offering(Protocol):
+    """What a task waits for with offers."""
+
+    task: Task
+
+    def offer_done(self, offer: Offer) -> None:
+        """The communication of an offer has been made."""
+
+    def resolve(self, offer: Offer) -> None:
+        """Somebody has chosen to communicate with this guard."""
+
+    def bind(self, offer: Offer) -> None:
+        """Somebody is going to communicate with this output guard."""
+
+
 @dataclass(eq=False)
 class Offer:
     """A wish to communicate once; ``guard`` is the branch of an alternative, None for a plain one."""
 
-    request: Exchange | Selection
+    request: Offering
     medium: Medium
     end: End
     number: int
