@@ -1,6 +1,7 @@
 """cspdiag: communication and composition diagrams in text, checked and turned into control software that runs.
 
-``load`` gives a program; ``check`` and ``compile`` are short cuts. Importing this package loads nothing else.
+``load`` gives a program, ``parse`` that of a text; ``check`` and ``compile`` are short cuts. Importing this package loads nothing else:
+classes come when they are named.
 """
 
 from __future__ import annotations
@@ -10,22 +11,109 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from os import PathLike
 
-    from cspdiag.api import LoadedProgram
-    from cspdiag.base import Diagnostic
+    from cspdiag.analyses.margins.linear import NotLinearError
+    from cspdiag.api import Drawing, LoadedProgram, ProgramError
+    from cspdiag.base.diagnostic import Diagnostic
+    from cspdiag.base.errors import ArgumentError, CspdiagError, FileError, MissingPackageError
+    from cspdiag.codegen.shared.target_error import TargetError
+    from cspdiag.draw.layout.graph import LayoutError
+    from cspdiag.draw.missing import MissingToolError
+    from cspdiag.network.lower.program import SelectionError
+    from cspdiag.settings import SettingError
+    from cspdiag.simulate.native.build import CompilerError
+    from cspdiag.simulate.result import Run, RunError, UnknownSignalError
+    from cspdiag.simulate.run.execute import BodyError, NoEnvironmentError
+    from cspdiag.verify.systems import VerificationError
 
-__all__ = ["__version__", "check", "compile", "load"]
+__all__ = [
+    "ArgumentError",
+    "BodyError",
+    "CompilerError",
+    "CspdiagError",
+    "Diagnostic",
+    "Drawing",
+    "FileError",
+    "LayoutError",
+    "LoadedProgram",
+    "MissingPackageError",
+    "MissingToolError",
+    "NoEnvironmentError",
+    "NotLinearError",
+    "ProgramError",
+    "Run",
+    "RunError",
+    "SelectionError",
+    "SettingError",
+    "TargetError",
+    "UnknownSignalError",
+    "VerificationError",
+    "__version__",
+    "check",
+    "compile",
+    "load",
+    "parse",
+]
 
 __version__ = "0.1.0"
 
+_HOMES = {
+    "ArgumentError": "base.errors",
+    "BodyError": "simulate.run.execute",
+    "CompilerError": "simulate.native.build",
+    "CspdiagError": "base.errors",
+    "Diagnostic": "base.diagnostic",
+    "Drawing": "api",
+    "FileError": "base.errors",
+    "LayoutError": "draw.layout.graph",
+    "LoadedProgram": "api",
+    "MissingPackageError": "base.errors",
+    "MissingToolError": "draw.missing",
+    "NoEnvironmentError": "simulate.run.execute",
+    "NotLinearError": "analyses.margins.linear",
+    "ProgramError": "api",
+    "Run": "simulate.result",
+    "RunError": "simulate.result",
+    "SelectionError": "network.lower.program",
+    "SettingError": "settings",
+    "TargetError": "codegen.shared.target_error",
+    "UnknownSignalError": "simulate.result",
+    "VerificationError": "verify.systems",
+}
+"""The modules of the classes that are imported when they are named."""
+
+
+def __getattr__(name: str) -> object:
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from importlib import import_module
+
+    found: object = getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)
+    globals()[name] = found
+    return found
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})
+
 
 def load(path: str | PathLike[str]) -> LoadedProgram:
-    """The program in a file; nothing of it is checked yet.
+    """The program in a file (``-`` is standard input); nothing of it is checked yet.
 
-    Raises OSError for a file that cannot be read or is not text.
+    Raises FileError, an OSError, for a file that cannot be read or is not text.
     """
     from cspdiag.api import load
 
     return load(path)
+
+
+def parse(text: str, name: str = "program.csp") -> LoadedProgram:
+    """The program that a text is; nothing of it is checked yet. ``name`` is what messages call it, and imports are relative to its folder.
+
+    Raises TypeError for what is no ``str``, ArgumentError for one with zero bytes or halves of characters.
+    """
+    from cspdiag.api import parse
+
+    return parse(text, name)
 
 
 def check(path: str | PathLike[str]) -> list[Diagnostic]:
@@ -34,5 +122,5 @@ def check(path: str | PathLike[str]) -> list[Diagnostic]:
 
 
 def compile(path: str | PathLike[str], target: str = "python") -> dict[str, str]:
-    """The generated package of the program in a file: texts by path. Raises ``cspdiag.api.ProgramError``, OSError."""
+    """The generated package of the program in a file: texts by path. Raises what ``load`` and ``LoadedProgram.compile`` raise."""
     return load(path).compile(target)

@@ -8,7 +8,20 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from cspdiag import pipeline
+from cspdiag.arguments import (
+    Setting,
+    definition_to_draw,
+    labels_to_hide,
+    measured_times,
+    require_one_of,
+    require_seconds,
+    require_states,
+    settings_of,
+    source_of,
+    time_limit,
+)
 from cspdiag.base import Diagnostic, SourceFile
+from cspdiag.base.errors import ArgumentError, CspdiagError, file_errors
 from cspdiag.base.sources import read_source
 
 if TYPE_CHECKING:
@@ -20,11 +33,8 @@ if TYPE_CHECKING:
     from cspdiag.proofs.answers.answer import Answer
     from cspdiag.simulate.result import Run
 
-Setting = str | int | float
-"""A value as ``cspdiag run --set`` takes it (``"10 ms"``), or a plain number."""
 
-
-class ProgramError(Exception):
+class ProgramError(CspdiagError):
     """The program has errors; the text shows them all, ``diagnostics`` has them as objects."""
 
     def __init__(self, diagnostics: list[Diagnostic]) -> None:
@@ -34,14 +44,18 @@ class ProgramError(Exception):
         self.diagnostics = diagnostics
 
 
-def _written(value: Setting) -> str:
-    """A setting as the language writes it: ``True`` is ``true`` there."""
-    return str(value).lower() if isinstance(value, bool) else str(value)
-
-
 def load(path: str | os.PathLike[str]) -> LoadedProgram:
-    """The program in a file. Raises OSError for a file that cannot be read or is not text."""
-    return LoadedProgram(read_source(os.fspath(path)))
+    """The program in a file; ``-`` is standard input. Raises FileError for a file that cannot be read or is not text."""
+    with file_errors():
+        return LoadedProgram(read_source(os.fsdecode(path)))
+
+
+def parse(text: str, name: str) -> LoadedProgram:
+    """The program that a text is; ``name`` is what messages call it, and imports are relative to its folder.
+
+    Raises TypeError for what is no ``str``, ArgumentError for one with zero bytes or halves of characters.
+    """
+    return LoadedProgram(source_of(text, name))
 
 
 class LoadedProgram:
@@ -86,7 +100,7 @@ class LoadedProgram:
     ) -> Network:
         """The network of the process ``top`` for an environment, with constants and parameters set.
 
-        Raises ProgramError, ``SettingError`` for a setting that fits nothing, and ``cspdiag.network.lower.program.SelectionError`` where there is
+        Raises ProgramError, ``SettingError`` for a setting that fits nothing, and ``SelectionError`` where there is
         no such process or environment, or no process at all.
         """
         return self._build(top, environment, set, alone=False)
@@ -94,9 +108,8 @@ class LoadedProgram:
     def _build(
         self, top: str | None, environment: str | None, set: Mapping[str, Setting] | None, *, alone: bool
     ) -> Network:
-        settings = {name: _written(value) for name, value in (set or {}).items()}
         built = pipeline.build(
-            self.source, read_source, top=top, environment=environment, settings=settings, alone=alone
+            self.source, read_source, top=top, environment=environment, settings=settings_of(set), alone=alone
         )
         if built.network is None:
             raise ProgramError(built.checked.report.diagnostics)
@@ -105,13 +118,15 @@ class LoadedProgram:
     def compile(self, target: str = "python", *, level: int = 0) -> dict[str, str]:
         """The generated package: texts by path; ``level`` is 1 for fast code.
 
-        Raises what ``build`` raises, and ValueError for an unknown target, or a program that the target cannot express.
+        Raises what ``build`` raises, ArgumentError for an unknown target or level, ``TargetError`` for a program that the target cannot express, and
+        FileError for a module of the program that cannot be read.
         """
         from cspdiag.codegen import TARGETS
 
-        if target not in TARGETS:
-            raise ValueError(f"unknown target {target!r} (there are: {', '.join(TARGETS)})")
-        return pipeline.generate(self.network, read_source, target, level)
+        require_one_of("target", target, TARGETS)
+        _require_level(level)
+        with file_errors():
+            return pipeline.generate(self.network, read_source, target, level)
 
     def draw(
         self,
@@ -125,33 +140,32 @@ class LoadedProgram:
         """The diagrams of a process or an environment, by default of the outermost process, as a notebook shows them.
 
         ``hide_labels`` hides all labels, or those named, or sorts of them (``"types"``); ``depth`` 2 shows the inside of instances. With ``check`` a program with errors
-        is drawn as far as it can be read, with its errors and warnings marked. Raises ProgramError for a program with errors otherwise, ValueError where there is
-        nothing of that name to draw, and ``cspdiag.draw.missing.MissingToolError`` without ``cspdiag[draw]``.
+        is drawn as far as it can be read, with its errors and warnings marked. Raises ProgramError for a program with errors otherwise, ArgumentError where there is
+        nothing of that name to draw or to hide, and ``MissingToolError`` without ``cspdiag[draw]``.
         """
-        from cspdiag.draw.hiding import ALL_LABELS, NOTHING_HIDDEN, hidden
         from cspdiag.draw.pictures import Pictures, Wish
 
+        require_one_of("diagram", diagram, ("communication", "composition", "both"))
+        if depth < 1:
+            raise ArgumentError(f"depth is at least 1, not {depth!r}")
         checked = self._checked
         if checked.readable is None or (checked.report.has_errors and not check):
             raise ProgramError(checked.report.diagnostics)
         pictures = Pictures(checked.readable, checked.report.diagnostics if check else (), checked.analysis)
-        definition = pictures.outermost() if process is None else pictures.named(process)
-        if definition is None:
-            raise ValueError(f"there is no process or environment {process!r}" if process else "there is no process")
-        labels = hide_labels if isinstance(hide_labels, bool) else hidden(hide_labels)
-        hide = (ALL_LABELS if labels else NOTHING_HIDDEN) if isinstance(labels, bool) else labels
+        definition = definition_to_draw(pictures, process)
+        hide = labels_to_hide(pictures, definition, hide_labels, depth)
         return Drawing(pictures.scene(definition, Wish(which=diagram, hidden=hide, depth=depth)))
 
     def draw_deadlock(self, run: Run) -> Drawing:
         """Who waits for whom in a run of this program that ended in a deadlock, as ``cspdiag run --draw-deadlock`` draws it.
 
-        Raises ValueError where it ended otherwise, and ``cspdiag.draw.missing.MissingToolError`` without ``cspdiag[draw]``.
+        Raises ArgumentError where it ended otherwise, and ``MissingToolError`` without ``cspdiag[draw]``.
         """
         from cspdiag.draw.deadlock.ring import draw_deadlock
         from cspdiag.verify.deadlock_picture import deadlock_of
 
         if run.outcome.deadlock is None:
-            raise ValueError(f"the run did not end in a deadlock: {run.outcome.ended}")
+            raise ArgumentError(f"the run did not end in a deadlock: {run.outcome.ended}")
         return Drawing(draw_deadlock(deadlock_of(run.outcome.deadlock, run.network), self._checked.program))
 
     def timing(
@@ -163,12 +177,13 @@ class LoadedProgram:
     ) -> TimingReport:
         """Response times, latencies and advice for the sampled loops, as ``cspdiag verify --timing`` tells them.
 
-        ``measured`` has execution times of laws in seconds by path, which count instead of stated ones. Raises what ``build`` raises.
+        ``measured`` has execution times of laws in seconds by path, which count instead of stated ones. Raises what ``build`` raises, and
+        ArgumentError for a path that there is not, or a negative time.
         """
         from cspdiag.analyses.timing.report.timing import timing_report
 
-        times = {path: round(seconds * 1e9) for path, seconds in (measured or {}).items()}
-        return timing_report(self.build(top=top, set=set), times)
+        network = self.build(top=top, set=set)
+        return timing_report(network, measured_times(network, measured))
 
     def margins(
         self,
@@ -179,8 +194,8 @@ class LoadedProgram:
     ) -> LoopReport:
         """Stability and margins of the loops through the plant of an environment (the first one by default), as ``cspdiag margins`` tells them.
 
-        ``at`` has values of states of the plant at the operating point. Raises what ``build`` raises, ``cspdiag.simulate.run.execute.NoEnvironmentError``, and
-        ``cspdiag.analyses.margins.linear.NotLinearError`` where the plant cannot be looked into.
+        ``at`` has values of states of the plant at the operating point. Raises what ``build`` raises, ``NoEnvironmentError``, ArgumentError for a
+        state that the plant does not have, and ``NotLinearError`` where it cannot be looked into.
         """
         from cspdiag.analyses.margins.loops import analyse_loops
         from cspdiag.simulate.run.execute import NoEnvironmentError, chosen_environment
@@ -189,12 +204,14 @@ class LoadedProgram:
         chosen = chosen_environment(network, environment)
         if chosen is None:
             raise NoEnvironmentError(f"`{network.top}` has no environment, and so no plant that would close its loops")
+        require_states(chosen, at or ())
         return analyse_loops(network, chosen, point=at)
 
     def run(
         self,
         environment: str | None = None,
         *,
+        process: str | None = None,
         until: str | float | None = None,
         set: Mapping[str, Setting] | None = None,
         real_time: bool = False,
@@ -203,27 +220,27 @@ class LoadedProgram:
     ) -> Run:
         """Run the program against an environment (the first one by default), until ``until``: ``"20 s"``, or a number of seconds.
 
-        ``target="c"`` builds and runs a native program; with ``level=0`` the readable code runs instead of the fast one. The results are the same.
+        ``process`` is the outermost one, by default that of the environment. ``target="c"`` builds and runs a native program; with ``level=0`` the readable
+        code runs instead of the fast one. The results are the same.
 
-        Raises what ``build`` raises, ``cspdiag.simulate.run.execute.NoEnvironmentError``, for C also
-        ``cspdiag.simulate.native.build.CompilerError``, and ValueError for a level or target that there is not, or a program that the target cannot express.
+        Raises what ``build`` raises, ``NoEnvironmentError``, ``BodyError``, for C also ``CompilerError`` and ``TargetError``, and ArgumentError for a
+        level or target that there is not.
         """
-        from cspdiag.settings import parse_time_limit
         from cspdiag.simulate.native import run as native
         from cspdiag.simulate.run import execute
 
-        if level not in (0, 1):
-            raise ValueError(f"there is no level {level!r} of optimization: it is 0 or 1")
+        _require_level(level)
         if target not in ("python", "c"):
-            raise ValueError(f"nothing runs the target {target!r}: it is 'python' or 'c'")
-        network = self._build(None, environment, set, alone=True)
-        limit = None if until is None else parse_time_limit(until if isinstance(until, str) else f"{until!r} s")
-        if target == "c":
-            return native.simulate(
-                network, read_source, level=level, environment=environment, until=limit, real_time=real_time
-            )
-        files = pipeline.generate(network, read_source, level=level, traced=True, observed=True)
-        return execute.simulate(network, files, environment=environment, until=limit, real_time=real_time)
+            raise ArgumentError(f"nothing runs the target {target!r}: it is 'python' or 'c'")
+        limit = None if until is None else time_limit(until)
+        network = self._build(process, environment, set, alone=True)
+        with file_errors():
+            if target == "c":
+                return native.simulate(
+                    network, read_source, level=level, environment=environment, until=limit, real_time=real_time
+                )
+            files = pipeline.generate(network, read_source, level=level, traced=True, observed=True)
+            return execute.simulate(network, files, environment=environment, until=limit, real_time=real_time)
 
     def verify(
         self,
@@ -234,18 +251,24 @@ class LoadedProgram:
     ) -> list[Answer]:
         """The answers to what the file asserts, or what it asserts of ``process``, in text order; see ``Answer``.
 
-        Where nothing is asserted, freedom from deadlock and from livelock is asked. ``time_limit`` is in seconds, for each. Raises what ``build`` raises, and
-        ``cspdiag.verify.systems.VerificationError`` where nothing can be answered.
+        Where nothing is asserted, freedom from deadlock and from livelock is asked. ``time_limit`` is in seconds, for each. Raises what ``build`` raises,
+        ``VerificationError`` where nothing can be answered, and ArgumentError for a time limit that is no time.
         """
         from cspdiag.proofs.verdict import Limits
         from cspdiag.verify.confirm import Verifier
 
-        settings = {name: _written(value) for name, value in (set or {}).items()}
+        require_seconds("time_limit", time_limit)
+        settings = settings_of(set)
         asked = pipeline.ask(self.source, read_source, process=process, settings=settings)
         if asked.checked.report.has_errors:
             raise ProgramError(asked.checked.report.diagnostics)
         verifier = Verifier(asked, read_source, settings=settings)
         return [verifier.answer(question, Limits(time_limit)) for question in asked.questions]
+
+
+def _require_level(level: int) -> None:
+    if level not in (0, 1):
+        raise ArgumentError(f"there is no level {level!r} of optimization: it is 0 or 1")
 
 
 class Drawing:
@@ -261,21 +284,31 @@ class Drawing:
         return self.svg()
 
     def svg(self, scheme: str = "auto") -> str:
-        """The picture as SVG, in the colours of the scheme ``light``, ``dark`` or, as the viewer prefers, ``auto``."""
+        """The picture as SVG, in the colours of the scheme ``light``, ``dark`` or, as the viewer prefers, ``auto``.
+
+        Raises ArgumentError for another scheme.
+        """
         from cspdiag.draw.output.svg import render_svg
         from cspdiag.draw.scene.palette import Scheme
 
+        require_one_of("scheme", scheme, [each.value for each in Scheme])
         return render_svg(self.scene, Scheme(scheme))
 
     def save(self, path: str | os.PathLike[str], *, scheme: str = "auto", scale: float = 2.0) -> None:
         """Write a file whose name ends in ``.svg``, ``.png`` (``scale`` dots a pixel) or ``.pdf``.
 
-        Raises ValueError for another ending, OSError where it cannot be written.
+        Raises ArgumentError for another ending, scheme or scale, FileError where it cannot be written.
         """
         from pathlib import Path
 
-        from cspdiag.draw.output.formats import rendered
+        from cspdiag.draw.output.formats import FORMATS, rendered
+        from cspdiag.draw.scene.palette import Scheme
         from cspdiag.simulate.record.files import write_whole
 
         suffix = Path(path).suffix.removeprefix(".").lower()
-        write_whole(Path(path), rendered([self.scene], suffix, scheme, scale))
+        require_one_of("ending of a picture", suffix, FORMATS)
+        require_one_of("scheme", scheme, [each.value for each in Scheme])
+        if not 0.1 <= scale <= 20:
+            raise ArgumentError(f"scale is between 0.1 and 20, not {scale!r}")
+        with file_errors():
+            write_whole(Path(path), rendered([self.scene], suffix, scheme, scale))

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import chain, islice
 from typing import TYPE_CHECKING
 
+from cspdiag.base.errors import CspdiagError
 from cspdiag.base.record import record, replaced
 from cspdiag.syntax import ast
 
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     from cspdiag.network.lower.setting_paths import Root, Step
 
 
-class SettingError(ValueError):
+class SettingError(CspdiagError, ValueError):
     """A setting names nothing that can be set, or its value does not fit; the message is one line."""
 
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from cspdiag.base.errors import CspdiagError
 
-class MissingToolError(Exception):
+
+class MissingToolError(CspdiagError):
     """Something that drawing needs is not installed; the text is one line that says what helps."""
 
 

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from cspdiag.base.errors import ArgumentError, CspdiagError, file_errors, missing_package
+from cspdiag.runtime.kernel.exceptions import described
 from cspdiag.simulate.record.recorder import Communication
 from cspdiag.simulate.record.run_data import RunData, Signal
 
@@ -14,12 +17,31 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
+_PICTURES = (".svg", ".png", ".pdf")
+
+
+class UnknownSignalError(CspdiagError, KeyError):
+    """A run has no signal of that name; the message has the names that there are."""
+
+    def __str__(self) -> str:
+        return str(self.args[0])
+
+
+class RunError(CspdiagError):
+    """A run ended unsuccessfully: with an exception of the program, which is the cause of this one, or in a deadlock."""
+
+
 class Run(RunData):
     """A run of a program: why it ended, what was communicated and when, which process ran when.
 
     ``signals`` has the external ports under their names and the internal channels under their hierarchical names (``Jiwy.horizontal.status``).
     ``run["control_horizontal"]`` is an array of values, ``run.time("control_horizontal")`` the array of their instants in seconds.
     """
+
+    def unread(self, name: str) -> Sequence[bool]:
+        """Whether nobody read a sample of a sampled input before the next one came, for each of them; UnknownSignalError for no signal."""
+        self._signal(name)
+        return super().unread(name)
 
     def __repr__(self) -> str:
         where = f" in {self.environment.name}" if self.environment is not None else ""
@@ -34,7 +56,7 @@ class Run(RunData):
         return name in self.signals
 
     def __getitem__(self, name: str) -> numpy.ndarray:
-        """Values of a signal; KeyError with the known names if there is none of that name."""
+        """Values of a signal; UnknownSignalError, a KeyError, with the known names if there is none of that name."""
         return self._signal(name).value
 
     def time(self, name: str) -> numpy.ndarray:
@@ -45,12 +67,19 @@ class Run(RunData):
         try:
             return self.signals[name]
         except KeyError:
-            raise KeyError(f"no signal {name!r}; there are: {', '.join(self.signals)}") from None
+            raise UnknownSignalError(f"no signal {name!r}; there are: {', '.join(self.signals)}") from None
 
     @property
     def events(self) -> Sequence[Communication]:
         """All communications in order."""
         return self.communications
+
+    def raise_if_unsuccessful(self) -> None:
+        """Raise RunError where the run failed or ended in a deadlock."""
+        try:
+            self.outcome.raise_if_unsuccessful()
+        except Exception as problem:
+            raise RunError(f"{self!r}\n{described(problem)}") from problem
 
     def summary(self) -> str:
         """Why and when the run ended, missed samples, real-time figures."""
@@ -62,13 +91,15 @@ class Run(RunData):
         """Write the external ports as CSV (format: ``cspdiag run --record``)."""
         from cspdiag.simulate.record.files import csv_text, write_whole
 
-        write_whole(Path(path), csv_text(self).encode())
+        with file_errors():
+            write_whole(Path(path), csv_text(self).encode())
 
     def to_npz(self, path: str | Path) -> None:
         """Write the external ports as a numpy archive."""
         from cspdiag.simulate.record.files import npz_bytes, write_whole
 
-        write_whole(Path(path), npz_bytes(self))
+        with file_errors():
+            write_whole(Path(path), npz_bytes(self))
 
     def to_trace(self, path: str | Path) -> None:
         """Write Chrome trace events (``.json``) or the plain trace (``.jsonl``)."""
@@ -76,16 +107,23 @@ class Run(RunData):
         from cspdiag.simulate.record.files import plain_trace_text, write_whole
 
         make = plain_trace_text if Path(path).suffix == ".jsonl" else chrome_trace_text
-        write_whole(Path(path), make(self).encode())
+        with file_errors():
+            write_whole(Path(path), make(self).encode())
 
     def plot(self, path: str | Path | None = None) -> Figure:
         """One figure of set-points, measurements, outputs and modes over time; written to ``path`` if given.
 
-        Raises ImportError with the command to install matplotlib if it is missing.
+        Raises MissingPackageError, an ImportError, with the command to install matplotlib if it is missing, ArgumentError for a name of a file that
+        ends otherwise than in .svg, .png or .pdf, and FileError where it cannot be written.
         """
         from cspdiag.simulate.record.plot import plot
 
-        return plot(self, None if path is None else Path(path))
+        if find_spec("matplotlib") is None:
+            raise missing_package("matplotlib", "plot")
+        if path is not None and Path(path).suffix.lower() not in _PICTURES:
+            raise ArgumentError(f"a plot is written as {', '.join(_PICTURES)}, not as {Path(path).name}")
+        with file_errors():
+            return plot(self, None if path is None else Path(path))
 
     def _repr_svg_(self) -> str:
         from cspdiag.simulate.record.plot import svg_text

@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from cspdiag.base.errors import CspdiagError
 from cspdiag.codegen.promela.package import Command, commands, promela
 from cspdiag.codegen.shared.target_error import TargetError
 from cspdiag.proofs.transitions.systems.system import System
@@ -23,7 +24,7 @@ _DEPTH = 2_000_000
 _STATES = re.compile(r"^\s*([0-9.e+]+) states, stored", re.MULTILINE)
 
 
-class SpinError(Exception):
+class SpinError(CspdiagError):
     """SPIN, or the C compiler that it needs, is missing or fails; the message is one line."""
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from cspdiag import pipeline
+from cspdiag.base.errors import CspdiagError
 from cspdiag.proofs.transitions import transition_system
 from cspdiag.proofs.transitions.threads.explore import TransitionError
 from cspdiag.proofs.transitions.told_apart import Apart, AsSpecification
@@ -14,7 +15,7 @@ if TYPE_CHECKING:
     from cspdiag.proofs.transitions.told_apart import ToldApart
 
 
-class VerificationError(Exception):
+class VerificationError(CspdiagError):
     """A question that cannot be answered at all; the message is one line."""
 
 

@@ -69,7 +69,7 @@ def test_a_program_with_errors_is_drawn_only_with_its_errors(wrong: Path) -> Non
 
 
 def test_what_is_not_there_is_not_drawn(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match="'Jiwi'"):
+    with pytest.raises(ValueError, match=r"`Jiwi` .did you mean `Jiwy`"):
         cspdiag.load(JIWY).draw("Jiwi")
     empty = tmp_path / "empty.csp"
     empty.write_text("const n = 1\n")

@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, assert_never
 
+from cspdiag.base.errors import CspdiagError
 from cspdiag.model.constants import arithmetic
 from cspdiag.model.types import IntType, RealType, StructType
 from cspdiag.network.ir.expressions import (
@@ -39,7 +40,7 @@ if TYPE_CHECKING:
 from cspdiag.base import Span
 
 
-class NotLinearError(Exception):
+class NotLinearError(CspdiagError):
     """An expression has no slope at the operating point: ``span`` is its place, if it has one in the text."""
 
     def __init__(self, reason: str, span: Span | None) -> None:

@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum
 
+from cspdiag.base.errors import CspdiagError
 from cspdiag.draw.scene.geometry import Point, Rectangle
 
 
@@ -163,5 +164,5 @@ class Layout:
     routes: Mapping[str, Route] = field(default_factory=dict)
 
 
-class LayoutError(Exception):
+class LayoutError(CspdiagError):
     """There is no engine to lay out with, or it failed; the text is one sentence for the user, with what helps."""

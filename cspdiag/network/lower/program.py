@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping
 from keyword import iskeyword
 
 from cspdiag.base import Report
+from cspdiag.base.errors import CspdiagError
 from cspdiag.base.spelling import Speller
 from cspdiag.model.program import Program, Value
 from cspdiag.network.analyse import Analysis
@@ -28,7 +29,7 @@ from cspdiag.network.submodels import classes as submodels
 from cspdiag.syntax import ast
 
 
-class SelectionError(ValueError):
+class SelectionError(CspdiagError, ValueError):
     """There is no process to compile, or not all that it takes; the message is one line."""
 
 

@@ -17,6 +17,7 @@ from hashlib import sha256
 from pathlib import Path
 
 from cspdiag.base.caches import cache_folder
+from cspdiag.base.errors import CspdiagError
 
 REQUIRED = ("-std=c99", "-ffp-contract=off")
 """Whatever else is asked for: the values of a program are defined to the last bit."""
@@ -30,7 +31,7 @@ _INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.MULTILINE)
 _PLACE = re.compile(r"/\*.*?([^\s/*(]+\.csp:\d+)")
 
 
-class CompilerError(Exception):
+class CompilerError(CspdiagError):
     """There is no C compiler, or it has refused a file; the message is for people."""
 
 

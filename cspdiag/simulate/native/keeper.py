@@ -7,6 +7,7 @@ import subprocess
 import threading
 import time
 
+from cspdiag.base.errors import CspdiagError
 from cspdiag.runtime.kernel.signals import left_to_the_main_thread, name_of_signal
 from cspdiag.runtime.kernel.stopping import stopping
 
@@ -15,7 +16,7 @@ PATIENCE = 2.0
 _LOOK = 0.05
 
 
-class KilledError(Exception):
+class KilledError(CspdiagError):
     """A native program had to be killed; the message says why."""
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
+from cspdiag.base.errors import CspdiagError
 from cspdiag.codegen.python.plain.external import bodies
 from cspdiag.network.ir.network import Environment, Network
 from cspdiag.runtime.kernel.exceptions import kind_and_text
@@ -19,11 +20,11 @@ if TYPE_CHECKING:
     from cspdiag.runtime import Network as RunningNetwork
 
 
-class NoEnvironmentError(LookupError):
+class NoEnvironmentError(CspdiagError, LookupError):
     """The program has ports to the outside and nothing to connect them to."""
 
 
-class BodyError(Exception):
+class BodyError(CspdiagError):
     """A module in Python that the program names cannot be imported, or its class not be made; the message is one line."""
 
 

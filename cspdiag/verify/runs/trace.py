@@ -7,17 +7,18 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from cspdiag.base.errors import CspdiagError
 from cspdiag.proofs.counterexamples.counterexample import is_shown
 
 FORMAT = "cspdiag trace 1"
 _ROUNDS = "rounds"
 
 
-class TraceError(ValueError):
+class TraceError(CspdiagError, ValueError):
     """The file is no trace to replay; the message is one line."""
 
 
-class DivergenceError(Exception):
+class DivergenceError(CspdiagError):
     """The program does not follow the trace; the message says where."""
 
 
