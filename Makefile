@@ -56,6 +56,7 @@ docs: $(VENV)/.stamp-dev ## Write the generated documentation
 pictures: $(VENV)/.stamp-dev ## Draw the pictures of the documentation and the models
 	PYTHONPATH=. $(BIN)/python distribution/notation_pictures.py
 	PYTHONPATH=. $(BIN)/python distribution/model_pictures.py
+	PYTHONPATH=. $(BIN)/python distribution/layer_picture.py
 
 cases: $(VENV)/.stamp-dev ## Rewrite the expectations of the literate cases; read the difference
 	$(BIN)/pytest tests/test_cases.py --update-cases

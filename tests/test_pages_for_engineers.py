@@ -7,16 +7,22 @@ from __future__ import annotations
 
 import ast
 import re
+import sys
+import tomllib
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
+
+from cspdiag.runtime import After, Channel, Network, Process, interrupt, ms, wait
 
 ROOT = Path(__file__).parents[1]
 DESIGN = sorted((ROOT / "docs" / "design").glob("*.md"))
 DECISIONS = [page for page in DESIGN if page.name != "README.md"]
 LINKED = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md")), *DESIGN]
-NAMING = DESIGN
+ARCHITECTURE = ROOT / "docs" / "architecture.md"
+NAMING = [*DESIGN, ARCHITECTURE]
 SECTIONS = ["Decision", "Alternatives", "What it costs", "Where it stands", "Tests that hold it"]
 FOLDERS = "cspdiag|tests|docs|models|templates|grammars|distribution|benchmarks|third-party"
 _PLACE = re.compile(rf"`((?:(?:{FOLDERS})/|\.ci/|\.github/)[\w./-]*|Makefile|[\w-]+\.(?:toml|md))(?:::([\w.]+))?`")
@@ -105,6 +111,61 @@ def test_the_index_has_every_decision_once() -> None:
     assert sorted(link for link in _LINK.findall(index) if "/" not in link) == [page.name for page in DECISIONS]
     titles = {page.name: page.read_text(encoding="utf-8").partition("\n")[0].removeprefix("# ") for page in DECISIONS}
     assert [name for name, title in titles.items() if f"- [{title}]({name})\n" not in index] == []
+
+
+def test_every_layer_is_a_room() -> None:
+    contracts = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["importlinter"][
+        "contracts"
+    ]
+    (order,) = (contract["layers"] for contract in contracts if contract["type"] == "layers")
+    layers = {part.strip(" ()") for level in order for part in level.split("|")}
+    rooms = re.findall(r"^\| `cspdiag/(\w+)(?:/|\.py)` \|", ARCHITECTURE.read_text(encoding="utf-8"), re.MULTILINE)
+    assert sorted(rooms) == sorted(layers)
+
+
+class Interrupted(Process):
+    """Waits in a rendezvous, is interrupted there, and ends in the handler."""
+
+    def __init__(self) -> None:
+        super().__init__("Top")
+        self.numbers = Channel[int]("Top.numbers")
+
+    async def run(self) -> None:
+        await interrupt(self.reads, After(ms), self.goes_on)
+
+    async def reads(self) -> None:
+        await self.numbers.reader(self).read()
+
+    async def goes_on(self) -> None:
+        await wait(ms)
+
+
+def calls_of(process: Process) -> list[str]:
+    """Every function of cspdiag that a run of the process calls, as ``path::name``, in order."""
+    calls: list[str] = []
+
+    def note(frame: Any, event: str, _: object) -> None:
+        if event == "call" and frame.f_code.co_filename.startswith(f"{ROOT}/cspdiag/"):
+            path = Path(frame.f_code.co_filename).relative_to(ROOT).as_posix()
+            calls.append(f"{path}::{frame.f_code.co_qualname}")
+
+    before = sys.getprofile()
+    sys.setprofile(note)
+    try:
+        outcome = Network(process).run()
+    finally:
+        sys.setprofile(before)
+    assert outcome.ended == "terminated", outcome.error
+    return calls
+
+
+def test_the_walk_is_the_way_that_an_interrupt_goes() -> None:
+    walk = ARCHITECTURE.read_text(encoding="utf-8").partition("## A walk\n")[2].partition("In C it is")[0]
+    steps = [f"{path}::{name}" for path, name in places(walk) if name]
+    assert len(re.findall(r"^\d\. ", walk, re.MULTILINE)) == 7, "seven steps, as the page says"
+    assert len(steps) == 7
+    calls = iter(calls_of(Interrupted()))
+    assert [step for step in steps if step not in calls] == [], "in this order"
 
 
 def test_what_does_not_exist_is_found(tmp_path: Path) -> None:
