@@ -39,12 +39,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if compilers and options.in_turn:
             compilers = [compilers[looked % len(compilers)]]
         runs += [(NATIVE, compiler, False) for compiler in compilers]
-        if options.compilers and looked % options.sanitize == 0:
+        if options.compilers and options.sanitize and looked % options.sanitize == 0:
             runs.append((NATIVE, options.compilers[0], True))
         for names, compiler, sanitized in runs:
-            if difference(str(program), names, compiler, sanitized=sanitized):
+            told = difference(str(program), names, compiler, sanitized=sanitized)
+            if told:
                 found += 1
-                least, told = smallest(program, names, compiler, options.shrink, sanitized=sanitized)
+                least, told = smallest(program, told, names, compiler, options.shrink, sanitized=sanitized)
                 options.folder.mkdir(parents=True, exist_ok=True)
                 place = options.folder / f"seed_{seed - 1}.csp"
                 place.write_text(str(least), encoding="utf-8")
@@ -68,7 +69,9 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--first", type=int, default=0, metavar="SEED")
     parser.add_argument("--seconds", type=float, default=None, help="stop after so many")
     parser.add_argument("--shrink", type=float, default=60.0, help="seconds to make a program smaller that differs")
-    parser.add_argument("--sanitize", type=int, default=20, metavar="N", help="one in N under the sanitizers")
+    parser.add_argument(
+        "--sanitize", type=int, default=20, metavar="N", help="one in N under the sanitizers, 0 for none"
+    )
     parser.add_argument("--compilers", nargs="*", default=["gcc", "clang"], help="none: no C at all")
     parser.add_argument("--in-turn", action="store_true", help="each program under one of the compilers, in turn")
     parser.add_argument("--folder", type=Path, default=Path("differences"), help="for programs that differ")
