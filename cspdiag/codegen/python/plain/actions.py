@@ -107,7 +107,8 @@ class Composition:
             case SkipStep():
                 return ()
             case SequentialSteps(steps=steps):
-                return rolled_steps([self.statements(step) for step in steps], self.members.index)
+                groups = [self.statements(step) for step in steps]
+                return rolled_steps(groups, self.members.index_around(groups))
             case AssignValue(target=target, value=value):
                 return (self._set(target, self.printer.print(value), self._place(action)),)
             case ReadValue(source=source, target=target):
@@ -208,8 +209,9 @@ class Composition:
         """Branches that differ only in an index, as one coroutine with that index as its parameter."""
         if len(steps) < LEAST or isinstance(steps[0], RunInstance) or not all(map(_is_plain, steps)):
             return None
-        index = self.members.index
-        body = statements_template([self.statements(step) for step in steps], index, 0)
+        groups = [self.statements(step) for step in steps]
+        index = self.members.index_around(groups)
+        body = statements_template(groups, index, 0)
         if body is None:
             return None
         name = self.members.names.fresh(f"_{branch_name(steps[0])}")
@@ -319,10 +321,10 @@ class Composition:
         regular = (InputEvent, ReadyEvent)
         if len(branches) < LEAST or not all(isinstance(b.event, regular) and _is_plain(b.body) for b in branches):
             return None
-        index, count = self.members.index, len(branches)
+        bodies = [(*self._taken(branch.event, attribute), *self.statements(branch.body)) for branch in branches]
+        index, count = self.members.index_around(bodies), len(branches)
         guard = template([self._guard(branch.event, self.initial) for branch in branches], index, 0)
         condition = template([self._condition(branch) for branch in branches], index, 0)
-        bodies = [(*self._taken(branch.event, attribute), *self.statements(branch.body)) for branch in branches]
         body = statements_template(bodies, index, 0)
         if guard is None or condition is None or body is None:
             return None

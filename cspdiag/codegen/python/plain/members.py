@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from cspdiag.codegen.python.text.names import PROCESS_MEMBERS, Names, indexed
+from cspdiag.codegen.python.text.statements import Statement, bound_in
 from cspdiag.network.ir.actions import ChannelEnd, End, InputEvent, InputRead, PortEnd, ReadValue, ReadyEvent
 from cspdiag.network.ir.network import InstanceOf, LocalChannel, Network, ProcessClass, SubmodelClass
 from cspdiag.network.ir.walk import parts
@@ -41,6 +42,16 @@ class Members:
         self._ends = self._name_ends()
         self.index = self.names.fresh("i")
         """The variable of loops over elements."""
+        self._indexes = [self.index]
+
+    def index_around(self, groups: Iterable[Iterable[Statement]]) -> str:
+        """The variable of a loop over what becomes of these statements, in which loops of their own count already."""
+        bound = {name for group in groups for name in bound_in(group)}
+        for name in self._indexes:
+            if name not in bound:
+                return name
+        self._indexes.append(self.names.fresh(chr(ord("i") + len(self._indexes) % 18)))
+        return self._indexes[-1]
 
     @property
     def list_sizes(self) -> dict[str, int]:

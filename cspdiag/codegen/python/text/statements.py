@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+import re
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -51,6 +52,23 @@ def assign(target: str, value: Code, comment: str | None = None) -> Line:
 def run(code: Code, comment: str | None = None) -> Line:
     """An expression as a statement."""
     return Line("", code, comment=comment)
+
+
+_BINDING = re.compile(r"(?:for )?(\w+) (?:=|in)(?: |$)")
+
+
+def bound_in(statements: Iterable[Statement]) -> Iterator[str]:
+    """The local variables that statements set or count with."""
+    for item in statements:
+        match item:
+            case Line(before=before):
+                found = _BINDING.match(before)
+                if found is not None:
+                    yield found[1]
+            case Block(head=head, body=body):
+                yield from bound_in((head, *body))
+            case Unpack(targets=targets):
+                yield from targets
 
 
 def lines(statements: Iterable[Statement], indent: str) -> list[str]:
