@@ -6,17 +6,17 @@ from collections.abc import Generator
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from .kernel.exceptions import Fault, Place, ProcessError, fault_of
+from .kernel.executed import Executed
 from .kernel.places import note_place, place_of
 from .kernel.scheduler import scheduler
 
 if TYPE_CHECKING:
     from .channels.ports import In
-    from .kernel.routine import Part
 
 E = TypeVar("E", bound="In[Any]")
 
 
-class Process:
+class Process(Executed):
     """A process: ports, parts of its own, and a ``run`` that is its composition.
 
     ``await process`` runs it; it may be run again, never twice at the same time. ``name`` is its path from the outermost process,
@@ -27,7 +27,7 @@ class Process:
         self.name = name
         self.source = source
         self.runs_now = False
-        self.enclosing: Process | Part | None = None
+        self.enclosing: Executed | None = None
         self.ends: list[In[Any]] = []
         """Reading ends of this process, closed when it ends."""
 

@@ -14,7 +14,7 @@ from .meeting import Meeting
 from .ports import In, Out, T
 
 if TYPE_CHECKING:
-    from ..choice.guards import Choice
+    from .alternating import Alternating
 
 
 class AnyChannel(In[T], Out[T]):
@@ -127,22 +127,22 @@ class AnyChannel(In[T], Out[T]):
         choice.resolve(index, value)
         return True
 
-    def enroll_input(self, choice: Choice, index: int) -> None:
+    def enroll_input(self, choice: Alternating, index: int) -> None:
         """See ``In.enroll_input``."""
         Meeting.enter(self._meeting.reading, choice, index)
         self._meeting.reader_came()
 
-    def dismiss_input(self, choice: Choice) -> None:
+    def dismiss_input(self, choice: Alternating) -> None:
         """See ``In.dismiss_input``."""
         self._meeting.reading = [entry for entry in self._meeting.reading if entry[0] is not choice]
         self._somebody_left()
 
-    def enroll_output(self, choice: Choice, index: int) -> None:
+    def enroll_output(self, choice: Alternating, index: int) -> None:
         """See ``Out.enroll_output``."""
         Meeting.enter(self._meeting.writing, choice, index)
         self._meeting.writer_came()
 
-    def dismiss_output(self, choice: Choice) -> None:
+    def dismiss_output(self, choice: Alternating) -> None:
         """See ``Out.dismiss_output``."""
         self._meeting.writing = [entry for entry in self._meeting.writing if entry[0] is not choice]
         self._somebody_left()

@@ -10,12 +10,10 @@ from typing import TYPE_CHECKING, Any
 from ..choice.selector import Selector, Watchers, attend, lower_bits, raise_bits, without
 from ..kernel.exceptions import ChannelMisuse
 from ..kernel.scheduler import Party, Waits, scheduler
-from .ports import In, Out, T
+from .ports import In, Out, Owner, T
 
 if TYPE_CHECKING:
-    from ..choice.guards import Choice
-    from ..kernel.routine import Part
-    from ..process import Process
+    from .alternating import Alternating
 
 
 class Broadcast(In[T], Out[T]):
@@ -30,7 +28,7 @@ class Broadcast(In[T], Out[T]):
         self._value: Any = None
         self._outputs: Watchers = ()
 
-    def reader(self, owner: Process | Part | None = None) -> BroadcastEnd[T]:
+    def reader(self, owner: Owner | None = None) -> BroadcastEnd[T]:
         """A reading end of its own."""
         end = BroadcastEnd(self)
         self._ends.append(end)
@@ -123,7 +121,7 @@ class BroadcastEnd(In[T]):
         self.name = channel.name
         self.fresh = False
         self.resolved = False
-        self.waiting_choice: tuple[Choice, int] | None = None
+        self.waiting_choice: tuple[Alternating, int] | None = None
         self.channel = channel
         self._reader: Party | None = None
         self._inputs: Watchers = ()
@@ -192,12 +190,12 @@ class BroadcastEnd(In[T]):
         """See ``In.unwatch_input``."""
         self._inputs = without(self._inputs, selector)
 
-    def enroll_input(self, choice: Choice, index: int) -> None:
+    def enroll_input(self, choice: Alternating, index: int) -> None:
         """See ``In.enroll_input``."""
         self.waiting_choice = (choice, index)
         self.channel.readers_changed()
 
-    def dismiss_input(self, choice: Choice) -> None:
+    def dismiss_input(self, choice: Alternating) -> None:
         """See ``In.dismiss_input``."""
         self.waiting_choice = None
         self.channel.readers_changed()

@@ -22,7 +22,7 @@ from .meeting import Meeting
 from .ports import In, Out, T
 
 if TYPE_CHECKING:
-    from ..choice.guards import Choice
+    from .alternating import Alternating
 
 
 class Channel(In[T], Out[T]):
@@ -197,26 +197,26 @@ class Channel(In[T], Out[T]):
         choice.resolve(index, value)
         return True
 
-    def enroll_input(self, choice: Choice, index: int) -> None:
+    def enroll_input(self, choice: Alternating, index: int) -> None:
         """See ``In.enroll_input``."""
         meeting = self._alternatives()
         meeting.enter(meeting.reading, choice, index)
         meeting.reader_came()
 
-    def dismiss_input(self, choice: Choice) -> None:
+    def dismiss_input(self, choice: Alternating) -> None:
         """See ``In.dismiss_input``."""
         meeting = self._alternatives()
         meeting.reading = [entry for entry in meeting.reading if entry[0] is not choice]
         if self._reader is None and not meeting.reading:
             meeting.reader_left()
 
-    def enroll_output(self, choice: Choice, index: int) -> None:
+    def enroll_output(self, choice: Alternating, index: int) -> None:
         """See ``Out.enroll_output``."""
         meeting = self._alternatives()
         meeting.enter(meeting.writing, choice, index)
         meeting.writer_came()
 
-    def dismiss_output(self, choice: Choice) -> None:
+    def dismiss_output(self, choice: Alternating) -> None:
         """See ``Out.dismiss_output``."""
         meeting = self._alternatives()
         meeting.writing = [entry for entry in meeting.writing if entry[0] is not choice]

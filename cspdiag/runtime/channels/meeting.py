@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 from ..choice.selector import Selector, Watchers, attend, lower_bits, raise_bits, without
 
 if TYPE_CHECKING:
-    from ..choice.guards import Choice
+    from .alternating import Alternating
 
 
 class Meeting:
@@ -26,11 +26,11 @@ class Meeting:
     def __init__(self) -> None:
         self.inputs: Watchers = ()
         self.outputs: Watchers = ()
-        self.reading: list[tuple[Choice, int]] = []
-        self.writing: list[tuple[Choice, int]] = []
+        self.reading: list[tuple[Alternating, int]] = []
+        self.writing: list[tuple[Alternating, int]] = []
 
     @staticmethod
-    def enter(waiting: list[tuple[Choice, int]], choice: Choice, index: int) -> None:
+    def enter(waiting: list[tuple[Alternating, int]], choice: Alternating, index: int) -> None:
         """Enrols an alternative in the order in which they began to wait; it enrols late where the other side begins to alternate after that."""
         position = len(waiting)
         while position > 0 and waiting[position - 1][0].began > choice.began:

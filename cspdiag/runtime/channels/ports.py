@@ -6,22 +6,34 @@ of every kind through them.
 
 from __future__ import annotations
 
-from collections.abc import Generator
+from collections.abc import Generator, Sequence
 from types import coroutine
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
 
 from ..kernel.exceptions import Cancelled
 from ..kernel.scheduler import Party, Waits, scheduler
 
 if TYPE_CHECKING:
-    from ..choice.guards import Choice
     from ..choice.selector import Selector
-    from ..kernel.routine import Part
-    from ..process import Process
+    from .alternating import Alternating
 
 T = TypeVar("T")
+E = TypeVar("E", bound="AnyIn")
 T_co = TypeVar("T_co", covariant=True)
 T_contra = TypeVar("T_contra", contravariant=True)
+
+
+class Owner(Protocol):
+    """A process, as its reading ends know it."""
+
+    @property
+    def ends(self) -> Sequence[AnyIn]:
+        """Its reading ends, closed when it ends."""
+        ...
+
+    def owns(self, end: E) -> E:
+        """Makes ``end`` one that is closed when this process ends."""
+        ...
 
 
 class In(Generic[T_co]):
@@ -51,7 +63,7 @@ class In(Generic[T_co]):
                 scheduler.current = task
         return task.received  # type: ignore[no-any-return]
 
-    def reader(self, owner: Process | Part | None = None) -> In[T_co]:
+    def reader(self, owner: Owner | None = None) -> In[T_co]:
         """The end that ``owner`` reads from; it is closed when ``owner`` ends.
 
         Ends of broadcasts and of external ports keep books for their reader, so every process makes its own.
@@ -92,10 +104,10 @@ class In(Generic[T_co]):
     def settle_input(self) -> None:
         """A ``Ready`` guard on this end was chosen: the process is going to read."""
 
-    def enroll_input(self, choice: Choice, index: int) -> None:
+    def enroll_input(self, choice: Alternating, index: int) -> None:
         """An alternative begins to wait with a guard on this end."""
 
-    def dismiss_input(self, choice: Choice) -> None:
+    def dismiss_input(self, choice: Alternating) -> None:
         """The alternative does not wait any longer."""
 
 
@@ -140,10 +152,10 @@ class Out(Generic[T_contra]):
         """An output guard was chosen: as ``offer``, but may also meet an alternative on the other side."""
         return self.offer(party, value)
 
-    def enroll_output(self, choice: Choice, index: int) -> None:
+    def enroll_output(self, choice: Alternating, index: int) -> None:
         """An alternative begins to wait with an output guard on this end."""
 
-    def dismiss_output(self, choice: Choice) -> None:
+    def dismiss_output(self, choice: Alternating) -> None:
         """The alternative does not wait any longer."""
 
 

@@ -9,17 +9,13 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from itertools import count
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 from ..channels.ports import AnyIn, AnyOut
 from ..kernel.durations import shown
+from ..kernel.executed import Executed
 from ..kernel.scheduler import Party, Task, scheduler
 from .selector import Selector, raise_bits
-
-if TYPE_CHECKING:
-    from ..kernel.routine import Part
-    from ..process import Process
-
 
 _BEGUN = count(1)
 
@@ -122,7 +118,7 @@ class _Pledge:
         self.received: Any = None
 
     @property
-    def process(self) -> Process | Part | None:
+    def process(self) -> Executed | None:
         return self._choice.task.process
 
     @property

@@ -13,13 +13,12 @@ from typing import TYPE_CHECKING, Any, TypeVar, overload
 from ..channels.ports import AnyIn, AnyOut, In, Out
 from ..compiled.rendezvous import Rendezvous
 from ..kernel.exceptions import Cancelled
+from ..kernel.executed import Executed
 from ..kernel.scheduler import Party, Task, Waits, scheduler
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable
 
-    from ..kernel.routine import Part
-    from ..process import Process
 
 A = TypeVar("A")
 B = TypeVar("B")
@@ -56,7 +55,7 @@ class _Offered:
         together.waiting.append(self)
 
     @property
-    def process(self) -> Process | Part | None:
+    def process(self) -> Executed | None:
         return self.task.process
 
     @property

@@ -11,13 +11,9 @@ import re
 import sys
 from inspect import CO_COROUTINE, CO_GENERATOR
 from types import CodeType, FrameType, FunctionType, TracebackType
-from typing import TYPE_CHECKING
 
 from .exceptions import Cancelled, Place, RunEnded
-
-if TYPE_CHECKING:
-    from ..process import Process
-    from .routine import Part
+from .executed import Executed
 
 _PLACE = re.compile(r"#\s*([^\s#]+\.csp:\d+)")
 _RUNTIME = (__package__ or "").rpartition(".")[0]
@@ -25,12 +21,12 @@ _RUNTIME = (__package__ or "").rpartition(".")[0]
 _LIBRARY = os.path.dirname(os.__file__)
 
 
-def place_of(error: BaseException, process: Process | Part) -> Place:
+def place_of(error: BaseException, process: Executed) -> Place:
     """The process, with the source line of the statement that raised ``error``, or else that of the process."""
     return Place(process.name, statement_of(error) or process.source)
 
 
-def note_place(error: BaseException, process: Process | Part) -> None:
+def note_place(error: BaseException, process: Executed) -> None:
     """Notes where what is no exception of the program has left ``process``, but not of what only ends the process."""
     if isinstance(error, Cancelled | RunEnded) or hasattr(error, "__notes__"):
         return
@@ -123,12 +119,9 @@ def _is_of_library(frame: FrameType) -> bool:
     return file.startswith((_LIBRARY, "<frozen", "<string>")) or "site-packages" in file
 
 
-def _executed_by(frame: FrameType) -> Process | Part | None:
-    from ..process import Process
-    from .routine import Part
-
+def _executed_by(frame: FrameType) -> Executed | None:
     executed = frame.f_locals.get("self")
     if executed is None:
         # A branch of optimized code knows its task, and its process only where it uses that.
         executed = getattr(frame.f_locals.get("me"), "process", None)
-    return executed if isinstance(executed, Process | Part) else None
+    return executed if isinstance(executed, Executed) else None

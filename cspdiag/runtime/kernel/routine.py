@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 from ..compiled.rendezvous import Rendezvous
 from .exceptions import ProcessError, fault_of
+from .executed import Executed
 from .places import note_place, place_of
 from .scheduler import Join, Task, Waits, scheduler
 
@@ -27,7 +28,7 @@ push = scheduler.queue.append
 """Readies a party; for programs without prioritized parallel."""
 
 
-class Part:
+class Part(Executed):
     """What is executed: a process with code of its own, or a process or a control law that is executed by the code around it.
 
     ``name`` is its path. ``kind`` is its class in the text, or "" for a control law, of which observers are not told; ``source`` is the file and line
@@ -37,7 +38,6 @@ class Part:
     __slots__ = ("_enclosing", "ends", "name")
 
     kind: str
-    source: str | None
 
     def __init__(self, name: str) -> None:
         self.name = name

@@ -18,16 +18,13 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Coroutine, Generator
 from itertools import islice
-from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
+from typing import Any, Protocol, TypeAlias
 
 from .child import end_of_child
 from .exceptions import Cancelled
+from .executed import Executed
 from .stopping import stopping
 from .timers import Timers
-
-if TYPE_CHECKING:
-    from ..process import Process
-    from .routine import Part
 
 Priority: TypeAlias = tuple[int, ...]
 """Ranks from the outermost prioritized parallel inwards; the smallest is the most urgent."""
@@ -54,7 +51,7 @@ class Party(Protocol):
         ...
 
     @property
-    def process(self) -> Process | Part | None:
+    def process(self) -> Executed | None:
         """The process on whose behalf it waits."""
         ...
 
@@ -101,7 +98,7 @@ class Task:
         self.coroutine = body
         self.resume: Callable[[None], object] = body.send
         self.join = join
-        self.process: Process | Part | None
+        self.process: Executed | None
         self.priority: Priority
         self.ready_queue: list[Party] | deque[Party]
         self.received: Any = None

@@ -12,7 +12,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Literal
 
 from ..channels.latched import LatchedEnd, refuse_cancelled
-from ..channels.ports import In, T
+from ..channels.ports import In, Owner, T
 from ..choice.selector import Selector, lower_bits, raise_bits
 from ..kernel.durations import ms, shown
 from ..kernel.exceptions import ChannelMisuse, Timeout
@@ -21,9 +21,7 @@ from .accepted import Accept
 from .drivers import NO_SAMPLE, Driver, Signal, name_of
 
 if TYPE_CHECKING:
-    from ..choice.guards import Choice
-    from ..kernel.routine import Part
-    from ..process import Process
+    from ..channels.alternating import Alternating
 
 
 _SILENT_TICKS = 10
@@ -180,7 +178,7 @@ class SampledEnd(LatchedEnd[T]):
         if not self.begun:
             selector.attend |= bit
 
-    def enroll_input(self, choice: Choice, index: int) -> None:
+    def enroll_input(self, choice: Alternating, index: int) -> None:
         """An alternative waits for the first sample: the session begins."""
         if not self.begun:
             self._begin()
@@ -218,13 +216,13 @@ class SampledInput(In[T]):
         self.missed = self._silent = 0
         self.sampled = False
 
-    def reader(self, owner: Process | Part | None = None) -> SampledEnd[T]:
+    def reader(self, owner: Owner | None = None) -> SampledEnd[T]:
         """The end of a process, whose session lasts until the process ends."""
         end: SampledEnd[T] = SampledEnd(self, _Pace() if owner is None else self._pace_of(owner))
         self.ends.append(end)
         return end if owner is None else owner.owns(end)
 
-    def _pace_of(self, owner: Process | Part) -> _Pace:
+    def _pace_of(self, owner: Owner) -> _Pace:
         for end in owner.ends:
             if isinstance(end, SampledEnd) and end._port.period == self.period:
                 return end.pace
@@ -396,7 +394,7 @@ class EventInput(In[T]):
         self.ends: list[EventEnd[T]] = [] if kind == "broadcast" else [EventEnd(name)]
         self._last: Any = None
 
-    def reader(self, owner: Process | Part | None = None) -> EventEnd[T]:
+    def reader(self, owner: Owner | None = None) -> EventEnd[T]:
         """The end of a process."""
         if self.kind == "broadcast":
             self.ends.append(EventEnd(self.name))
