@@ -40,6 +40,7 @@ check: $(VENV)/.stamp-dev ## Format, lint, types, import rules, generated docume
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(BIN)/cspdiag explain --markdown | cmp - docs/diagnostics.md
+	PYTHONPATH=. $(BIN)/python distribution/layer_picture.py --check
 
 bench: $(VENV)/.stamp-bench ## Run the benchmarks, peers included
 	$(BIN)/cspdiag bench

@@ -12,6 +12,7 @@ import tomllib
 from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -86,11 +87,23 @@ def _layer(module: str) -> str:
     return module.split(".")[1] if "." in module else ""
 
 
+def _is_layer(module: str) -> bool:
+    return module.startswith(f"{PACKAGE}.") and module.count(".") == 1
+
+
 def _forbidden(contracts: list[dict[str, Any]]) -> Iterator[tuple[str, str]]:
+    """The pairs of whole layers of which the first must not import the second; rules about parts of one are left out."""
     for contract in contracts:
-        for module in contract.get("forbidden_modules", ()):
-            if module.startswith(f"{PACKAGE}."):
-                yield from ((_layer(source), _layer(module)) for source in contract["source_modules"])
+        match contract["type"]:
+            case "forbidden":
+                pairs = product(contract["source_modules"], contract["forbidden_modules"])
+            case "independence":
+                pairs = product(contract["modules"], repeat=2)
+            case _:
+                continue
+        for source, other in pairs:
+            if source != other and _is_layer(source) and _is_layer(other):
+                yield _layer(source), _layer(other)
 
 
 def draw(layers: Layers) -> Scene:

@@ -16,6 +16,7 @@ def test_what_is_imported_and_what_must_not_be_is_read_from_the_code() -> None:
     assert (layers.names[0], layers.names[-1]) == ("cli", "base")
     assert ("cli", "pipeline") in layers.imports, "in functions, too"
     assert ("network", "runtime") in layers.forbidden
+    assert ("semantics", "runtime") in layers.forbidden, "they are independent"
     assert not layers.imports & layers.forbidden
     assert layers.libraries["syntax"] == ("lark",)
 
