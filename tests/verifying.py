@@ -22,7 +22,7 @@ def answers_to(files: dict[str, str], main: str = "case.csp", *, process: str | 
     asked = pipeline.ask(read(main), read, process=process)
     assert not asked.checked.report.has_errors, asked.checked.report.diagnostics
     verifier = Verifier(asked, read)
-    return [verifier.answer(question, Limits(20.0)) for question in asked.questions]
+    return [verifier.answer(question, Limits(60.0)) for question in asked.questions]
 
 
 def answer_to(text: str) -> Answer:
