@@ -16,6 +16,7 @@ from cspdiag.semantics import outside
 from cspdiag.semantics.environment import Plant
 from cspdiag.semantics.instances import Place, ProcessInstance, Program, exception_name
 from cspdiag.semantics.media import Medium
+from cspdiag.semantics.observer import Observer
 from cspdiag.semantics.scheduler import Scheduler
 from cspdiag.semantics.trace import Ending, Execution
 from cspdiag.semantics.values import FaultError
@@ -27,18 +28,20 @@ def execute(
     until: int | None = None,
     look: Callable[[Scheduler], None] | None = None,
     scheduler: Callable[..., Scheduler] = Scheduler,
+    observer: Observer | None = None,
 ) -> Execution:
     """Run a network in an environment (the first, where none is named) to its end, or to ``until`` nanoseconds.
 
     «Scheduling and traces», «Environments and drivers»
 
     ``look`` is handed the state after each communication. ``scheduler`` makes the scheduler, where it is to be
-    another one.
+    another one. ``observer`` is told of everything as it happens.
     """
     chosen = next((e for e in network.environments if environment in (None, e.name)), None)
     plant = None if chosen is None or chosen.system is None else Plant(chosen)
     world = scheduler(network.top, plant, timeouts=chosen is None or chosen.on_miss == "timeout")
     world.look = look
+    world.observer = observer
     ports: dict[Place, Medium] = {}
     for port in network.external_ports:
         medium = _external(world, port, plant)
@@ -50,6 +53,7 @@ def execute(
     cls = network.class_named(network.top)
     assert isinstance(cls, ProcessClass)
     sys.setrecursionlimit(max(sys.getrecursionlimit(), 20_000))
+    reason = ""
     try:
         program = ProcessInstance(Program(network, world), cls, network.top, dict(network.arguments), ports)
         if plant is not None:
@@ -57,11 +61,30 @@ def execute(
             for medium in world.inputs:
                 medium.present = plant.output(medium.name.removeprefix(f"{network.top}."))
         ending = world.run(program.run(), until)
-    except FaultError:
-        ending = Ending("failed", world.now, "Fault")
+    except FaultError as fault:
+        ending = Ending("failed", world.now, "EnvironmentFailure")
+        reason = str(fault)
+    finally:
+        # What still waits is given up; that is no end of a process.
+        world.observer = None
     if world.failure is not None:
         ending = ending._replace(error=exception_name(world.failure))
-    return Execution(world.trace, ending)
+        reason = str(world.failure)
+    released = [] if chosen is None else _release(observer, network, ending.time)
+    missed = [(port.name, port.missed) for port in world.inputs if isinstance(port, outside.SampledInput)]
+    return Execution(world.trace, ending, released, missed, tuple(world.waits()), reason)
+
+
+def _release(observer: Observer | None, network: Network, time: int) -> list[tuple[str, object]]:
+    """The outputs are handed their safe values. «Processes and ports»"""
+    released: list[tuple[str, object]] = []
+    for port in network.external_ports:
+        if port.direction == "out" and port.safe is not None:
+            name = f"{network.top}.{port.name}"
+            if observer is not None:
+                observer.released(time, name, port.safe)
+            released.append((name, port.safe))
+    return released
 
 
 def waits(network: Network, environment: str | None, until: int | None, communication: int) -> tuple[str, ...]:
@@ -70,7 +93,7 @@ def waits(network: Network, environment: str | None, until: int | None, communic
 
     def look(world: Scheduler) -> None:
         if len(world.trace) == communication:
-            found.extend(world.waits())
+            found.extend(f"{who} waits {what}" for who, what in world.waits())
 
     execute(network, environment, until, look)
     return tuple(found)

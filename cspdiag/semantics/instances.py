@@ -181,6 +181,7 @@ class ProcessInstance:
     def run(self) -> Steps:
         """From the start to the end of the process. «The composition diagram»"""
         assert self.cls.body is not None
+        self.world.process_started(self.path, self.cls.name)
         try:
             yield from self.steps(self.cls.body)
         finally:
@@ -243,7 +244,12 @@ class ProcessInstance:
                 if chosen is not None:
                     yield from self._guarded((action.branch,), chosen)
             case act.Group():
-                yield from self.steps(action.body)
+                path = f"{self.path}.{action.label}"
+                self.world.process_started(path, "")
+                try:
+                    yield from self.steps(action.body)
+                finally:
+                    self.world.group_ended(path)
             case act.ProcessScope(instance=path):
                 try:
                     yield from self.steps(action.body)

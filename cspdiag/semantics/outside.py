@@ -142,6 +142,8 @@ class SampledInput(ExternalInput):
         super().__init__(world, name)
         self.period = period
         self.sessions: dict[EndKey, Session] = {}
+        self.missed = 0
+        """How many samples were overwritten before an end had taken them."""
 
     def sampled(self, value: Any) -> None:
         """The instant of a sample: one that was not taken is missed."""
@@ -149,6 +151,7 @@ class SampledInput(ExternalInput):
         for end in self.ends:
             session = self.sessions.get(end)
             if session is not None:
+                self.missed += session.available
                 session.missed = session.missed or session.available
                 session.available = True
                 self.world.notice()

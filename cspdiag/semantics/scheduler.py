@@ -7,6 +7,7 @@ from functools import partial
 from typing import Any, Protocol
 
 from cspdiag.semantics.choice import Interrupt, Promise
+from cspdiag.semantics.observer import Observer
 from cspdiag.semantics.outside import EventInput, ExternalInput, SampledInput, SampledOutput
 from cspdiag.semantics.requests import CancelledError, Parallel, Request, Steps, no_steps
 from cspdiag.semantics.trace import Communication, Ending
@@ -98,22 +99,25 @@ class Scheduler:
         self.failure: Exception | None = None
         self.look: Callable[[Scheduler], None] | None = None
         """Handed the state after each communication."""
+        self.observer: Observer | None = None
 
     def communicate(self, channel: str, value: Any) -> None:
         """A value passes. «Traces»"""
         self.trace.append(Communication(self.now, channel, value))
+        if self.observer is not None:
+            self.observer.communication(self.now, channel, value, "", "")
         if self.look is not None:
             self.look(self)
 
-    def waits(self) -> Iterator[str]:
-        """What each process waits for, for people."""
+    def waits(self) -> Iterator[tuple[str, str]]:
+        """The path of each process that waits, and for what, for people."""
         for request in self.waiting:
             offers = request.offers_now()
             who = " and ".join(dict.fromkeys(offer.end[0] for offer in offers)) or "a process"
             what = [f"to {'write' if offer.writes else 'read'} {offer.medium.name}" for offer in offers]
             what += [f"until {deadline / 1e6:.6f} ms" for deadline in request.deadlines()]
             if what and not request.completed:
-                yield f"{who} waits {' or '.join(what)}"
+                yield who, " or ".join(what)
 
     def hand_over(self, channel: str, value: Any) -> None:
         """A value passes to the environment. «Time»"""
@@ -121,11 +125,23 @@ class Scheduler:
         if self.outside is not None:
             self.outside.give(channel.removeprefix(f"{self.top}."), value)
 
+    def process_started(self, path: str, kind: str) -> None:
+        """A process of a class, or a named group, begins."""
+        if self.observer is not None:
+            self.observer.process_started(self.now, path, kind)
+
+    def group_ended(self, path: str) -> None:
+        """A named group has ended."""
+        if self.observer is not None:
+            self.observer.process_ended(self.now, path)
+
     def process_ended(self, path: str) -> None:
         """The reading ends of a process are no longer waited at, and its books are closed. «Time»"""
         for port in self.inputs:
             if isinstance(port, SampledInput):
                 port.process_ended(path)
+        if self.observer is not None:
+            self.observer.process_ended(self.now, path)
 
     def start(
         self, steps: Steps, priority: tuple[int, ...], parent: Parallel | Interrupt | Promise | Canceller | None
@@ -259,6 +275,8 @@ class Scheduler:
                 if isinstance(port, EventInput) and on_grid:
                     port.offered(value)
                 elif isinstance(port, SampledInput) and now % port.period == 0:
+                    if self.observer is not None:
+                        self.observer.sampled(now, port.name, value)
                     port.sampled(value)
                 self.notice()
         for output in self.outputs:

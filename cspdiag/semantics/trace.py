@@ -54,3 +54,9 @@ class Execution(NamedTuple):
     trace: Sequence[Communication]
     ending: Ending
     released: Sequence[tuple[str, object]] | None = None
+    missed: Sequence[tuple[str, int]] = ()
+    """For each sampled input how many samples were overwritten before somebody had taken them."""
+    waiting: Sequence[tuple[str, str]] = ()
+    """The paths of the processes that wait at the end, and for what, for people."""
+    reason: str = ""
+    """What made it fail, for people."""

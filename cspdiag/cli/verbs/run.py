@@ -49,6 +49,9 @@ def add_arguments(parser: ArgumentParser) -> None:
     level = parser.add_mutually_exclusive_group()
     level.add_argument("-O0", dest="level", action="store_const", const=0, default=1, help="run readable code")
     level.add_argument("-O1", dest="level", action="store_const", const=1, help="run fast code (default)")
+    level.add_argument(
+        "-O", dest="level", choices=("reference",), help="run the language reference itself, as a program: slowly"
+    )
     parser.add_argument("--record", type=Path, metavar="FILE", help="the external ports over time, as .csv or .npz")
     parser.add_argument(
         "--trace", type=Path, metavar="FILE", help="Chrome trace events as .json, or the plain trace as .jsonl"
@@ -81,6 +84,8 @@ def run(arguments: Namespace) -> int:
         from cspdiag.cli.support.deadlock_picture import check_picture
 
         check_picture("--draw-deadlock", arguments.draw_deadlock)
+    if arguments.level == "reference":
+        _require_what_the_reference_has(arguments)
     from cspdiag.network.lower.program import SelectionError
     from cspdiag.settings import SettingError, parse_time_limit
 
@@ -109,6 +114,22 @@ def run(arguments: Namespace) -> int:
         except HandlerFailed as failed:
             raise NoResultError(str(failed.error)) from None
         return conclude(arguments, result, built.checked)
+
+
+def _require_what_the_reference_has(arguments: Namespace) -> None:
+    """The reference says which values pass and when; it has no clock, no source places and no execution times."""
+    trace = arguments.trace
+    refused = {
+        "--target": arguments.target != "python",
+        "--real-time": arguments.real_time,
+        "--plot": arguments.plot is not None,
+        "--draw-deadlock": arguments.draw_deadlock is not None,
+        "--trace FILE.json": trace is not None and trace.suffix == ".json",
+    }
+    for option, given in refused.items():
+        if given:
+            other = "--trace FILE.jsonl has its trace" if option.startswith("--trace") else "use -O0 or -O1"
+            raise UsageError(f"{option} is not for -O reference, which has virtual time and the plain trace: {other}")
 
 
 def _require_matplotlib() -> None:
@@ -148,9 +169,11 @@ def _simulate(arguments: Namespace, network: Network, until: int | None) -> Run:
     from cspdiag.simulate.record.recorder import Recorder
     from cspdiag.simulate.run.execute import BodyError, NoEnvironmentError
 
-    simulate = _simulate_native if arguments.target == "c" else _simulate_in_python
     outputs = (arguments.record, arguments.trace, arguments.plot)
     recorder = Recorder(communications=any(path is not None for path in outputs))
+    if arguments.level == "reference":
+        return _simulate_on_reference(arguments, network, until, recorder)
+    simulate = _simulate_native if arguments.target == "c" else _simulate_in_python
     progress = None
     if not arguments.quiet:
         progress = Progress(recorder, mode_groups(network))
@@ -171,6 +194,16 @@ def _simulate(arguments: Namespace, network: Network, until: int | None) -> Run:
         raise UsageError(str(problem)) from None
     except (BodyError, CompilerError, target_errors()) as problem:
         raise NoResultError(str(problem)) from None
+
+
+def _simulate_on_reference(arguments: Namespace, network: Network, until: int | None, recorder: Recorder) -> Run:
+    from cspdiag.simulate.run.execute import NoEnvironmentError
+    from cspdiag.simulate.run.reference import NoMeaningError, simulate
+
+    try:
+        return simulate(network, environment=arguments.environment, until=until, recorder=recorder)
+    except (NoEnvironmentError, NoMeaningError) as problem:
+        raise UsageError(str(problem)) from None
 
 
 def _simulate_in_python(

@@ -1,0 +1,24 @@
+"""What is reported of a run while it goes on."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+
+class Observer(Protocol):
+    """Is told what happens, in order; times are in nanoseconds. «Traces»"""
+
+    def communication(self, time: int, channel: str, value: object, writer: str, reader: str) -> None:
+        """A value passed through a channel or an external port; the paths of the parties are empty."""
+
+    def sampled(self, time: int, port: str, value: object) -> None:
+        """A sampled input has a new sample. «Time»"""
+
+    def released(self, time: int, port: str, value: object) -> None:
+        """An output is handed its safe value at the end of the run. «Processes and ports»"""
+
+    def process_started(self, time: int, path: str, kind: str) -> None:
+        """A process of the class ``kind`` begins, or a named group, of no class. «The composition diagram»"""
+
+    def process_ended(self, time: int, path: str) -> None:
+        """It has ended. «The composition diagram»"""

@@ -1,0 +1,90 @@
+"""Runs a network on the executable meaning of the language, which is slow and shares nothing with the runtime."""
+
+from __future__ import annotations
+
+from time import perf_counter
+
+from cspdiag.network.ir.equations import ExternalBody
+from cspdiag.network.ir.network import Environment, Network
+from cspdiag.network.ir.walk import parts
+from cspdiag.runtime.deadlock import DeadlockReport, WaitingProcess
+from cspdiag.runtime.kernel.exceptions import EnvironmentFailure, Fault, ProcessError, Timeout
+from cspdiag.runtime.kernel.outcome import Ending, Outcome
+from cspdiag.runtime.kernel.stopping import Stopped, stopping
+from cspdiag.semantics.execute import execute
+from cspdiag.semantics.scheduler import Scheduler
+from cspdiag.semantics.trace import Execution
+from cspdiag.simulate.record.recorder import Recorder
+from cspdiag.simulate.result import Run
+from cspdiag.simulate.run.execute import chosen_environment
+
+_ENDINGS: dict[str, Ending] = {
+    "terminated": "terminated",
+    "deadlock": "deadlock",
+    "time limit": "time limit",
+    "failed": "failed",
+}
+
+
+class NoMeaningError(Exception):
+    """The program has parts that the reference does not say the meaning of; the message is one line."""
+
+
+def simulate(network: Network, *, environment: str | None, until: int | None, recorder: Recorder) -> Run:
+    """Run a network in virtual time, up to ``until`` nanoseconds.
+
+    A signal ends the run with an outcome. Raises NoEnvironmentError, and NoMeaningError for bodies in other languages.
+    """
+    chosen = chosen_environment(network, environment)
+    _refuse_other_languages(network, chosen)
+    began = perf_counter()
+    worlds: list[Scheduler] = []
+
+    def make(*arguments: object, **named: object) -> Scheduler:
+        worlds.append(Scheduler(*arguments, **named))  # type: ignore[arg-type]
+        return worlds[0]
+
+    name = None if chosen is None else chosen.name
+    try:
+        with stopping.raising():
+            done = execute(network, name, until, scheduler=make, observer=recorder)
+    except Stopped as stopped:
+        outcome = Outcome("stopped", worlds[0].now if worlds else 0, signal=stopped.signal)
+    else:
+        outcome = _outcome(done, name)
+    outcome.wall_time = perf_counter() - began
+    return Run(network, chosen, outcome, recorder)
+
+
+def _refuse_other_languages(network: Network, environment: Environment | None) -> None:
+    for part in parts((network.classes, environment)):
+        if isinstance(part, ExternalBody):
+            raise NoMeaningError(
+                f"-O reference runs what the language says, which is nothing of `{part.target}`, a body in another "
+                "language: run it with -O0"
+            )
+
+
+def _outcome(done: Execution, environment: str | None) -> Outcome:
+    time = done.ending.time
+    outcome = Outcome(_ENDINGS[done.ending.ended], time, _error(done, environment or ""))
+    outcome.missed = {name.partition(".")[2]: count for name, count in done.missed}
+    if outcome.ended == "deadlock":
+        waiting = tuple(WaitingProcess(path, None, None, what, (), ()) for path, what in done.waiting)
+        outcome.deadlock = DeadlockReport(time, waiting, ())
+    return outcome
+
+
+def _error(done: Execution, environment: str) -> Exception | None:
+    match done.ending.error:
+        case None:
+            return None
+        case "Fault":
+            return Fault(done.reason)
+        case "Timeout":
+            return Timeout("a sample was overwritten before it was taken")
+        case "EnvironmentFailure":
+            return EnvironmentFailure(environment, Fault(done.reason), None)
+        case declared:
+            error: Exception = type(declared, (ProcessError,), {})()
+            return error

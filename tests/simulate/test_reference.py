@@ -1,0 +1,107 @@
+"""``cspdiag run -O reference``: the meaning of the language itself does what the readable code does."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from cspdiag import pipeline
+from cspdiag.cli.main import main
+from cspdiag.network.ir.network import Network
+from cspdiag.semantics.execute import has_bodies_of_other_languages
+from cspdiag.simulate.record.files import csv_text, plain_trace_text
+from cspdiag.simulate.record.recorder import Recorder
+from cspdiag.simulate.result import Run
+from cspdiag.simulate.run import execute, reference
+from tests.conformance.sources import MODELS, environments, network_of, read
+
+LIMIT = 100_000_000
+
+
+def on_readable_code(network: Network, environment: str | None) -> Run:
+    files = pipeline.generate(network, read, level=0, traced=True, observed=True)
+    return execute.simulate(network, files, environment=environment, until=LIMIT)
+
+
+def account(run: Run) -> list[str]:
+    """The summary without how long the run took, and the reason for a failure without its place."""
+    first, _, *rest = run.summary().splitlines()
+    return [first.partition(", in ")[0], *rest]
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_every_model_runs_as_its_readable_code(name: str) -> None:
+    network = network_of(read(name))
+    for environment in environments(network):
+        if has_bodies_of_other_languages(network, environment):
+            with pytest.raises(reference.NoMeaningError):
+                reference.simulate(network, environment=environment, until=LIMIT, recorder=Recorder())
+            continue
+        run = reference.simulate(network, environment=environment, until=LIMIT, recorder=Recorder())
+        wanted = on_readable_code(network, environment)
+        assert plain_trace_text(run) == plain_trace_text(wanted)
+        assert csv_text(run) == csv_text(wanted)
+        assert account(run) == account(wanted)
+        assert run.outcome.exit_code == wanted.outcome.exit_code
+
+
+def program(tmp_path: Path, end: str) -> Path:
+    path = tmp_path / "top.csp"
+    path.write_text(
+        f"exception Tired\n\nprocess Top {{\n  communication {{ var n : int = 0 }}\n"
+        f"  composition {{ mu (n := n + 1 ; wait 1 ms ; if n == 3 then {end} else skip) }}\n}}\n",
+        encoding="utf-8",
+    )
+    return path
+
+
+@pytest.mark.parametrize("end", ["raise Tired", "n := 1 / (n - 3)", "stop"])
+def test_endings_are_those_of_the_readable_code(tmp_path: Path, end: str) -> None:
+    network = network_of(read(program(tmp_path, end).as_posix()))
+    run = reference.simulate(network, environment=None, until=LIMIT, recorder=Recorder())
+    wanted = on_readable_code(network, None)
+    assert account(run) == account(wanted)
+    assert run.outcome.ended == ("deadlock" if end == "stop" else "failed")
+
+
+@pytest.mark.parametrize(
+    ("options", "reason"),
+    [
+        (["--real-time"], "--real-time is not for -O reference"),
+        (["--target", "c"], "--target is not for -O reference"),
+        (["--plot", "out.svg"], "--plot is not for -O reference"),
+        (["--trace", "out.json"], "--trace FILE.jsonl has its trace"),
+        (["--draw-deadlock", "out.svg"], "--draw-deadlock is not for -O reference"),
+    ],
+)
+def test_what_the_reference_does_not_say_is_refused(
+    heater: Path, options: list[str], reason: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["run", str(heater), "-O", "reference", *options]) == 2
+    shown = capsys.readouterr().err
+    assert reason in shown
+    assert shown.count("\n") == 1
+
+
+def test_bodies_in_other_languages_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "counter.py").write_text("class Counter:\n    pass\n", encoding="utf-8")
+    path = tmp_path / "top.csp"
+    path.write_text(
+        'process Counter python "counter.py:Counter" { out n : int }\n'
+        "process Top {\n  communication { counter : Counter var n : int = 0 counter.n -> n }\n"
+        "  composition { counter }\n}\n",
+        encoding="utf-8",
+    )
+    assert main(["run", str(path), "-O", "reference"]) == 2
+    assert "`counter.py:Counter`, a body in another language: run it with -O0" in capsys.readouterr().err
+
+
+def test_command_writes_the_trace_and_the_recording(heater: Path, tmp_path: Path) -> None:
+    for level in (["-O0"], ["-O", "reference"]):
+        trace, table = tmp_path / f"{level[-1]}.jsonl", tmp_path / f"{level[-1]}.csv"
+        assert main(["run", str(heater), "--quiet", *level, "--trace", str(trace), "--record", str(table)]) == 0
+    for ending in ("jsonl", "csv"):
+        wanted = (tmp_path / f"-O0.{ending}").read_text(encoding="utf-8")
+        assert wanted
+        assert (tmp_path / f"reference.{ending}").read_text(encoding="utf-8") == wanted
