@@ -25,6 +25,8 @@ from cspdiag.base.errors import ArgumentError, CspdiagError, file_errors
 from cspdiag.base.sources import read_source
 
 if TYPE_CHECKING:
+    import networkx
+
     from cspdiag.analyses.margins.loops import LoopReport
     from cspdiag.analyses.timing.result import TimingReport
     from cspdiag.draw.pictures import Which
@@ -114,6 +116,21 @@ class LoadedProgram:
         if built.network is None:
             raise ProgramError(built.checked.report.diagnostics)
         return built.network
+
+    def graph(
+        self,
+        *,
+        top: str | None = None,
+        environment: str | None = None,
+        set: Mapping[str, Setting] | None = None,
+    ) -> networkx.MultiDiGraph:
+        """The network as a graph: instances, external ports and environments, and the channels between them.
+
+        Nodes are paths; an edge leads from each writer of a channel to each reader. Periods are in nanoseconds; ``docs/drawing.md`` lists all attributes. Arguments and errors are those of ``build``.
+        """
+        from cspdiag.draw.exchange.network_graph import network_graph
+
+        return network_graph(self.build(top=top, environment=environment, set=set))
 
     def compile(self, target: str = "python", *, level: int = 0) -> dict[str, str]:
         """The generated package: texts by path; ``level`` is 1 for fast code.

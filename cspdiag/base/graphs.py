@@ -1,6 +1,7 @@
 """Components and circles of graphs that are given by what each node leads to.
 
-networkx has both, but ``check`` has no time to load it, and in the proofs its components take three to seven times as long as these.
+networkx has both, but ``check`` has no time to load it, and in the proofs its components take three to seven times as
+long as these.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ T = TypeVar("T", bound=Hashable)
 
 
 def strong_components(roots: Iterable[T], after: Callable[[T], Iterable[T]]) -> Iterator[list[T]]:
-    """The strongly connected components that can be reached, ``after`` being the nodes that edges lead to.
+    """The strongly connected components that can be reached, ``after`` gives where edges lead.
 
     Those that are led to come first; of the members of one, those reached last. Tarjan, "Depth-first search and linear graph
     algorithms", 1972, without recursion.
@@ -71,7 +72,7 @@ def is_circular(component: Sequence[T], after: Callable[[T], Iterable[T]]) -> bo
 
 
 def shortest_circle(component: Sequence[T], after: Callable[[T], Iterable[T]]) -> list[T]:
-    """A shortest circle through the first node of a component, each member leading to the next; empty where there is none."""
+    """A shortest circle through the first node of a component, each leading to the next; empty if there is none."""
     start, members = component[0], set(component)
     came_from: dict[T, T] = {}
     pending = [start]

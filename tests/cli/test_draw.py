@@ -134,7 +134,7 @@ def _drawn(cspdiag: Command, path: Path) -> str:
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
-        (["-o", "x.gif"], "must end in .svg, .png or .pdf"),
+        (["-o", "x.gif"], "must end in .svg, .png, .pdf, .dot, .mmd or .graphml,"),
         (["-o", "nowhere/x.svg"], "there is no folder nowhere"),
         (["-o", "x.svg", "--format", "pdf"], "contradicts"),
         (["--process", "Jiwi"], "did you mean `Jiwy`?"),

@@ -27,6 +27,7 @@ COMMANDS = [
     ["verify", "--timing"],
     ["margins"],
     ["draw", "--diagram", "composition", "-o", f"{HOSTILE}.svg"],
+    *(["draw", "--format", format_, "-o", "-"] for format_ in ("dot", "mermaid", "graphml")),
     ["fmt", "--check"],
     ["fmt"],
 ]

@@ -13,10 +13,13 @@ from cspdiag.base.sources import STANDARD_INPUT, read_source
 from cspdiag.cli.support.failure import FINE, UNSUCCESSFUL, NoResultError, UsageError
 from cspdiag.cli.support.terminal import say, show_diagnostics, write_out
 from cspdiag.cli.support.written import require_different, require_file, require_folder
+from cspdiag.draw import exchange
 from cspdiag.pipeline import check
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
+
+    import networkx
 
     from cspdiag.draw.elements.communication import Drawn
     from cspdiag.draw.pictures import Pictures, Wish
@@ -26,7 +29,8 @@ EXAMPLE = """cspdiag draw models/jiwy/jiwy.csp
 cspdiag draw models/jiwy/jiwy.csp --process JointControl --diagram communication -o joint.pdf
 cspdiag draw models/jiwy/jiwy.csp --all -o diagrams --hide-labels
 cspdiag draw models/jiwy/jiwy.csp --book jiwy.html
-cspdiag draw controller.csp --check -o review.svg"""
+cspdiag draw controller.csp --check -o review.svg
+cspdiag draw models/jiwy/jiwy.csp -o jiwy.mmd"""
 FORMATS = ("svg", "png", "pdf")
 
 
@@ -37,9 +41,13 @@ def add_arguments(parser: ArgumentParser) -> None:
         "-o",
         "--output",
         metavar="OUT",
-        help="a file that ends in .svg, .png or .pdf, a folder, or - for standard output (default: PROCESS.svg; with --all the folder FILE-diagrams)",
+        help="a file that ends in .svg, .png, .pdf, .dot, .mmd or .graphml, a folder, or - for standard output (default: PROCESS.svg; with --all the folder FILE-diagrams)",
     )
-    parser.add_argument("--format", choices=FORMATS, help="the format where the name of the output does not tell it")
+    parser.add_argument(
+        "--format",
+        choices=(*FORMATS, *exchange.FORMATS),
+        help="the format where the name of the output does not tell it; dot, mermaid and graphml are the network as text",
+    )
     what = parser.add_mutually_exclusive_group()
     what.add_argument(
         "--process",
@@ -91,6 +99,8 @@ def run(arguments: Namespace) -> int:
     _find_file(arguments)
     _refuse_senseless(arguments)
     require_different({"the program": arguments.file, "--book": arguments.book, "-o": arguments.output})
+    if _format(arguments) in exchange.FORMATS:
+        return _write_graph(arguments)
     if arguments.diagram != "composition":
         from cspdiag.draw.layout import engine
 
@@ -136,11 +146,11 @@ def _refuse_senseless(arguments: Namespace) -> None:
         _refuse_book(arguments)
     if output is None or output == STANDARD_INPUT:
         return
-    suffix = Path(output).suffix.removeprefix(".").lower()
-    if arguments.format is not None and suffix in FORMATS and suffix != arguments.format:
+    told = _format_of_name(output)
+    if arguments.format is not None and told not in (None, arguments.format):
         raise UsageError(f"-o {output} contradicts --format {arguments.format}")
-    if not _is_folder(arguments) and suffix not in FORMATS and arguments.format is None:
-        raise UsageError(f"-o {output}: the name must end in .svg, .png or .pdf, or say --format")
+    if not _is_folder(arguments) and told is None and arguments.format is None:
+        raise UsageError(f"-o {output}: the name must end in .svg, .png, .pdf, .dot, .mmd or .graphml, or say --format")
     if not _is_folder(arguments):
         require_file("-o", output)
         return
@@ -155,6 +165,69 @@ def _refuse_book(arguments: Namespace) -> None:
         raise UsageError("--book is a page, which -o and --format say nothing about")
     if arguments.book != STANDARD_INPUT:
         require_file("--book", arguments.book)
+
+
+def _write_graph(arguments: Namespace) -> int:
+    """Write the network of a process as text for other tools."""
+    _refuse_for_graph(arguments)
+    graph = _graph(arguments)
+    if graph is None:
+        return UNSUCCESSFUL
+    from cspdiag.draw.exchange.formats import graph_text
+
+    format_ = _format(arguments)
+    data = graph_text(graph, format_).encode()
+    if arguments.output == STANDARD_INPUT:
+        write_out(data)
+        return FINE
+    ending = next(ending for ending, known in exchange.ENDINGS.items() if known == format_)
+    own_name = f"{graph.graph['name']}.{ending}"
+    if _is_folder(arguments):
+        _folder(arguments).mkdir(exist_ok=True)
+        name = str(_folder(arguments) / own_name)
+    else:
+        name = arguments.output or own_name
+    if name != arguments.output:
+        _refuse_link(Path(name))
+    _write(Path(name), data)
+    say(f"wrote {on_one_line(name)}")
+    return FINE
+
+
+def _refuse_for_graph(arguments: Namespace) -> None:
+    """Refuse what only pictures have."""
+    unused = {
+        "--all": arguments.all,
+        "--book": arguments.book is not None,
+        "--check": arguments.check,
+        "--diagram": arguments.diagram != "both",
+        "--hide-labels": arguments.hide_labels is not None,
+        "--depth": arguments.depth != 1,
+        "--scheme": arguments.scheme != "auto",
+        "--scale": arguments.scale != 2.0,
+    }
+    for option, given in unused.items():
+        if given:
+            raise UsageError(f"{option} is for pictures: {_format(arguments)} has the whole network as text")
+    if len(arguments.process or ()) > 1:
+        raise UsageError(f"--process: {_format(arguments)} has the network of one process")
+
+
+def _graph(arguments: Namespace) -> networkx.MultiDiGraph | None:
+    from cspdiag.network.lower.program import SelectionError
+    from cspdiag.pipeline import build
+
+    (top,) = arguments.process or (None,)
+    try:
+        built = build(read_source(arguments.file), read_source, top=top)
+    except SelectionError as problem:
+        raise UsageError(str(problem)) from None
+    show_diagnostics(built.checked.report.diagnostics, arguments.color)
+    if built.network is None:
+        return None
+    from cspdiag.draw.exchange.network_graph import network_graph
+
+    return network_graph(built.network)
 
 
 def _write_book(arguments: Namespace, pictures: Pictures) -> None:
@@ -238,8 +311,12 @@ def _wish(arguments: Namespace, pictures: Pictures, definitions: Sequence[Drawn]
 def _format(arguments: Namespace) -> str:
     if arguments.format is not None:
         return str(arguments.format)
-    suffix = "" if arguments.output is None else Path(arguments.output).suffix.removeprefix(".").lower()
-    return suffix if suffix in FORMATS else "svg"
+    return (None if arguments.output is None else _format_of_name(arguments.output)) or "svg"
+
+
+def _format_of_name(output: str) -> str | None:
+    suffix = Path(output).suffix.removeprefix(".").lower()
+    return suffix if suffix in FORMATS else exchange.ENDINGS.get(suffix)
 
 
 def _is_folder(arguments: Namespace) -> bool:
