@@ -22,7 +22,7 @@ DESIGN = sorted((ROOT / "docs" / "design").glob("*.md"))
 DECISIONS = [page for page in DESIGN if page.name != "README.md"]
 LINKED = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md")), *DESIGN]
 ARCHITECTURE = ROOT / "docs" / "architecture.md"
-NAMING = [*DESIGN, ARCHITECTURE]
+NAMING = [*DESIGN, ARCHITECTURE, ROOT / "docs" / "releasing.md", ROOT / ".github" / "pull_request_template.md"]
 SECTIONS = ["Decision", "Alternatives", "What it costs", "Where it stands", "Tests that hold it"]
 FOLDERS = "cspdiag|tests|docs|models|templates|grammars|distribution|benchmarks|third-party"
 _PLACE = re.compile(rf"`((?:(?:{FOLDERS})/|\.ci/|\.github/)[\w./-]*|Makefile|[\w-]+\.(?:toml|md))(?:::([\w.]+))?`")
