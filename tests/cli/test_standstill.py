@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import signal
 import subprocess
@@ -131,3 +132,37 @@ def test_instant_and_partners_are_named_where_a_native_program_communicates_for_
     assert re.search(r"Main\.(ping \(last waited at stands.csp:1\)|pong \(last waited at stands.csp:5\))", said)
     assert "stopped by SIGINT at 7 ms" in ended
     assert re.search(r"simulated 7 ms in [1-9][0-9.]* s", ended)
+
+
+COUNTS = """process Main {
+  out r : int
+  communication {
+    var n : int = 0
+    var m : int8 = 0
+  }
+  composition {
+    mu (r ! n ; n := n + 1 ; wait 1 ms) until n == 3 ;
+    mu (m := 1 - m SPIN) until m > 3 ; r ! 4
+  }
+}
+environment Bench for Main { r -> _ }
+"""
+
+
+@pytest.mark.parametrize(
+    ("spin", "options"),
+    [("", ("-O0",)), ("", ("--target", "c")), ("; (after 0 ms -> skip)", ("--target", "c", "-O0"))],
+    ids=["python", "c", "timers"],
+)
+def test_what_was_written_before_time_stood_still_is_in_trace_and_recording(
+    spin: str, options: tuple[str, ...], tmp_path: Path
+) -> None:
+    """A native program that has to be ended by force, too, has told all that happened."""
+    trace, recording = tmp_path / "run.jsonl", tmp_path / "run.csv"
+    outputs = ("--trace", str(trace), "--record", str(recording))
+    _stopped_when_it_stands(COUNTS.replace("SPIN", spin), tmp_path, *options, *outputs)
+    communications = [json.loads(line) for line in trace.read_text().splitlines()]
+    assert [(entry["t"], entry["channel"], entry["value"]) for entry in communications if "channel" in entry] == [
+        (0, "Main.r", 0), (1_000_000, "Main.r", 1), (2_000_000, "Main.r", 2)
+    ]  # fmt: skip
+    assert recording.read_text().splitlines()[:4] == ["time,r", "0.0,0", "0.001,1", "0.002,2"]

@@ -20,7 +20,6 @@ _NUMBER = struct.Struct("=I")
 _LENGTH = struct.Struct("=H")
 _COMMUNICATION = struct.Struct("=qIII")
 _EVENT = struct.Struct("=qI")
-_TIME = struct.Struct("=q")
 _PAIR = struct.Struct("=II")
 _END = struct.Struct("=Bqd")
 _EXECUTION = struct.Struct("=Iqq")
@@ -75,7 +74,7 @@ class StreamReader:
         """All records, to the end of the stream."""
         handlers: dict[int, Callable[[], None]] = {
             1: self._channel, 2: self._process, 3: self._communication, 4: self._begin, 5: self._end_of, 6: self._release,
-            7: self._time, 8: self._waiting, 9: self._missed, 10: self._ended,
+            8: self._waiting, 9: self._missed, 10: self._ended,
             11: self._execution_time, 12: self._sample,
         }  # fmt: skip
         while self._has(1):
@@ -144,9 +143,6 @@ class StreamReader:
         time, channel = _EVENT.unpack(self._bytes(12))
         name, size, decode = self._channels[channel]
         self.recorder.sampled(time, name, decode(self._bytes(size)))
-
-    def _time(self) -> None:
-        (self.now,) = _TIME.unpack(self._bytes(8))
 
     def _waiting(self) -> None:
         self._bytes(4)

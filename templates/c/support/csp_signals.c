@@ -138,6 +138,7 @@ static void at_exit(void)
     if (csp_is_driving()) {
         (void)atexit(at_exit);
         release();
+        csp_watch_attend(true);
     }
 }
 
@@ -147,6 +148,7 @@ static void crash(int number)
         CSP_STORE(first, (uint32_t)number);
     }
     release();
+    csp_watch_attend(true);
     csp_signals_handle(number, SIG_DFL, 0);
     (void)raise(number);
 }
@@ -234,6 +236,7 @@ static void owner_ends(void *nothing)
 {
     (void)nothing;
     csp_release_outputs();
+    csp_watch_attend(true);
     begun = 1U;
     csp_signals_end();
 }

@@ -35,6 +35,10 @@ void csp_signals_watch(int priority);
  * that is the one of the line before, who is at work: "Main (loops.csp:12)". */
 void csp_signals_tell(int descriptor);
 
+/* From here to the end: a thread of its own calls it ten times a second, and whoever ends the program before its run has ended by itself calls it
+ * once more, for the last time. It is not to wait for the run. */
+void csp_signals_attend(void (*attend)(bool last));
+
 /* The program ends as by SIGTERM when the process of this number is no longer its parent, which asks it to end by SIGTERM, even if that was
  * ignored. */
 void csp_signals_end_with_parent(long parent);

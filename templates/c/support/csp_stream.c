@@ -1,29 +1,105 @@
 /* See csp_stream.h. */
-#define _POSIX_C_SOURCE 200809L /* a clock of the time that this program has used */
+#define _POSIX_C_SOURCE 200809L /* threads, signals, and a clock of the time that this program has used */
 
 #include "csp_stream.h"
 
+#include <errno.h>
+#include <limits.h>
+#include <poll.h>
+#include <pthread.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <time.h>
+#include <unistd.h>
 
 #include "csp_arithmetic.h"
 #include "csp_internal.h"
+#include "csp_shared.h"
+#include "csp_signals.h"
 
-enum { BUFFER = 1 << 16, TEXT = 2048, BETWEEN_TIMES = 1 << 12 };
+enum { BUFFER = 1 << 17 /* for the longest value and more */, TEXT = 2048, LONGEST_WAIT = 1000 /* milliseconds */ };
 
+/* The thread of the run fills the buffer and may be stopped anywhere, for good. What others send, or who releases outputs in its place begins
+ * with, is whole records: `complete` bytes. The sender has the lock, and only that takes anything away in front. */
 static unsigned char buffer[BUFFER];
-static size_t used;
+static size_t filled;
+static volatile size_t complete;
+static size_t sent;
+static pthread_mutex_t sending = PTHREAD_MUTEX_INITIALIZER;
 static bool silent;
-static bool lost; /* not all could be written */
+static volatile bool lost; /* not all could be written */
 
 /* What cannot be told need not be run. */
-static void send(const void *data, size_t size)
+static void give_up(void)
 {
-    if (!lost && ((fwrite(data, 1U, size, stdout) != size) || (fflush(stdout) != 0))) {
-        lost = true;
-        csp_request_stop();
+    const bool nobody_reads = errno == EPIPE;
+    CSP_STORE(lost, true);
+    csp_request_stop();
+    if (nobody_reads) {
+        (void)kill(getpid(), SIGPIPE); /* the thread that wrote may hold it back */
     }
+}
+
+/* Whether to go on: something was taken, or may be by another attempt. */
+static bool send_some(const unsigned char *data, size_t size, size_t *taken)
+{
+    const ssize_t written = CSP_LOAD(lost) ? 0 : write(STDOUT_FILENO, data, size);
+    *taken += (written > 0) ? (size_t)written : 0U;
+    if ((written < 0) && (errno != EINTR) && (errno != EAGAIN)) {
+        give_up();
+    }
+    return !CSP_LOAD(lost);
+}
+
+/* Not between what is written and what is noted of it: whoever interrupts the run does not come back. */
+static void hold_back(sigset_t *before)
+{
+    static const int numbers[] = {SIGURG, CSP_CRASHES};
+    sigset_t held;
+    (void)sigemptyset(&held);
+    for (size_t index = 0U; index < (sizeof numbers / sizeof numbers[0]); index++) {
+        (void)sigaddset(&held, numbers[index]);
+    }
+    (void)pthread_sigmask(SIG_BLOCK, &held, before);
+}
+
+/* All complete records; the beginning of one that is not moves to the front. */
+static void send_complete(void)
+{
+    sigset_t before;
+    hold_back(&before);
+    (void)pthread_mutex_lock(&sending);
+    while ((sent < complete) && send_some(&buffer[sent], complete - sent, &sent)) {
+        /* A pipe takes what it has room for. */
+    }
+    (void)memmove(buffer, &buffer[complete], filled - complete);
+    filled -= complete;
+    sent = 0U;
+    CSP_STORE(complete, 0U);
+    (void)pthread_mutex_unlock(&sending);
+    (void)pthread_sigmask(SIG_SETMASK, &before, NULL);
+}
+
+static bool has_room(int wait)
+{
+    struct pollfd output = {STDOUT_FILENO, POLLOUT, 0};
+    return poll(&output, 1U, wait) > 0;
+}
+
+/* From another thread, or in place of the run, which may have stopped while it sends: without a wait, but for the last time. */
+static void attend(bool last)
+{
+    if (pthread_mutex_trylock(&sending) != 0) {
+        return;
+    }
+    const size_t end = CSP_LOAD(complete);
+    bool goes_on = true;
+    while (goes_on && (sent < end) && has_room(last ? (int)LONGEST_WAIT : 0)) {
+        const size_t rest = end - sent; /* of which a pipe with room takes a part without a wait */
+        goes_on = send_some(&buffer[sent], (rest < (size_t)PIPE_BUF) ? rest : (size_t)PIPE_BUF, &sent);
+    }
+    (void)pthread_mutex_unlock(&sending);
 }
 
 #if CSP_MEASURE
@@ -40,8 +116,7 @@ static int64_t time_used(void)
 static void flush(void)
 {
     const int64_t before = time_used();
-    send(buffer, used);
-    used = 0;
+    send_complete();
     telling += time_used() - before;
 }
 
@@ -49,31 +124,49 @@ static void flush(void)
 
 static void flush(void)
 {
-    send(buffer, used);
-    used = 0;
+    send_complete();
 }
 
 #endif
 
+static void completes(void)
+{
+    CSP_STORE_AFTER(complete, filled);
+}
+
+/* A record that is longer than the buffer goes in pieces. */
 static void put(const void *data, size_t size)
 {
+    const unsigned char *const bytes = (const unsigned char *)data;
+    size_t done = 0U;
     if (silent) {
         return;
     }
-    if (size > BUFFER - used) {
+    if (size > (size_t)BUFFER - filled) {
         flush();
+        while (size - done > (size_t)BUFFER - filled) {
+            const size_t piece = (size_t)BUFFER - filled;
+            (void)memcpy(&buffer[filled], &bytes[done], piece);
+            done += piece;
+            filled += piece;
+            completes();
+            flush();
+        }
     }
-    if (size > BUFFER) {
-        send(data, size);
-        return;
-    }
-    (void)memcpy(&buffer[used], data, size);
-    used += size;
+    (void)memcpy(&buffer[filled], &bytes[done], size - done);
+    filled += size - done;
 }
 
-static void put_kind(uint8_t kind)
+/* A record begins where the last complete one ends, whatever was begun since. */
+static void put_first(uint8_t kind)
 {
+    filled = complete;
     put(&kind, sizeof kind);
+}
+
+static void put_byte(uint8_t number)
+{
+    put(&number, sizeof number);
 }
 
 static void put_number(uint32_t number)
@@ -103,45 +196,29 @@ static void put_text(const char *text)
 static const csp_names *known;
 static uint32_t observed_channels;
 static uint32_t named_channels;
-static uint32_t quiet; /* observations since the clock was last looked at */
-static clock_t last_told;
-
-static void tell_time(void)
-{
-    quiet++;
-    if (quiet >= (uint32_t)BETWEEN_TIMES) {
-        quiet = 0;
-        const clock_t present = clock();
-        if (present - last_told > CLOCKS_PER_SEC / 10) {
-            last_told = present;
-            put_kind(7);
-            put_time(csp.now);
-            flush();
-        }
-    }
-}
 
 void csp_observe(uint32_t channel, const void *value, uint32_t writer, uint32_t reader)
 {
     if (channel >= observed_channels) {
-        tell_time();
         return;
     }
-    put_kind(3);
+    put_first(3);
     put_time(csp.now);
     put_number(channel);
     put_number(writer);
     put_number(reader);
     put(value, known->channel_sizes[channel]);
+    completes();
 }
 
 static void tell_value(uint8_t kind, uint32_t port, const void *value)
 {
     if (port < observed_channels) {
-        put_kind(kind);
+        put_first(kind);
         put_time(csp.now);
         put_number(port);
         put(value, known->channel_sizes[port]);
+        completes();
     }
 }
 
@@ -157,9 +234,10 @@ void csp_observe_release(uint32_t port, const void *value)
 
 static void begins_or_ends(uint8_t kind, uint32_t number)
 {
-    put_kind(kind);
+    put_first(kind);
     put_time(csp.now);
     put_number(number);
+    completes();
 }
 
 void csp_observe_begin(uint32_t number)
@@ -176,10 +254,11 @@ void csp_observe_end(uint32_t number)
 static void name_channels(uint32_t end)
 {
     for (; named_channels < end; named_channels++) {
-        put_kind(1);
+        put_first(1);
         put_number(named_channels);
         put_short(known->channel_sizes[named_channels]);
         put_text(known->channel_names[named_channels]);
+        completes();
     }
 }
 
@@ -193,16 +272,18 @@ void csp_stream_begin(const csp_program *program, const csp_names *names, csp_ob
 {
     known = names;
     silent = observed == CSP_SILENT;
+    csp_signals_attend(attend);
     observed_channels = (observed <= CSP_OBSERVE_NONE)    ? 0U
                         : (observed == CSP_OBSERVE_PORTS) ? program->port_count
                                                           : names->channel_count;
     named_channels = 0;
     name_channels((observed_channels > program->port_count) ? observed_channels : program->port_count);
     for (uint32_t number = 1; number <= names->process_count; number++) {
-        put_kind(2);
+        put_first(2);
         put_number(number);
         put_text(names->process_names[number]);
         put_text(names->process_kinds[number]);
+        completes();
     }
 }
 
@@ -213,6 +294,7 @@ void csp_stream_begin(const csp_program *program, const csp_names *names, csp_ob
     (void)program;
     (void)names;
     silent = observed == CSP_SILENT;
+    csp_signals_attend(attend);
 }
 
 static void name_all_channels(void)
@@ -228,7 +310,7 @@ static void tell_waiting(const csp_program *program, const csp_waiting_process *
     csp_wait_entry entry;
     uint16_t channels = 0;
     name_all_channels();
-    put_kind(8);
+    put_first(8);
     put_number(waiting->process->party.number);
     if (program->process_name != NULL) {
         program->process_name(waiting->process->party.number, text, sizeof text);
@@ -247,6 +329,7 @@ static void tell_waiting(const csp_program *program, const csp_waiting_process *
             put_number(entry.channel);
         }
     }
+    completes();
 }
 
 /* Exception, message, place. What fails in an environment stays where arithmetic notes it. */
@@ -335,10 +418,11 @@ static void tell_execution_times(void)
 {
     for (uint32_t number = 1; number < measured_processes; number++) {
         if (measurements[number].steps > 0) {
-            put_kind(11);
+            put_first(11);
             put_number(number);
             put_time(measurements[number].longest);
             put_time(measurements[number].steps);
+            completes();
         }
     }
 }
@@ -356,16 +440,18 @@ bool csp_stream_end(const csp_program *program, csp_ending ending, double durati
     for (uint32_t index = 0; index < program->port_count; index++) {
         if (program->ports[index].kind == CSP_PORT_SAMPLED) {
             const csp_medium *const medium = program->ports[index].medium;
-            put_kind(9);
+            put_first(9);
             put_number(medium->number);
             put_number(((const csp_sampled_input *)(const void *)medium)->missed);
+            completes();
         }
     }
-    put_kind(10);
-    put_kind((uint8_t)ending);
+    put_first(10);
+    put_byte((uint8_t)ending);
     put_time(csp.now);
     put(&duration, sizeof duration);
     put_failure(program, ending == CSP_FAILED);
+    completes();
     flush();
     return !lost;
 }

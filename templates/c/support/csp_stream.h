@@ -8,12 +8,13 @@
  *     3  a communication: time (8), channel (4), writer (4), reader (4), value
  *     4  a process or group begins: time (8), number (4);  5  ends
  *     6  a safe value is handed over: time (8), channel (4), value
- *     7  nothing but the time (8)
  *     8  a process that waits when nothing goes on: number (4), name, place of its definition, where it waits, for what, channels (2, then 4 each)
  *     9  missed samples of a port: channel (4), count (4)
  *    10  the end: csp_ending (1), time (8), duration of the run in seconds (8, a double), exception ("": the environment failed), message, place
  *    11  execution times, with CSP_MEASURE: number of a process (4), its longest step in nanoseconds (8), number of its steps (8)
  *    12  a sample of a sampled input, read or not: time (8), channel (4), value
+ *
+ * It goes out in whole records: when there are many, ten times a second, and when the program is ended by force.
  */
 #ifndef CSP_STREAM_H
 #define CSP_STREAM_H

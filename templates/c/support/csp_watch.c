@@ -25,11 +25,20 @@ static volatile bool hangs;
 static volatile bool forced;       /* the run, to let go */
 static volatile uint32_t parent;   /* 0: any */
 static volatile int listener = -1; /* who is told of each look; negative: nobody */
+static void (*volatile attendant)(bool last); /* NULL: none */
 
 void csp_watch_wait_a_look(void)
 {
     const struct timespec look = {0, LOOK};
     (void)nanosleep(&look, NULL);
+}
+
+void csp_watch_attend(bool last)
+{
+    void (*const attend)(bool) = CSP_LOAD(attendant);
+    if (attend != NULL) {
+        attend(last);
+    }
 }
 
 /* ---- Releases by force ---- */
@@ -39,6 +48,7 @@ static void end_by_force(void)
     if (csp_signals_leaving()) {
         csp_signals_wait_for_the_end();
     }
+    csp_watch_attend(true);
     const uint32_t first = csp_signals_first();
     _exit((first != 0U) ? ((int)CSP_SIGNALLED + (int)first) : EXIT_FAILURE);
 }
@@ -138,6 +148,7 @@ static void *watch(void *nothing)
     for (;;) {
         csp_watch_wait_a_look();
         tell_of_look(&told);
+        csp_watch_attend(false);
         const uint32_t looked_for = CSP_LOAD(parent);
         if ((looked_for != 0U) && (getppid() != (pid_t)looked_for)) {
             CSP_STORE(parent, 0U);
@@ -212,6 +223,11 @@ void csp_watch_parent(uint32_t number)
 void csp_signals_tell(int descriptor)
 {
     CSP_STORE(listener, descriptor);
+}
+
+void csp_signals_attend(void (*attend)(bool last))
+{
+    CSP_STORE(attendant, attend);
 }
 
 void csp_signals_watch(int priority)

@@ -16,6 +16,8 @@ void csp_watch_forget(void);
 bool csp_watch_runs(void);
 void csp_watch_parent(uint32_t number);
 void csp_watch_wait_a_look(void);
+/* What attends the run is called. */
+void csp_watch_attend(bool last);
 
 /* Of csp_signals.c: the signal that stopped the run, 0: none; whether another thread ends the process, when the outputs are released. */
 uint32_t csp_signals_first(void);
