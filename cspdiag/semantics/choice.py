@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from cspdiag.semantics.media import Offer
 from cspdiag.semantics.outside import begin_sessions
-from cspdiag.semantics.requests import CancelledError, Request, Steps, no_steps
-
-if TYPE_CHECKING:
-    from cspdiag.semantics.scheduler import Task
+from cspdiag.semantics.requests import CancelledError, Request, Steps, Task, no_steps
 
 
 class Choose(Request):

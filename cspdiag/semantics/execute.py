@@ -14,8 +14,8 @@ from cspdiag.network.ir.network import ExternalPort, Network, ProcessClass
 from cspdiag.network.ir.walk import parts
 from cspdiag.semantics import outside
 from cspdiag.semantics.environment import Plant
-from cspdiag.semantics.instances import Place, ProcessInstance, Program, exception_name
-from cspdiag.semantics.media import Medium
+from cspdiag.semantics.instances import ProcessInstance, Program, exception_name
+from cspdiag.semantics.media import Medium, Place
 from cspdiag.semantics.observer import Observer
 from cspdiag.semantics.scheduler import Scheduler
 from cspdiag.semantics.trace import Ending, Execution

@@ -22,14 +22,12 @@ from cspdiag.network.ir.network import (
 from cspdiag.semantics import media
 from cspdiag.semantics.choice import Choose, Interrupt
 from cspdiag.semantics.ends import choices, ends_read, flattened_ends
-from cspdiag.semantics.media import EndKey, Medium, Offer
+from cspdiag.semantics.media import EndKey, Medium, Offer, Place
 from cspdiag.semantics.outside import MissedSampleError
 from cspdiag.semantics.requests import Communicate, Parallel, Request, Steps, Wait
 from cspdiag.semantics.scheduler import Scheduler
 from cspdiag.semantics.submodels import InlinedLaws, SubmodelInstance
 from cspdiag.semantics.values import FaultError, value_of, within
-
-Place = tuple[str, int | None]
 
 
 class DeclaredError(Exception):

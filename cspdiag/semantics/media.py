@@ -8,18 +8,57 @@ woken by it.
 from __future__ import annotations
 
 import dataclasses
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from typing import Any, Protocol
 
 from cspdiag.semantics.values import FaultError
-
-if TYPE_CHECKING:
-    from cspdiag.semantics.requests import Request
-    from cspdiag.semantics.scheduler import Scheduler, Task
 
 EndKey = tuple[str, str, int | None, int]
 """A reading end: the path of the process that owns it, its port or channel, the index of the port, the number of the
 end.
 """
+
+
+Place = tuple[str, int | None]
+"""A port, by its name and, in an array of ports, its index."""
+
+
+class World(Protocol):
+    """What media know of the run. «Scheduling and traces»"""
+
+    now: int
+    timeouts: bool
+    """Whether a missed sample is an exception for its reader."""
+
+    @property
+    def inputs(self) -> Sequence[Medium]:
+        """The inputs of the program."""
+
+    def communicate(self, channel: str, value: Any) -> None:
+        """A value passes. «Traces»"""
+
+    def hand_over(self, channel: str, value: Any) -> None:
+        """A value passes to the environment. «Time»"""
+
+    def notice(self) -> None:
+        """Wake whoever may go on now, because of one event. «Parties, channels and guards»"""
+
+
+class Offering(Protocol):
+    """What makes offers: a process reads, writes or alternates. «Parties, channels and guards»"""
+
+    @property
+    def task(self) -> object:
+        """The process."""
+
+    def offer_done(self, offer: Offer) -> None:
+        """Somebody has made the communication of an offer."""
+
+    def resolve(self, offer: Offer) -> None:
+        """Somebody has chosen to communicate with this guard."""
+
+    def bind(self, offer: Offer) -> None:
+        """Somebody is going to communicate with this output guard."""
 
 
 @dataclasses.dataclass(eq=False)
@@ -29,7 +68,7 @@ class Offer:
     «Parties, channels and guards»
     """
 
-    request: Request
+    request: Offering
     medium: Medium
     end: EndKey
     writes: bool
@@ -40,7 +79,7 @@ class Offer:
     done: bool = False
 
     @property
-    def task(self) -> Task:
+    def task(self) -> object:
         """The process that makes it."""
         return self.request.task
 
@@ -51,7 +90,7 @@ class Medium:
     outside = False
     """Whether a reader waits for the environment."""
 
-    def __init__(self, world: Scheduler, name: str) -> None:
+    def __init__(self, world: World, name: str) -> None:
         self.world = world
         self.name = name
         self.offers: list[Offer] = []
@@ -150,7 +189,7 @@ class Fifo(Medium):
     «Parties, channels and guards»
     """
 
-    def __init__(self, world: Scheduler, name: str, capacity: int, overwriting: bool) -> None:
+    def __init__(self, world: World, name: str, capacity: int, overwriting: bool) -> None:
         super().__init__(world, name)
         self.capacity = capacity
         self.overwriting = overwriting
@@ -194,7 +233,7 @@ class Broadcast(Medium):
     «Parties, channels and guards»
     """
 
-    def __init__(self, world: Scheduler, name: str) -> None:
+    def __init__(self, world: World, name: str) -> None:
         super().__init__(world, name)
         self.writing: Offer | None = None
         self.missing: list[EndKey] = []
@@ -277,7 +316,7 @@ class AtOnce(Medium):
 
     communicates = False
 
-    def __init__(self, world: Scheduler, name: str, value: Any = None) -> None:
+    def __init__(self, world: World, name: str, value: Any = None) -> None:
         super().__init__(world, name)
         self.value = value
 

@@ -4,13 +4,10 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from cspdiag.semantics.media import AtOnce, EndKey, Medium, Offer
+from cspdiag.semantics.media import AtOnce, EndKey, Medium, Offer, World
 from cspdiag.semantics.values import FaultError
-
-if TYPE_CHECKING:
-    from cspdiag.semantics.scheduler import Scheduler
 
 
 class MissedSampleError(Exception):
@@ -36,7 +33,7 @@ class SampledOutput(AtOnce):
 
     communicates = True
 
-    def __init__(self, world: Scheduler, name: str, period: int) -> None:
+    def __init__(self, world: World, name: str, period: int) -> None:
         super().__init__(world, name)
         self.period = period
         self.latched: list[Any] = []
@@ -96,7 +93,7 @@ class ExternalInput(Medium):
 class EventInput(ExternalInput):
     """Keeps the latest value offered until it is read; under ``broadcast`` each end has its own. «Time»"""
 
-    def __init__(self, world: Scheduler, name: str, broadcast: bool) -> None:
+    def __init__(self, world: World, name: str, broadcast: bool) -> None:
         super().__init__(world, name)
         self.broadcast = broadcast
         self.latches: dict[EndKey | None, Any] = {}
@@ -138,7 +135,7 @@ class Session:
 class SampledInput(ExternalInput):
     """An input that takes a sample at the instants k·period. «Time»"""
 
-    def __init__(self, world: Scheduler, name: str, period: int) -> None:
+    def __init__(self, world: World, name: str, period: int) -> None:
         super().__init__(world, name)
         self.period = period
         self.sessions: dict[EndKey, Session] = {}

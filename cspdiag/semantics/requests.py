@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Generator, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
-from cspdiag.semantics.media import Offer
+from cspdiag.semantics.media import Offer, World
 from cspdiag.semantics.outside import begin_sessions
-
-if TYPE_CHECKING:
-    from cspdiag.semantics.scheduler import Scheduler, Task
 
 
 class CancelledError(Exception):
@@ -24,11 +21,67 @@ def no_steps() -> Steps:
     yield from ()
 
 
+class Parent(Protocol):
+    """What is told of the end of a branch. «Parallel», «Interrupt»"""
+
+    def branch_ended(self, task: Task, error: Exception | None) -> None:
+        """A branch has ended, by an exception if ``error`` is not None."""
+
+
+class Task:
+    """A branch of a parallel, the body of an interrupt, or the whole program: what runs or waits.
+
+    «Scheduling and traces»
+    """
+
+    def __init__(self, steps: Steps, priority: tuple[int, ...], parent: Parent | None) -> None:
+        self.steps = steps
+        self.priority = priority
+        self.parent = parent
+        self.request: Request | None = None
+        self.cancelled = False
+        self.doomed = False
+        """Whether it was cancelled while it ran, and its canceller has not had its turn."""
+        self.ended = False
+
+    def rank(self) -> tuple[int, ...]:
+        """Priorities are compared from the outermost ``||>`` inwards, as if zeros followed. «Priority»"""
+        rank = list(self.priority)
+        while rank and rank[-1] == 0:
+            rank.pop()
+        return tuple(rank)
+
+
+class Scheduling(World, Protocol):
+    """What requests ask of the scheduler. «Scheduling and traces»"""
+
+    due: int
+    """Delays and time-outs up to this instant are over."""
+    begun: int
+    """How many requests have begun."""
+    ready: list[Task]
+
+    def start(self, steps: Steps, priority: tuple[int, ...], parent: Parent | None) -> Task:
+        """A new branch."""
+
+    def make_ready(self, task: Task) -> None:
+        """Put into the ready queue, where it is not there yet."""
+
+    def run_next(self, task: Task) -> None:
+        """Runs in the present turn."""
+
+    def cancel(self, task: Task) -> None:
+        """The task ends at its next place, which is the one at which it waits. «Cancellation» 1 to 4"""
+
+    def fair(self, ready: Sequence[int], last: int) -> int:
+        """Which of the guards that are ready an alternative takes that is not prioritized."""
+
+
 class Request:
     """A place at which a process may wait: ``done`` with a ``result`` or an ``error``, or waiting. «Cancellation»"""
 
     task: Task
-    world: Scheduler
+    world: Scheduling
     began: int
     """Requests are numbered in the order in which they began."""
 

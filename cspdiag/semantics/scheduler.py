@@ -6,10 +6,9 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from typing import Any, Protocol
 
-from cspdiag.semantics.choice import Interrupt, Promise
 from cspdiag.semantics.observer import Observer
 from cspdiag.semantics.outside import EventInput, ExternalInput, SampledInput, SampledOutput
-from cspdiag.semantics.requests import CancelledError, Parallel, Request, Steps, no_steps
+from cspdiag.semantics.requests import CancelledError, Parent, Request, Steps, Task, no_steps
 from cspdiag.semantics.trace import Communication, Ending
 
 Resumption = Callable[[], Request]
@@ -28,32 +27,6 @@ class Outside(Protocol):
 
     def give(self, port: str, value: Any) -> None:
         """A value from the program."""
-
-
-class Task:
-    """A branch of a parallel, the body of an interrupt, or the whole program: what runs or waits.
-
-    «Scheduling and traces»
-    """
-
-    def __init__(
-        self, steps: Steps, priority: tuple[int, ...], parent: Parallel | Interrupt | Promise | Canceller | None
-    ) -> None:
-        self.steps = steps
-        self.priority = priority
-        self.parent = parent
-        self.request: Request | None = None
-        self.cancelled = False
-        self.doomed = False
-        """Whether it was cancelled while it ran, and its canceller has not had its turn."""
-        self.ended = False
-
-    def rank(self) -> tuple[int, ...]:
-        """Priorities are compared from the outermost ``||>`` inwards, as if zeros followed. «Priority»"""
-        rank = list(self.priority)
-        while rank and rank[-1] == 0:
-            rank.pop()
-        return tuple(rank)
 
 
 class Canceller:
@@ -143,9 +116,7 @@ class Scheduler:
         if self.observer is not None:
             self.observer.process_ended(self.now, path)
 
-    def start(
-        self, steps: Steps, priority: tuple[int, ...], parent: Parallel | Interrupt | Promise | Canceller | None
-    ) -> Task:
+    def start(self, steps: Steps, priority: tuple[int, ...], parent: Parent | None) -> Task:
         """A new branch."""
         return Task(steps, priority, parent)
 

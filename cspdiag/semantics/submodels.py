@@ -3,18 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 from cspdiag.network.ir import actions as act
 from cspdiag.network.ir.expressions import Expression
 from cspdiag.network.ir.network import Connection, ConstantEnd, DiscardEnd, ProcessClass, SubmodelClass
 from cspdiag.semantics.laws import Law
-from cspdiag.semantics.media import EndKey, Medium, Offer
+from cspdiag.semantics.media import EndKey, Medium, Offer, Place
 from cspdiag.semantics.requests import Communicate, Steps
 from cspdiag.semantics.values import Names, fitting, value_of
 
-if TYPE_CHECKING:
-    from cspdiag.semantics.instances import Place, ProcessInstance
+
+class Owner(Protocol):
+    """The process around a submodel. «The communication diagram»"""
+
+    path: str
+
+    def key(self, end: act.End) -> EndKey:
+        """The end as one of this process, or of one that was flattened into it."""
+
+    def attached(self, connection: Connection) -> Medium:
+        """What a port of an instance inside is attached to."""
 
 
 class SubmodelInstance:
@@ -22,7 +31,7 @@ class SubmodelInstance:
 
     def __init__(
         self,
-        owner: ProcessInstance,
+        owner: Owner,
         cls: SubmodelClass,
         parameters: Mapping[str, Any],
         connections: tuple[Connection, ...],

@@ -10,7 +10,8 @@ from random import Random
 
 from cspdiag.network.ir.network import Network
 from cspdiag.semantics.execute import execute
-from cspdiag.semantics.scheduler import Scheduler, Task
+from cspdiag.semantics.requests import Task
+from cspdiag.semantics.scheduler import Scheduler
 from cspdiag.verify.replay.decisions import Decisions
 
 

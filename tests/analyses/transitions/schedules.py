@@ -9,7 +9,8 @@ from typing import Any
 from cspdiag.model.types import ArrayType, BoolType, EnumType, IntType, RealType, StructType, Type
 from cspdiag.network.ir.network import Network
 from cspdiag.semantics.execute import execute
-from cspdiag.semantics.scheduler import Scheduler, Task
+from cspdiag.semantics.requests import Task
+from cspdiag.semantics.scheduler import Scheduler
 from cspdiag.semantics.trace import Execution
 
 STEP = 1_000_000
