@@ -1,0 +1,53 @@
+"""A contract for import-linter: no module imports itself by way of others.
+
+Imports under TYPE_CHECKING and inside functions count as well, and so do those of a package by the modules inside it, which the contract
+``acyclic_siblings`` does not see.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import networkx
+from grimp import ImportGraph
+from importlinter import Contract, ContractCheck, output
+
+
+class NoCirclesContract(Contract):  # type: ignore[misc]
+    """``metadata["circles"]`` has the imports of each circle: who imports, and what."""
+
+    type_name = "no_circles"
+
+    def check(self, graph: ImportGraph, verbose: bool) -> ContractCheck:
+        """Look at all modules of the graph."""
+        circles = circles_of(graph)
+        return ContractCheck(kept=not circles, metadata={"circles": circles})
+
+    def render_broken_contract(self, check: ContractCheck) -> None:
+        """One line for each import, with its place."""
+        for circle in check.metadata["circles"]:
+            output.print_error(f"{len({importer for importer, *_ in circle})} modules import each other in a circle:")
+            for importer, imported, line in circle:
+                output.print_error(f"- {importer} -> {imported} (l. {line})")
+            output.new_line()
+
+
+def circles_of(graph: ImportGraph) -> list[list[tuple[str, str, int]]]:
+    """The imports within each circle, in the order of names, with the line of each."""
+    imports: Any = networkx.DiGraph()
+    for module in graph.modules:
+        imports.add_edges_from((module, other) for other in graph.find_modules_directly_imported_by(module))
+    found = []
+    for knot in sorted(map(sorted, networkx.strongly_connected_components(imports))):
+        if len(knot) > 1:
+            found.append(
+                [
+                    (importer, imported, _line(graph, importer, imported))
+                    for importer, imported in sorted(imports.subgraph(knot).edges)
+                ]
+            )
+    return found
+
+
+def _line(graph: ImportGraph, importer: str, imported: str) -> int:
+    return min(detail["line_number"] for detail in graph.get_import_details(importer=importer, imported=imported))
