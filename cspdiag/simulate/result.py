@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,6 +14,8 @@ from cspdiag.simulate.record.run_data import RunData, Signal
 
 if TYPE_CHECKING:
     import numpy
+    import pandas
+    import xarray
     from matplotlib.figure import Figure
 
 
@@ -93,6 +95,37 @@ class Run(RunData):
 
         with file_errors():
             write_whole(Path(path), csv_text(self).encode())
+
+    def to_dataframe(self, signals: Iterable[str] | None = None) -> pandas.DataFrame:
+        """A table of signals, by default of the external ports, indexed by the time in seconds: a row for each instant at which one had a new value.
+
+        Values are held between, and missing (NaN, NA) before the first. Arrays and structs have a column for each number (``gyro[0]``, ``pose.x``), enums are
+        categories. ``attrs`` has ``units`` and ``periods`` (in seconds, of sampled ports) by column, ``process``, ``environment`` and how it ``ended``.
+
+        Raises UnknownSignalError, and MissingPackageError with the command to install pandas if it is missing.
+        """
+        from cspdiag.simulate.record.frames import to_dataframe
+
+        return to_dataframe(self, self._names(signals))
+
+    def to_xarray(self, signals: Iterable[str] | None = None) -> xarray.Dataset:
+        """The same as ``to_dataframe`` as a data set over ``time``: variables have ``units``, ``period`` (in seconds, if sampled) and ``type`` as attributes.
+
+        Arrays of numbers are one variable, with an axis of its own; enums are numbers, which ``flag_meanings`` explains.
+
+        Raises UnknownSignalError, and MissingPackageError with the command to install xarray if it is missing.
+        """
+        from cspdiag.simulate.record.frames import to_xarray
+
+        return to_xarray(self, self._names(signals))
+
+    def _names(self, signals: Iterable[str] | None) -> list[str]:
+        if signals is None:
+            return [port.name for port in self.network.external_ports]
+        names = [signals] if isinstance(signals, str) else list(dict.fromkeys(signals))
+        for name in names:
+            self._signal(name)
+        return names
 
     def to_npz(self, path: str | Path) -> None:
         """Write the external ports as a numpy archive."""

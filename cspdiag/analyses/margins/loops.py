@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from cspdiag.analyses.margins.law import Leaf
 from cspdiag.analyses.margins.linear import NotLinearError, Simplification
@@ -12,6 +13,9 @@ from cspdiag.analyses.margins.open_loop import Cut, OpenLoop, minimal
 from cspdiag.analyses.margins.system import Loops
 from cspdiag.base import Span
 from cspdiag.network.ir.network import Environment, Network
+
+if TYPE_CHECKING:
+    import control  # type: ignore[import-untyped]
 
 MOTIONS = (0.1, 1.0, 10.0)
 """Speeds, in their units, at which a plant is looked at that does not answer at rest."""
@@ -25,6 +29,17 @@ class AnalysedLoop:
     margins: Margins
     point: Mapping[str, float]
     simplifications: tuple[Simplification, ...]
+
+    def to_control(self) -> control.StateSpace:
+        """The open loop L of negative feedback as a discrete-time system of python-control: the loop is closed by ``control.feedback(L, 1)``.
+
+        So L is minus what the law computes for what it had written, and its Nyquist curve is looked at around -1. The time step is the period of the law, in
+        seconds; the input is called ``e``, the output as the port of the law, the system as the law. ``control.stability_margins(L, method="frd")`` gives
+        ``margins``; its polynomials (``method="poly"``) lose their digits where a plant is slow beside the sample period.
+        """
+        from cspdiag.analyses.margins.python_control import state_space
+
+        return state_space(self.opened)
 
 
 @dataclass(frozen=True)

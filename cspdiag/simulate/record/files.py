@@ -6,13 +6,13 @@ import errno
 import io
 import json
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from cspdiag.model.types import ArrayType, BoolType, EnumType, StructType, Type
-from cspdiag.simulate.record.leaves import Picker, leaves
+from cspdiag.simulate.record.held import columns_of, held_rows
 
 if TYPE_CHECKING:
     from cspdiag.simulate.record.run_data import RunData
@@ -87,40 +87,25 @@ def csv_text(run: RunData) -> str:
 
     Arrays and structs have a column for each of their numbers.
     """
-    prefix = f"{run.network.top}."
-    names: list[str] = []
-    columns: dict[str, list[tuple[int, Callable[[Any], str], Picker]]] = {}
-    for port in run.network.external_ports:
-        columns[f"{prefix}{port.name}"] = own = []
-        for name, kind, pick in leaves(port.name, port.type):
-            own.append((len(names), _writer(kind), pick))
-            names.append(name)
-    row = [""] * len(names)
-    rows: list[str] = [",".join(["time", *names])]
-    instant: int | None = None
-    for time, channel, value in run.values_passed():
-        own_columns = columns.get(channel)
-        if own_columns is None:
-            continue
-        if instant is not None and time != instant:
-            rows.append(",".join([repr(instant / 1e9), *row]))
-        instant = time
-        for position, written, pick in own_columns:
-            row[position] = written(pick(value))
-    if instant is not None:
-        rows.append(",".join([repr(instant / 1e9), *row]))
-    return "".join(f"{line}\n" for line in rows)
+    columns = [
+        column
+        for port in run.network.external_ports
+        for column in columns_of(f"{run.network.top}.{port.name}", port.name, port.type, _written)
+    ]
+    lines = [",".join(["time", *(column.name for column in columns)])]
+    lines += [",".join([repr(instant / 1e9), *row]) for instant, row in held_rows(run, columns, "")]
+    return "".join(f"{line}\n" for line in lines)
 
 
-def _writer(kind: Type) -> Callable[[Any], str]:
-    """How a number is written in a table."""
+def _written(value: Any, kind: Type) -> str:
+    """A number as it is written in a table."""
     match kind:
         case BoolType():
-            return lambda value: "true" if value else "false"
+            return "true" if value else "false"
         case EnumType(literals=literals):
-            return lambda value: literals[int(value)]
+            return literals[int(value)]
         case _:
-            return str
+            return str(value)
 
 
 def npz_bytes(run: RunData) -> bytes:
