@@ -59,6 +59,8 @@ class Leaf:
     """Ports that parallel parts may use at once."""
     periods: dict[str, str] = field(default_factory=dict)
     variables: dict[str, tuple[str, str]] = field(default_factory=dict)
+    indexes: list[str] = field(default_factory=list)
+    """Of the replicators around what is being drawn."""
     numbers: int = 0
 
     def fresh(self, stem: str) -> str:
@@ -91,6 +93,9 @@ class Part:
     def literal(self, kind: str) -> str:
         """A literal, a constant or a variable."""
         variable = self.variable(kind)
+        indexes = self.leaf.indexes if kind == "int" else []
+        if indexes and self.draw.random() < 0.7:
+            return f"({' + 10 * '.join(indexes)})"
         return self.draw.choice([*LITERALS[kind], variable, variable])
 
     def value(self, kind: str, depth: int = 1) -> str:
@@ -148,7 +153,7 @@ def guarded(part: Part, free: list[str], depth: int) -> Node:
 
 COMPOSED = (
     ("seq",) * 4 + ("par",) * 4 + ("alt",) * 5 + ("interrupt",) * 6 + ("mu",) * 2 + ("catch",) * 2
-    + ("if", "raise", "while", "seq i", "group")
+    + ("if", "raise", "while", "seq i", "seq i", "group")
 )  # fmt: skip
 
 
@@ -191,8 +196,7 @@ def composed(part: Part, kind: str, depth: int) -> Node:
         case "while":
             return _counted(part, "({0} := 0 ; (while {0} < {1} do ({{}} ; {0} := {0} + 1)))", depth)
         case "seq i":
-            turns = draw.choice((2, 2, 20, 70))
-            return Node(f"(seq {part.leaf.fresh('each')} < {turns} : {{}})", (step(part, depth - 1),))
+            return _replicated(part, depth)
         case "if":
             form = f"(if {_plain(part.value('bool'))} then {{}} else {{}})"
             return Node(form, (step(part, depth - 1), step(part, depth - 1)))
@@ -211,6 +215,17 @@ def _counted(part: Part, form: str, depth: int) -> Node:
     counter = part.leaf.fresh("k")
     part.leaf.variables[counter] = ("int", "0")
     return Node(form.format(counter, part.draw.randint(2, 3)), (step(part, depth - 1),))
+
+
+def _replicated(part: Part, depth: int) -> Node:
+    """A replicated sequence whose index may be used inside, many turns only outermost; often one in another."""
+    draw, indexes = part.draw, part.leaf.indexes
+    index = part.leaf.fresh("each")
+    turns = draw.choice((2, 3, 3, 20, 70)) if not indexes else draw.choice((2, 3, 3, 4))
+    indexes.append(index)
+    body = _replicated(part, depth - 1) if depth > 1 and draw.random() < 0.3 else step(part, depth - 1)
+    indexes.pop()
+    return Node(f"(seq {index} < {turns} : {{}})", (body,))
 
 
 def _interrupted(part: Part, depth: int) -> Node:
