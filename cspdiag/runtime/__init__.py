@@ -11,11 +11,11 @@ from .channels.broadcast import Broadcast
 from .channels.buffers import Buffer, Overwriting
 from .channels.channel import Channel
 from .channels.ports import In, Out
+from .channels.selector import lower_bits
 from .channels.variable import Constant, Discard, Variable
 from .choice.alternative import Alternative
 from .choice.guards import After, Input, Output, Ready, Skip
 from .choice.interrupt import interrupt, interrupted
-from .choice.selector import lower_bits
 from .choice.together import read_all, write_all
 from .compiled.arithmetic import (
     acos,
@@ -51,6 +51,7 @@ from .compiled.arithmetic import (
     uint32,
 )
 from .compiled.rendezvous import Alternated, Rendezvous
+from .compiled.routine import Inlined, Part, Routine, Steps, end_group, push, start_group
 from .composition import Rounds, begin_delay, group, parallel, prioritized_parallel, stop, wait
 from .deadlock import DeadlockReport, WaitingProcess
 from .kernel.durations import ms, nanoseconds, ns, s, seconds, us
@@ -65,10 +66,9 @@ from .kernel.exceptions import (
     Timeout,
 )
 from .kernel.observer import Observer
-from .kernel.outcome import Jitter, Outcome
-from .kernel.routine import Inlined, Part, Routine, Steps, end_group, push, start_group
 from .kernel.scheduler import Task, scheduler
 from .network import Network
+from .outcome import Jitter, Outcome
 from .outside.accepted import array, boolean, double, enumeration, integer, record, single, text
 from .outside.drivers import DevicePort, Driver, Signal
 from .outside.external import EventOutput, SampledOutput

@@ -13,10 +13,10 @@ from typing import Any, NamedTuple, TypeVar
 
 from .kernel.durations import ms, ns, s, shown, us
 from .kernel.exceptions import described
-from .kernel.outcome import Outcome
 from .kernel.signals import name_of_signal
 from .kernel.stopping import HandlerFailed, Stopped, stopping
 from .network import Network
+from .outcome import Outcome
 from .outside.drivers import Driver
 from .outside.job_control import stay_running
 from .outside.standard_streams import keep, standard_error, standard_output

@@ -13,9 +13,9 @@ from inspect import iscoroutine, isfunction, ismethod
 from types import coroutine
 from typing import Any, TypeAlias, TypeVar, cast
 
+from .compiled.routine import Branch, Routine, routine_task
 from .kernel.durations import shown
 from .kernel.exceptions import ANOTHER_BRANCH, Cancelled, kind_and_text
-from .kernel.routine import Branch, Routine, routine_task
 from .kernel.scheduler import Join, Party, Task, Waits, scheduler
 from .process import Process
 

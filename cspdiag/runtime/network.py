@@ -12,15 +12,15 @@ from contextlib import nullcontext
 from signal import SIGINT
 from typing import Any, Literal
 
+from .compiled.routine import Routine
 from .composition import end_all, task_for
 from .deadlock import report_deadlock
 from .kernel.clock import Clock, RealClock, VirtualClock
 from .kernel.exceptions import EnvironmentFailure, RunFailed, text_of
 from .kernel.observer import Observer
-from .kernel.outcome import Jitter, Outcome
-from .kernel.routine import Routine
 from .kernel.scheduler import Party, Task, scheduler
 from .kernel.stopping import HandlerFailed, Stopped, stopping
+from .outcome import Jitter, Outcome
 from .outside.devices import Devices
 from .outside.external import Port
 from .outside.inputs import EventInput, SampledInput

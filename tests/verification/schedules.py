@@ -12,7 +12,7 @@ from cspdiag.network.ir.network import Network
 from cspdiag.semantics.execute import execute
 from cspdiag.semantics.requests import Task
 from cspdiag.semantics.scheduler import Scheduler
-from cspdiag.verify.replay.decisions import Decisions
+from cspdiag.verify.decisions import Decisions
 
 
 class TooManyError(Exception):

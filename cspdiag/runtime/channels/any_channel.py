@@ -8,10 +8,10 @@ from __future__ import annotations
 from collections import deque
 from typing import TYPE_CHECKING
 
-from ..choice.selector import Selector
 from ..kernel.scheduler import Party, Waits, scheduler
 from .meeting import Meeting
 from .ports import In, Out, T
+from .selector import Selector
 
 if TYPE_CHECKING:
     from .alternating import Alternating

@@ -7,10 +7,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from ..choice.selector import Selector, Watchers, attend, lower_bits, raise_bits, without
 from ..kernel.exceptions import ChannelMisuse
 from ..kernel.scheduler import Party, Waits, scheduler
 from .ports import In, Out, Owner, T
+from .selector import Selector, Watchers, attend, lower_bits, raise_bits, without
 
 if TYPE_CHECKING:
     from .alternating import Alternating

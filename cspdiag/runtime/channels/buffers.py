@@ -8,10 +8,10 @@ from __future__ import annotations
 from collections import deque
 from typing import Any
 
-from ..choice.selector import Selector, Watchers, lower_bits, raise_bits, without
 from ..kernel.exceptions import ChannelMisuse
 from ..kernel.scheduler import Party, Waits, scheduler
 from .ports import In, Out, T
+from .selector import Selector, Watchers, lower_bits, raise_bits, without
 
 
 class Buffer(In[T], Out[T]):

@@ -15,11 +15,11 @@ from collections.abc import Generator
 from types import coroutine
 from typing import TYPE_CHECKING, Any
 
-from ..choice.selector import Selector
 from ..kernel.exceptions import Cancelled, ChannelMisuse
 from ..kernel.scheduler import Party, Waits, scheduler
 from .meeting import Meeting
 from .ports import In, Out, T
+from .selector import Selector
 
 if TYPE_CHECKING:
     from .alternating import Alternating

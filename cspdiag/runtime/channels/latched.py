@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..choice.selector import Selector, Watchers, lower_bits, without
 from ..kernel.exceptions import Cancelled
 from ..kernel.scheduler import Party, scheduler
 from .ports import In, T
+from .selector import Selector, Watchers, lower_bits, without
 
 
 class LatchedEnd(In[T]):

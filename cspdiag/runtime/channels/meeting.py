@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..choice.selector import Selector, Watchers, attend, lower_bits, raise_bits, without
+from .selector import Selector, Watchers, attend, lower_bits, raise_bits, without
 
 if TYPE_CHECKING:
     from .alternating import Alternating

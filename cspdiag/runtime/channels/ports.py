@@ -14,8 +14,8 @@ from ..kernel.exceptions import Cancelled
 from ..kernel.scheduler import Party, Waits, scheduler
 
 if TYPE_CHECKING:
-    from ..choice.selector import Selector
     from .alternating import Alternating
+    from .selector import Selector
 
 T = TypeVar("T")
 E = TypeVar("E", bound="AnyIn")

@@ -9,10 +9,10 @@ from collections.abc import Generator
 from types import coroutine
 from typing import Any
 
-from ..choice.selector import Selector
 from ..kernel.exceptions import Fault
 from ..kernel.scheduler import Party
 from .ports import In, Out, T, T_co, T_contra
+from .selector import Selector
 
 _NOT_WRITTEN: Any = object()
 

@@ -12,10 +12,10 @@ from itertools import count
 from typing import Any, TypeAlias
 
 from ..channels.ports import AnyIn, AnyOut
+from ..channels.selector import Selector, raise_bits
 from ..kernel.durations import shown
 from ..kernel.executed import Executed
 from ..kernel.scheduler import Party, Task, scheduler
-from .selector import Selector, raise_bits
 
 _BEGUN = count(1)
 

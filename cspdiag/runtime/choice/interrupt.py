@@ -7,9 +7,9 @@ from inspect import iscoroutine
 from types import coroutine
 from typing import Any, cast
 
+from ..compiled.routine import Branch, CheckedTask, RoutineTask
 from ..composition import Body, Branches
 from ..kernel.exceptions import Cancelled
-from ..kernel.routine import Branch, CheckedTask, RoutineTask
 from ..kernel.scheduler import Party, Task, Waits, scheduler
 from .alternative import Alternative
 from .guards import Choice, Guard, Input, Output, Ready, waits_of_guard

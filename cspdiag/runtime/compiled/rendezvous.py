@@ -12,7 +12,7 @@ from __future__ import annotations
 from typing import Any
 
 from ..channels.ports import In, Out, T
-from ..choice.selector import Selector, Watchers, lower_bits, raise_bits, without
+from ..channels.selector import Selector, Watchers, lower_bits, raise_bits, without
 from ..kernel.scheduler import Party, Waits, scheduler
 
 

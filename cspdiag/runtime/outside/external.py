@@ -11,7 +11,7 @@ from math import isfinite
 from typing import Any, Generic, TypeAlias
 
 from ..channels.ports import Out, T
-from ..choice.selector import Selector
+from ..channels.selector import Selector
 from ..kernel.exceptions import Fault
 from ..kernel.scheduler import Party, scheduler
 from .drivers import Driver, Signal

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from ..channels.latched import LatchedEnd, refuse_cancelled
 from ..channels.ports import In, Owner, T
-from ..choice.selector import Selector, lower_bits, raise_bits
+from ..channels.selector import Selector, lower_bits, raise_bits
 from ..kernel.durations import ms, shown
 from ..kernel.exceptions import ChannelMisuse, Timeout
 from ..kernel.scheduler import Party, Task, scheduler

@@ -25,7 +25,7 @@ from cspdiag.simulate.run.execute import chosen_environment
 
 if TYPE_CHECKING:
     from cspdiag.runtime import Outcome
-    from cspdiag.runtime.kernel.outcome import Ending
+    from cspdiag.runtime.outcome import Ending
 
 Observed = Literal["all", "ports", "none"]
 """Which communications are told: recording a few is much faster than recording all."""

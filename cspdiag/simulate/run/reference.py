@@ -9,8 +9,8 @@ from cspdiag.network.ir.network import Environment, Network
 from cspdiag.network.ir.walk import parts
 from cspdiag.runtime.deadlock import DeadlockReport, WaitingProcess
 from cspdiag.runtime.kernel.exceptions import EnvironmentFailure, Fault, ProcessError, Timeout
-from cspdiag.runtime.kernel.outcome import Ending, Outcome
 from cspdiag.runtime.kernel.stopping import Stopped, stopping
+from cspdiag.runtime.outcome import Ending, Outcome
 from cspdiag.semantics.execute import execute
 from cspdiag.semantics.scheduler import Scheduler
 from cspdiag.semantics.trace import Execution

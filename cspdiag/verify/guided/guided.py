@@ -12,13 +12,13 @@ from cspdiag.runtime.kernel.scheduler import scheduler
 from cspdiag.runtime.network import Network as RunningNetwork
 from cspdiag.simulate.run.execute import BodyError, account_of
 from cspdiag.simulate.run.package import LoadedPackage
+from cspdiag.verify.decisions import Decisions, RandomDecisions
 from cspdiag.verify.guided.goal import Goal
 from cspdiag.verify.guided.result import GuidedRun
 from cspdiag.verify.guided.run import Run
 from cspdiag.verify.guided.runtime import guided_runtime
 from cspdiag.verify.guided.script import Passed, Script, put_off
 from cspdiag.verify.guided.world import Lines, World
-from cspdiag.verify.replay.decisions import Decisions, RandomDecisions
 from cspdiag.verify.runs.recurrence import Recurrence
 from cspdiag.verify.runs.stuck import Partners
 from cspdiag.verify.runs.trace import Trace

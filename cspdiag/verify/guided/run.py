@@ -19,12 +19,12 @@ from cspdiag.runtime.kernel.durations import shown
 from cspdiag.runtime.kernel.exceptions import Fault, ProcessError, RunEnded
 from cspdiag.runtime.kernel.scheduler import Party, Priority, Task, nobody, scheduler
 from cspdiag.runtime.network import Network as RunningNetwork
+from cspdiag.verify.decisions import Decisions
 from cspdiag.verify.guided.goal import Goal
 from cspdiag.verify.guided.result import GuidedRun
 from cspdiag.verify.guided.runtime import guidance
 from cspdiag.verify.guided.script import Actor, Happened, Passed, Script, Standing
 from cspdiag.verify.guided.world import World
-from cspdiag.verify.replay.decisions import Decisions
 from cspdiag.verify.runs.task_names import Key, TaskNames, path_of
 
 MOST_CHOICES = 6

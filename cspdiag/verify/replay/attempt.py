@@ -19,9 +19,9 @@ from cspdiag.runtime.kernel.scheduler import Task, scheduler
 from cspdiag.runtime.network import Network as RunningNetwork
 from cspdiag.simulate.run.execute import BodyError, account_of
 from cspdiag.simulate.run.package import LoadedPackage
+from cspdiag.verify.decisions import Decisions
 from cspdiag.verify.guided.goal import STANDSTILLS
 from cspdiag.verify.guided.result import GuidedRun
-from cspdiag.verify.replay.decisions import Decisions
 from cspdiag.verify.replay.gates import Gate, Interruption, Option, conductor
 from cspdiag.verify.replay.rest import Resting, resting
 from cspdiag.verify.replay.result import Judge, Replay

@@ -12,9 +12,9 @@ from dataclasses import replace
 from cspdiag.network.ir.network import Network
 from cspdiag.proofs.verdict import Limits
 from cspdiag.simulate.run.package import LoadedPackage
+from cspdiag.verify.decisions import Decisions
 from cspdiag.verify.guided.guided import Guided
 from cspdiag.verify.replay.attempt import Attempt
-from cspdiag.verify.replay.decisions import Decisions
 from cspdiag.verify.replay.gates import conductor
 from cspdiag.verify.replay.result import Judge, Replay
 from cspdiag.verify.replay.rounds import Rounds

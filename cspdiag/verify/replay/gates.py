@@ -10,7 +10,7 @@ from collections.abc import Callable, Generator
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
-from cspdiag.runtime.choice.selector import Selector
+from cspdiag.runtime.channels.selector import Selector
 from cspdiag.runtime.kernel.exceptions import Cancelled
 from cspdiag.runtime.kernel.scheduler import Party, Task, Waits, scheduler
 from cspdiag.runtime.process import Process

@@ -14,8 +14,8 @@ from typing import Any
 from cspdiag.model.constants.durations import duration
 from cspdiag.network.ir.network import Network
 from cspdiag.proofs.counterexamples.counterexample import Party, Step
+from cspdiag.verify.decisions import Decisions
 from cspdiag.verify.guided.goal import STANDSTILLS
-from cspdiag.verify.replay.decisions import Decisions
 from cspdiag.verify.replay.gates import Gate, Interruption, Option, conductor
 from cspdiag.verify.runs.names import UNFIT, WRITTEN, belongs, duration_of, fit, is_medium
 from cspdiag.verify.runs.trace import DivergenceError, Trace, TraceStep

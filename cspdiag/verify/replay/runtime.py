@@ -12,10 +12,10 @@ from cspdiag.runtime.channels.broadcast import Broadcast, BroadcastEnd
 from cspdiag.runtime.channels.buffers import Buffer, Overwriting
 from cspdiag.runtime.channels.channel import Channel
 from cspdiag.runtime.channels.ports import In, Out, T
+from cspdiag.runtime.channels.selector import Selector
 from cspdiag.runtime.channels.variable import Constant, Discard, Variable
 from cspdiag.runtime.choice.alternative import Alternative
 from cspdiag.runtime.choice.guards import After, Guard, Input, Output, Ready
-from cspdiag.runtime.choice.selector import Selector
 from cspdiag.runtime.choice.together import read_all, write_all
 from cspdiag.runtime.composition import Branches
 from cspdiag.runtime.kernel.exceptions import Cancelled

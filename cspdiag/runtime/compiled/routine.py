@@ -10,11 +10,11 @@ from collections.abc import Callable, Generator, Iterator
 from types import FrameType
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
-from ..compiled.rendezvous import Rendezvous
-from .exceptions import ProcessError, fault_of
-from .executed import Executed
-from .places import note_place, place_of
-from .scheduler import Join, Task, Waits, scheduler
+from ..kernel.exceptions import ProcessError, fault_of
+from ..kernel.executed import Executed
+from ..kernel.places import note_place, place_of
+from ..kernel.scheduler import Join, Task, Waits, scheduler
+from .rendezvous import Rendezvous
 
 if TYPE_CHECKING:
     from ..channels.ports import In

@@ -6,10 +6,10 @@ from dataclasses import dataclass, field
 from math import sqrt
 from typing import Literal
 
-from ..deadlock import DeadlockReport
-from .durations import shown
-from .exceptions import Deadlock
-from .signals import exit_code_of
+from .deadlock import DeadlockReport
+from .kernel.durations import shown
+from .kernel.exceptions import Deadlock
+from .kernel.signals import exit_code_of
 
 Ending = Literal["terminated", "deadlock", "time limit", "stopped", "failed"]
 
