@@ -52,7 +52,8 @@ def execute(
             world.outputs.append(medium)
     cls = network.class_named(network.top)
     assert isinstance(cls, ProcessClass)
-    sys.setrecursionlimit(max(sys.getrecursionlimit(), 20_000))
+    depth = sys.getrecursionlimit()
+    sys.setrecursionlimit(max(depth, 20_000))
     reason = ""
     try:
         program = ProcessInstance(Program(network, world), cls, network.top, dict(network.arguments), ports)
@@ -67,6 +68,7 @@ def execute(
     finally:
         # What still waits is given up; that is no end of a process.
         world.observer = None
+        sys.setrecursionlimit(depth)
     if world.failure is not None:
         ending = ending._replace(error=exception_name(world.failure))
         reason = str(world.failure)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import signal
+import sys
 from pathlib import Path
 
 import pytest
@@ -9,6 +11,7 @@ import pytest
 from cspdiag import pipeline
 from cspdiag.cli.main import main
 from cspdiag.network.ir.network import Network
+from cspdiag.runtime.kernel.stopping import stopping
 from cspdiag.semantics.execute import has_bodies_of_other_languages
 from cspdiag.simulate.record.files import csv_text, plain_trace_text
 from cspdiag.simulate.record.recorder import Recorder
@@ -22,6 +25,14 @@ LIMIT = 100_000_000
 def on_readable_code(network: Network, environment: str | None) -> Run:
     files = pipeline.generate(network, read, level=0, traced=True, observed=True)
     return execute.simulate(network, files, environment=environment, until=LIMIT)
+
+
+class Stopping(Recorder):
+    """Sends the process a signal at the first communication."""
+
+    def communication(self, time: int, channel: str, value: object, writer: str, reader: str) -> None:
+        super().communication(time, channel, value, writer, reader)
+        signal.raise_signal(signal.SIGTERM)
 
 
 def account(run: Run) -> list[str]:
@@ -63,6 +74,23 @@ def test_endings_are_those_of_the_readable_code(tmp_path: Path, end: str) -> Non
     wanted = on_readable_code(network, None)
     assert account(run) == account(wanted)
     assert run.outcome.ended == ("deadlock" if end == "stop" else "failed")
+
+
+def test_signal_ends_the_run_with_what_was_recorded() -> None:
+    network = network_of(read("models/buffer/buffer.csp"))
+    recorder = Stopping()
+    with stopping:
+        run = reference.simulate(network, environment=None, until=LIMIT, recorder=recorder)
+    assert (run.outcome.ended, run.outcome.signal) == ("stopped", signal.SIGTERM)
+    assert len(run.communications) == 1
+    assert all(activity.end is None for activity in run.activities)
+
+
+def test_deep_compositions_leave_the_interpreter_as_it_was(tmp_path: Path) -> None:
+    network = network_of(read(program(tmp_path, "stop").as_posix()))
+    before = sys.getrecursionlimit()
+    reference.simulate(network, environment=None, until=LIMIT, recorder=Recorder())
+    assert sys.getrecursionlimit() == before
 
 
 @pytest.mark.parametrize(
