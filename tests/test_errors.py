@@ -21,9 +21,9 @@ PACKAGE = Path(cspdiag.__file__).parent
 CAUGHT_INSIDE = {
     "UndefinedError", "OutOfRangeError", "NoPartError", "EvaluationFault", "NeedsLoad", "Restart", "TransitionError",
     "LimitError", "SolverTimeoutError", "TooLargeError", "NoSuchElementError", "UnboundedError", "AstrayError",
-    "NotStaticError", "NoResultError", "UsageError",
+    "NotStaticError", "NoResultError", "UsageError", "CancelledError", "DeclaredError", "FaultError", "MissedSampleError",
 }  # fmt: skip
-"""What is always caught by who calls: the last two by the command line, LimitError as no ``Exception``."""
+"""What is always caught by who calls: UsageError by the command line, LimitError as no ``Exception``, the last four by the interpreter."""
 
 
 def exceptions_of_the_library() -> dict[str, type[BaseException]]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from argparse import ArgumentParser, Namespace
+from argparse import ArgumentParser, ArgumentTypeError, Namespace
 from collections.abc import Callable
 from contextlib import nullcontext
 from pathlib import Path
@@ -50,7 +50,11 @@ def add_arguments(parser: ArgumentParser) -> None:
     level.add_argument("-O0", dest="level", action="store_const", const=0, default=1, help="run readable code")
     level.add_argument("-O1", dest="level", action="store_const", const=1, help="run fast code (default)")
     level.add_argument(
-        "-O", dest="level", choices=("reference",), help="run the language reference itself, as a program: slowly"
+        "-O",
+        dest="level",
+        type=_level,
+        metavar="reference",
+        help="run the language reference itself, as a program: slowly",
     )
     parser.add_argument("--record", type=Path, metavar="FILE", help="the external ports over time, as .csv or .npz")
     parser.add_argument(
@@ -65,6 +69,14 @@ def add_arguments(parser: ArgumentParser) -> None:
         "--replay", type=Path, metavar="FILE", help="step through the counterexample that verify --trace-out wrote"
     )
     parser.add_argument("--quiet", action="store_true", help="no summary and no progress")
+
+
+def _level(text: str) -> int | str:
+    """What ``-O`` with a text behind it asks for; ``-O0`` and ``-O1`` are options of their own."""
+    levels: dict[str, int | str] = {"0": 0, "1": 1, "reference": "reference"}
+    if text not in levels:
+        raise ArgumentTypeError(f"there is no -O{text}: choose -O0, -O1 or -O reference")
+    return levels[text]
 
 
 def run(arguments: Namespace) -> int:

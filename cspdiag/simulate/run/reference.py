@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from time import perf_counter
 
+from cspdiag.base.errors import CspdiagError
 from cspdiag.network.ir.equations import ExternalBody
 from cspdiag.network.ir.network import Environment, Network
 from cspdiag.network.ir.walk import parts
@@ -26,7 +27,7 @@ _ENDINGS: dict[str, Ending] = {
 }
 
 
-class NoMeaningError(Exception):
+class NoMeaningError(CspdiagError):
     """The program has parts that the reference does not say the meaning of; the message is one line."""
 
 
