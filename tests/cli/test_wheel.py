@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -114,3 +115,25 @@ def test_a_project_can_be_started_and_a_page_read(installed: Installed) -> None:
     assert installed("cspdiag", "new", "gimbal").returncode == 0
     assert installed("cspdiag", "check", "gimbal/gimbal.csp").returncode == 0
     assert "Mended" in installed("cspdiag", "explain", "E0101").stdout
+
+
+def test_a_strict_type_checker_knows_the_installed_package(installed: Installed, tmp_path: Path) -> None:
+    pytest.importorskip("mypy")
+    script = tmp_path / "control.py"
+    script.write_text(
+        "import cspdiag\n\n"
+        "def highest(path: str) -> float:\n"
+        '    """What the first output reaches."""\n'
+        "    try:\n"
+        '        run = cspdiag.load(path).run("Bench", until="50 ms")\n'
+        "    except cspdiag.CspdiagError as problem:\n"
+        "        raise SystemExit(problem.diagnostics[0].message)\n"
+        '    return float(run["control_vertical"].max())\n\n'
+        "reveal_type(cspdiag.load)\n"
+        "cspdiag.load(1)\n"
+    )
+    cache = ("--cache-dir", tmp_path / "cache")
+    result = installed("python", "-m", "mypy", "--strict", "--no-error-summary", *cache, script)
+    revealed, refused = result.stdout.splitlines()
+    assert "LoadedProgram" in revealed
+    assert re.search(r'^\S+:12: error: Argument 1 to "load" has incompatible type "int"', refused)
