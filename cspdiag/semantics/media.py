@@ -34,8 +34,8 @@ class World(Protocol):
     def inputs(self) -> Sequence[Medium]:
         """The inputs of the program."""
 
-    def communicate(self, channel: str, value: Any) -> None:
-        """A value passes. «Traces»"""
+    def communicate(self, channel: str, value: Any, writer: str = "", reader: str = "") -> None:
+        """A value passes; the paths of the processes are empty for the environment and for buffers. «Traces»"""
 
     def hand_over(self, channel: str, value: Any) -> None:
         """A value passes to the environment. «Time»"""
@@ -136,6 +136,11 @@ class Medium:
         """The offers of others that this one could meet."""
         return [o for o in self.offers if o.writes != offer.writes and o.task is not offer.task]
 
+    def hand(self, writer: Offer, reader: Offer) -> None:
+        """The value is copied, and the trace extended. «Rendezvous», «Traces»"""
+        reader.value = writer.value
+        self.world.communicate(self.name, reader.value, writer.end[0], reader.end[0])
+
     def complete(self, offer: Offer) -> None:
         """The communication of an offer has been made."""
         self.withdraw(offer)
@@ -177,8 +182,7 @@ class Rendezvous(Medium):
 
     def _pass(self, one: Offer, other: Offer) -> None:
         writer, reader = (one, other) if one.writes else (other, one)
-        self.world.communicate(self.name, writer.value)
-        reader.value = writer.value
+        self.hand(writer, reader)
         self.complete(one)
         self.complete(other)
 
@@ -219,7 +223,7 @@ class Fifo(Medium):
         if not self.ready(offer):
             return False
         if offer.writes:
-            self.world.communicate(self.name, offer.value)
+            self.world.communicate(self.name, offer.value, offer.end[0])
             self.values = [*self.values, offer.value][-self.capacity :]
         else:
             offer.value = self.values.pop(0)
@@ -296,8 +300,7 @@ class Broadcast(Medium):
 
     def _take(self, reader: Offer) -> None:
         assert self.writing is not None
-        self.world.communicate(self.name, self.writing.value)
-        reader.value = self.writing.value
+        self.hand(self.writing, reader)
         self.missing.remove(reader.end)
         self.complete(reader)
 

@@ -9,7 +9,10 @@ class Observer(Protocol):
     """Is told what happens, in order; times are in nanoseconds. «Traces»"""
 
     def communication(self, time: int, channel: str, value: object, writer: str, reader: str) -> None:
-        """A value passed through a channel or an external port; the paths of the parties are empty."""
+        """A value passed through a channel or an external port.
+
+        ``writer`` and ``reader`` are the paths of the processes, empty for the environment and for what is between them.
+        """
 
     def sampled(self, time: int, port: str, value: object) -> None:
         """A sampled input has a new sample. «Time»"""

@@ -75,7 +75,7 @@ class ExternalInput(Medium):
         """Take what is there now; that is the communication. «Traces»"""
         if self.ready(offer):
             offer.value = self.take(offer.end)
-            self.world.communicate(self.name, offer.value)
+            self.world.communicate(self.name, offer.value, reader=offer.end[0])
             self.complete(offer)
 
     def choose(self, offer: Offer) -> None:

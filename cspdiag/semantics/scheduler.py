@@ -74,11 +74,11 @@ class Scheduler:
         """Handed the state after each communication."""
         self.observer: Observer | None = None
 
-    def communicate(self, channel: str, value: Any) -> None:
+    def communicate(self, channel: str, value: Any, writer: str = "", reader: str = "") -> None:
         """A value passes. «Traces»"""
-        self.trace.append(Communication(self.now, channel, value))
+        self.trace.append(Communication(self.now, channel, value, writer, reader))
         if self.observer is not None:
-            self.observer.communication(self.now, channel, value, "", "")
+            self.observer.communication(self.now, channel, value, writer, reader)
         if self.look is not None:
             self.look(self)
 
