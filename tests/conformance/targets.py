@@ -62,31 +62,6 @@ class Target(Protocol):
 
 
 @dataclass(frozen=True)
-class Specification:
-    """The interpreter of this folder."""
-
-    name: str = "specification"
-    other_library: bool = False
-    inside: bool = True
-
-    def unavailable(self) -> str | None:
-        """It is always there."""
-        return None
-
-    def run(self, network: Network, environment: str | None, until: int) -> Execution:
-        """See ``Target.run``."""
-        if semantics.has_bodies_of_other_languages(network, environment):
-            raise RefusedError("bodies in other languages have no specification")
-        return semantics.execute(network, environment, until)
-
-    def waits(
-        self, network: Network, environment: str | None, until: int, communication: int
-    ) -> tuple[str, ...] | None:
-        """See ``Target.waits``."""
-        return semantics.waits(network, environment, until, communication)
-
-
-@dataclass(frozen=True)
 class GeneratedPython:
     """The Python that ``cspdiag compile`` makes, imported and run.
 
@@ -196,13 +171,50 @@ def execution(run: Run) -> Execution:
     return Execution(trace, ending, [(port, value) for _, port, value in run.releases])
 
 
-REFERENCE = GeneratedPython(0)
+READABLE = GeneratedPython(0)
+
+
+@dataclass(frozen=True)
+class Meaning:
+    """What the language says.
+
+    Of bodies in other languages it says nothing, nor in which words a failure is reported: both are asked of the readable code.
+    """
+
+    name: str = "reference"
+    other_library: bool = False
+    inside: bool = True
+
+    def unavailable(self) -> str | None:
+        """It is always there."""
+        return None
+
+    def run(self, network: Network, environment: str | None, until: int) -> Execution:
+        """See ``Target.run``."""
+        if semantics.has_bodies_of_other_languages(network, environment):
+            return READABLE.run(network, environment, until)
+        done = semantics.execute(network, environment, until)
+        if done.ending.error is None:
+            return done
+        words = READABLE.run(network, environment, until).ending.message
+        return done._replace(ending=done.ending._replace(message=words))
+
+    def waits(
+        self, network: Network, environment: str | None, until: int, communication: int
+    ) -> tuple[str, ...] | None:
+        """See ``Target.waits``."""
+        if semantics.has_bodies_of_other_languages(network, environment):
+            return READABLE.waits(network, environment, until, communication)
+        return semantics.waits(network, environment, until, communication)
+
+
+REFERENCE = Meaning()
 """What everything else is compared with."""
 
 TARGETS: Mapping[str, Target] = {
     target.name: target
     for target in (
-        Specification(),
+        READABLE,
         GeneratedPython(1),
         GeneratedPython(1, observed=True),
         GeneratedPython(1, traced=False),

@@ -15,7 +15,7 @@ from cspdiag.semantics.trace import Communication, Ending, Execution
 from tests.conformance.__main__ import main
 from tests.conformance.kit import certify, judge, tolerance
 from tests.conformance.sources import network_of
-from tests.conformance.targets import REFERENCE, Specification, target_named
+from tests.conformance.targets import READABLE, REFERENCE, GeneratedPython, Meaning, target_named
 from tests.conformance.traces import compare, units_apart
 
 PAIR = """process Source {
@@ -42,13 +42,15 @@ process Top {
 
 
 @dataclasses.dataclass(frozen=True)
-class Changed(Specification):
-    """The reference with something changed in what it does."""
+class Changed(GeneratedPython):
+    """The readable code with something changed in what it does."""
+
+    level: int = 0
 
     change: Callable[[Execution], Execution] = lambda execution: execution
 
     def run(self, network: Network, environment: str | None, until: int) -> Execution:
-        return self.change(REFERENCE.run(network, environment, until))
+        return self.change(READABLE.run(network, environment, until))
 
 
 def verdict_on(change: Callable[[Execution], Execution], **fields: bool) -> str:
@@ -92,8 +94,8 @@ def test_missing_communication() -> None:
 
 def test_other_ending() -> None:
     details = verdict_on(lambda execution: execution._replace(ending=Ending("failed", 7, "Fault", "Fault: no")))
-    assert "python-O0: terminated at 5.000000 ms" in details
-    assert "specification: failed at 0.000007 ms with Fault: Fault: no" in details
+    assert "reference: terminated at 5.000000 ms" in details
+    assert "python-O0: failed at 0.000007 ms with Fault: Fault: no" in details
 
 
 def test_other_safe_values() -> None:
@@ -111,7 +113,7 @@ def test_units_in_the_last_place() -> None:
 
 
 def test_other_library_may_differ_only_in_its_functions() -> None:
-    other = Specification(other_library=True)
+    other = Meaning(other_library=True)
     sine = PAIR.replace("n * 1.1", "sin(n)")
     assert tolerance(other, network_of(SourceFile(name="pair.csp", text=PAIR))) == 0
     assert tolerance(other, network_of(SourceFile(name="pair.csp", text=sine))) == 1
@@ -121,24 +123,53 @@ def test_other_library_may_differ_only_in_its_functions() -> None:
 def test_certify_goes_through_a_folder(tmp_path: Path) -> None:
     (tmp_path / "inner").mkdir()
     (tmp_path / "inner" / "pair.csp").write_text(PAIR, encoding="utf-8")
-    (verdict,) = certify(target_named("specification"), tmp_path, 100_000_000)
+    (verdict,) = certify(target_named("python-O0"), tmp_path, 100_000_000)
     assert (verdict.result, verdict.communications) == ("equal", 5)
     assert verdict.program == (tmp_path / "inner" / "pair.csp").as_posix()
 
 
 def test_command_prints_a_table(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "pair.csp").write_text(PAIR, encoding="utf-8")
-    assert main(["specification", str(tmp_path)]) == 0
+    assert main(["python-O0", str(tmp_path)]) == 0
     assert capsys.readouterr().out == f"equal           5 {tmp_path.as_posix()}/pair.csp\n"
 
 
-def test_bodies_by_hand_have_no_specification() -> None:
-    text = """process Counter python "counter.py:Counter" { out n : int }
-process Top {
-  out n : int
-  communication { counter : Counter counter.n -> n }
-  composition { counter }
-}
-"""
-    network = network_of(SourceFile(name="counter.csp", text=text))
-    assert judge(Specification(), network, None, 1_000_001).result == "refused"
+def test_bodies_by_hand_mean_what_the_readable_code_does(tmp_path: Path) -> None:
+    (tmp_path / "counter.py").write_text(
+        """from cspdiag.runtime import Process
+
+
+class Counter(Process):
+    def __init__(self, name, n):
+        super().__init__(name)
+        self.n = n
+
+    async def run(self):
+        await self.n.write(7)
+""",
+        encoding="utf-8",
+    )
+    path = tmp_path / "counter.csp"
+    path.write_text(
+        f"""process Counter python "{tmp_path}/counter.py:Counter" {{ out n : int }}
+process Top {{
+  communication {{ counter : Counter  channel n : int  var got : int = 0  counter.n -> n }}
+  composition {{ counter || n ? got }}
+}}
+""",
+        encoding="utf-8",
+    )
+    network = network_of(SourceFile(name=path.as_posix(), text=path.read_text(encoding="utf-8")))
+    done = REFERENCE.run(network, None, 1_000_001)
+    assert [value for _, _, value, _, _ in done.trace] == [7]
+    assert done == READABLE.run(network, None, 1_000_001)
+
+
+def test_words_of_failures_are_those_of_the_readable_code() -> None:
+    text = PAIR.replace("n := n + 1", "n := n / (n - 0.5)")
+    network = network_of(SourceFile(name="pair.csp", text=text))
+    done = REFERENCE.run(network, None, 1_000_001)
+    assert done.ending.message == "Fault: division by zero, in Top.source (pair.csp:4)"
+    changed = done.ending._replace(message="Fault: division by nought, in Top.source (pair.csp:4)")
+    verdict = judge(Changed(change=lambda execution: execution._replace(ending=changed)), network, None, 1_000_001)
+    assert "the end differs" in verdict.details

@@ -6,7 +6,7 @@ import pytest
 
 from cspdiag import pipeline
 from cspdiag.base import SourceFile
-from tests.conformance.targets import REFERENCE, TARGETS
+from tests.conformance.targets import READABLE, REFERENCE, TARGETS
 
 LAW = """
 submodel Law(k: int8, word: int, size: double) {{
@@ -173,5 +173,5 @@ environment Bench for Main { y -> _ }
     source = SourceFile(name="case.csp", text=text)
     network = pipeline.build(source, lambda _: source).network
     assert network is not None
-    for target in (REFERENCE, TARGETS["specification"], TARGETS["python-O1"]):
+    for target in (REFERENCE, READABLE, TARGETS["python-O1"]):
         assert [value for *_, value, _, _ in target.run(network, None, 10).trace] == [10, 14, 33]

@@ -1,6 +1,6 @@
 """``python -m tests.conformance.random --count 5000``: random programs with at least five communications on every target.
 
-Each is run on ``-O1`` and by the specification, and in C at ``-O0`` and ``-O1`` under each compiler; one in twenty with the address and undefined
+Each is run as readable and as optimized Python, and in C at ``-O0`` and ``-O1`` under each compiler; one in twenty with the address and undefined
 behaviour sanitizers too. What differs is made smaller, printed and written to a folder; then it ends with 1. One process; with ``--seconds`` it stops by itself, and
 says from which seed to go on.
 """
@@ -17,7 +17,7 @@ from tests.conformance.random.compare import LEAST, NATIVE, communications, diff
 from tests.conformance.random.known import known
 from tests.conformance.random.meetings import meetings
 
-PYTHON = ("specification", "python-O1")
+PYTHON = ("python-O0", "python-O1")
 REPORTED = 100
 """After so many programs it is said how many differ."""
 GENERATORS = {"meetings": meetings, "known": known}
