@@ -15,7 +15,7 @@ from typing import Any, TypeAlias, TypeVar, cast
 
 from .compiled.routine import Branch, Routine, routine_task
 from .kernel.durations import shown
-from .kernel.exceptions import ANOTHER_BRANCH, Cancelled, kind_and_text
+from .kernel.exceptions import ANOTHER_BRANCH, Cancelled, kind_and_text, run_is_ended
 from .kernel.scheduler import Join, Party, Task, Waits, scheduler
 from .process import Process
 
@@ -234,7 +234,8 @@ def group(label: str, body: Body) -> Generator[Any, Any, None]:
     try:
         yield from _begun(body)
     finally:
-        watcher.group_ended(scheduler.now, path)
+        if not run_is_ended():
+            watcher.group_ended(scheduler.now, path)
 
 
 class _Delay:

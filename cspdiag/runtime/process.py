@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Generator
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from .kernel.exceptions import Fault, Place, ProcessError, fault_of
+from .kernel.exceptions import Fault, Place, ProcessError, fault_of, run_is_ended
 from .kernel.executed import Executed
 from .kernel.places import note_place, place_of
 from .kernel.scheduler import scheduler
@@ -80,7 +80,7 @@ class Process(Executed):
 
     def ended(self) -> None:
         """Tells the observer."""
-        if scheduler.watcher is not None:
+        if scheduler.watcher is not None and not run_is_ended():
             scheduler.watcher.process_ended(scheduler.now, self.name)
 
 

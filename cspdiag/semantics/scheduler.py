@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from typing import Any, Protocol
@@ -105,15 +106,19 @@ class Scheduler:
 
     def group_ended(self, path: str) -> None:
         """A named group has ended."""
-        if self.observer is not None:
-            self.observer.process_ended(self.now, path)
+        self._tell_ended(path)
 
     def process_ended(self, path: str) -> None:
         """The reading ends of a process are no longer waited at, and its books are closed. «Time»"""
         for port in self.inputs:
             if isinstance(port, SampledInput):
                 port.process_ended(path)
-        if self.observer is not None:
+        self._tell_ended(path)
+
+    def _tell_ended(self, path: str) -> None:
+        # What is left because the run is ended from outside was running then.
+        interrupted = sys.exception()
+        if self.observer is not None and (interrupted is None or isinstance(interrupted, Exception)):
             self.observer.process_ended(self.now, path)
 
     def start(self, steps: Steps, priority: tuple[int, ...], parent: Parent | None) -> Task:

@@ -13,6 +13,7 @@ from cspdiag.base.span import SourceFile
 from cspdiag.cli.main import main
 from cspdiag.cli.support.progress import Progress
 from cspdiag.network.checks.endless import never_ends
+from cspdiag.simulate.record.modes import ModeGroup
 from cspdiag.simulate.record.recorder import Recorder
 from tests.cli.test_written import PROGRAM
 
@@ -31,6 +32,19 @@ def test_progress_goes_on_in_lines_where_there_is_no_terminal(capsys: pytest.Cap
     shown = capsys.readouterr().err
     assert shown.count("    1.50 s ") == shown.count("\n") >= 2
     assert "\x1b" not in shown
+
+
+def test_what_has_not_begun_is_told_from_what_has_ended() -> None:
+    recorder = Recorder(communications=False)
+    groups = [ModeGroup(name, {f"Main.{name}": name}, ()) for name in ("align", "servo", "home")]
+    progress = Progress(recorder, groups)
+    recorder.process_started(0, "Main.align", "Align")
+    recorder.process_ended(0, "Main.align")
+    recorder.process_started(0, "Main.servo", "Servo")
+    assert progress.line().endswith("align: ended  servo: servo  home: not begun")
+    recorder.process_ended(1, "Main.servo")
+    recorder.process_started(1, "Main.home", "Home")
+    assert progress.line().endswith("align: ended  servo: ended  home: home")
 
 
 def test_a_run_without_an_end_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

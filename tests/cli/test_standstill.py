@@ -151,18 +151,45 @@ environment Bench for Main { r -> _ }
 
 @pytest.mark.parametrize(
     ("spin", "options"),
-    [("", ("-O0",)), ("", ("--target", "c")), ("; (after 0 ms -> skip)", ("--target", "c", "-O0"))],
-    ids=["python", "c", "timers"],
+    [
+        ("", ("-O0",)),
+        ("", ("-O1",)),
+        ("", ("--target", "c")),
+        ("; (after 0 ms -> skip)", ("--target", "c", "-O0")),
+    ],
+    ids=["python", "optimized", "c", "timers"],
 )
 def test_what_was_written_before_time_stood_still_is_in_trace_and_recording(
     spin: str, options: tuple[str, ...], tmp_path: Path
 ) -> None:
-    """A native program that has to be ended by force, too, has told all that happened."""
+    """A native program that has to be ended by force, too, has told all that happened; the line is that of the loop."""
     trace, recording = tmp_path / "run.jsonl", tmp_path / "run.csv"
     outputs = ("--trace", str(trace), "--record", str(recording))
-    _stopped_when_it_stands(COUNTS.replace("SPIN", spin), tmp_path, *options, *outputs)
+    said, _ = _stopped_when_it_stands(COUNTS.replace("SPIN", spin), tmp_path, *options, *outputs)
+    # A delay that is over at once is no place where it has waited.
+    line = 8 if "after" in spin else 9
+    assert re.findall(r"stands\.csp:\d+", said) == [f"stands.csp:{line}"]
     communications = [json.loads(line) for line in trace.read_text().splitlines()]
     assert [(entry["t"], entry["channel"], entry["value"]) for entry in communications if "channel" in entry] == [
         (0, "Main.r", 0), (1_000_000, "Main.r", 1), (2_000_000, "Main.r", 2)
     ]  # fmt: skip
     assert recording.read_text().splitlines()[:4] == ["time,r", "0.0,0", "0.001,1", "0.002,2"]
+
+
+INSIDE = """process Spinner {
+  communication { var n : int8 = 0 }
+  composition { mu (n := 1 - n) until n > 3 }
+}
+process Idle { composition { mu wait 5 ms } }
+process Main {
+  communication { spinner : Spinner  idle : Idle }
+  composition { spinner || idle }
+}
+environment Bench for Main { }
+"""
+
+
+def test_a_native_process_that_is_stopped_in_a_step_has_not_ended(tmp_path: Path) -> None:
+    said, ended = _stopped_when_it_stands(INSIDE, tmp_path, "--target", "c")
+    assert "with spinner running" in said
+    assert "  spinner: spinner running\n" in ended

@@ -86,6 +86,35 @@ def test_signal_ends_the_run_with_what_was_recorded() -> None:
     assert all(activity.end is None for activity in run.activities)
 
 
+class StoppingInside(Recorder):
+    """Sends the process a signal when a process begins in another."""
+
+    def process_started(self, time: int, path: str, kind: str) -> None:
+        super().process_started(time, path, kind)
+        if path == "Top.inner":
+            signal.raise_signal(signal.SIGTERM)
+
+
+@pytest.mark.parametrize("level", ["reference", 0, 1])
+def test_processes_that_a_signal_stops_in_a_step_are_still_running(tmp_path: Path, level: int | str) -> None:
+    path = tmp_path / "top.csp"
+    path.write_text(
+        "process Inner { communication { var n : int8 = 0 } composition { mu (n := 1 - n) until n > 3 } }\n"
+        "process Top { communication { inner : Inner } composition { phase : (wait 1 ms ; inner) } }\n"
+    )
+    network = network_of(read(path.as_posix()))
+    recorder = StoppingInside()
+    with stopping:
+        if isinstance(level, str):
+            run = reference.simulate(network, environment=None, until=LIMIT, recorder=recorder)
+        else:
+            files = pipeline.generate(network, read, level=level, observed=True)
+            run = execute.simulate(network, files, environment=None, until=LIMIT, recorder=recorder)
+    assert (run.outcome.ended, run.outcome.signal) == ("stopped", signal.SIGTERM)
+    assert {activity.path for activity in run.activities} == {"Top", "Top.phase", "Top.inner"}
+    assert all(activity.end is None for activity in run.activities)
+
+
 def test_deep_compositions_leave_the_interpreter_as_it_was(tmp_path: Path) -> None:
     network = network_of(read(program(tmp_path, "stop").as_posix()))
     before = sys.getrecursionlimit()

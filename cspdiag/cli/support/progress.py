@@ -62,6 +62,8 @@ class Progress:
         self._recorder = recorder
         self._groups = groups
         self._network: Running | None = None
+        self._begun: set[str] = set()
+        self._starts = 0
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._show, name="progress", daemon=True)
         self._begin = time.monotonic()
@@ -99,12 +101,19 @@ class Progress:
         elapsed = time.monotonic() - self._begin
         speed = simulated / elapsed if elapsed > 0 else 0.0
         running = self._running()
-        modes = "  ".join(
-            f"{group.name}: {'+'.join(name for path, name in group.modes.items() if path in running) or 'ended'}"
-            for group in self._groups
-            if group.modes
-        )
+        self._look_who_began()
+        modes = "  ".join(f"{group.name}: {self._mode(group, running)}" for group in self._groups if group.modes)
         return f"{simulated:8.2f} s  {speed:6.1f}x  {modes}"
+
+    def _mode(self, group: ModeGroup, running: set[str]) -> str:
+        """Which processes of a group run now."""
+        present = "+".join(name for path, name in group.modes.items() if path in running)
+        return present or ("not begun" if self._begun.isdisjoint(group.modes) else "ended")
+
+    def _look_who_began(self) -> None:
+        new = self._recorder.activities[self._starts :]
+        self._starts += len(new)
+        self._begun.update(activity.path for activity in new)
 
     def _running(self) -> set[str]:
         while True:

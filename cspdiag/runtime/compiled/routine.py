@@ -10,7 +10,7 @@ from collections.abc import Callable, Generator, Iterator
 from types import FrameType
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
-from ..kernel.exceptions import ProcessError, fault_of
+from ..kernel.exceptions import ProcessError, fault_of, run_is_ended
 from ..kernel.executed import Executed
 from ..kernel.places import note_place, place_of
 from ..kernel.scheduler import Join, Task, Waits, scheduler
@@ -61,7 +61,7 @@ class Part(Executed):
         me.process = self._enclosing
         for end in self.ends:
             end.close()
-        if scheduler.watcher is not None:
+        if scheduler.watcher is not None and not run_is_ended():
             scheduler.watcher.process_ended(scheduler.now, self.name)
 
     def fail(self, me: Task, error: BaseException) -> None:
@@ -202,5 +202,5 @@ def start_group(me: Task, label: str) -> str:
 
 def end_group(path: str) -> None:
     """It has ended, in whatever way."""
-    if scheduler.watcher is not None:
+    if scheduler.watcher is not None and not run_is_ended():
         scheduler.watcher.group_ended(scheduler.now, path)

@@ -7,6 +7,7 @@ communication, and then the exception goes up, until a ``try`` catches it or the
 from __future__ import annotations
 
 import os
+import sys
 
 
 class Place(str):
@@ -70,6 +71,11 @@ def kind_and_text(error: BaseException) -> str:
 
 class RunEnded(BaseException):
     """Ends a run at once; no process can catch it."""
+
+
+def run_is_ended() -> bool:
+    """Whether what is handled now ends the run: the processes that it leaves were still running then."""
+    return isinstance(sys.exception(), RunEnded)
 
 
 class RunFailed(RunEnded):

@@ -9,6 +9,7 @@ import linecache
 import os
 import re
 import sys
+from collections.abc import Iterable
 from inspect import CO_COROUTINE, CO_GENERATOR
 from types import CodeType, FrameType, FunctionType, TracebackType
 
@@ -78,7 +79,11 @@ def is_of_runtime(code: FrameType | FunctionType) -> bool:
 
 def source_line(code: CodeType, line: int) -> str | None:
     """The place in the comment at ``line`` of the generated code or the nearest above it in the same function."""
-    for number in range(line, code.co_firstlineno - 1, -1):
+    return _first_place(code, range(line, code.co_firstlineno - 1, -1))
+
+
+def _first_place(code: CodeType, lines: Iterable[int]) -> str | None:
+    for number in lines:
         found = _PLACE.search(linecache.getline(code.co_filename, number))
         if found is not None:
             return found[1]
@@ -107,11 +112,25 @@ def whereabouts(thread: int, *, only_processes: bool = False) -> str:
 
 
 def _place_around(frame: FrameType) -> str | None:
-    """The place where it is; in a loop it is most often found at its head, of which the first statement has one."""
-    code = frame.f_code
-    last = max(line or 0 for _, _, line in code.co_lines())
-    below = (source_line(code, line) for line in range(frame.f_lineno + 1, last + 1))
-    return source_line(code, frame.f_lineno) or next(filter(None, below), None)
+    """The place where it is; in a loop it is most often found at its head, which what precedes the loop does not tell."""
+    code, line = frame.f_code, frame.f_lineno
+    last = max(number or 0 for _, _, number in code.co_lines())
+    loop = _head_of_loop(code, line)
+    return _first_place(code, (*range(line, loop - 1, -1), *range(line + 1, last + 1))) or source_line(code, loop)
+
+
+def _head_of_loop(code: CodeType, line: int) -> int:
+    """The line of the head of the innermost loop around ``line``, or of the function."""
+    depth: int | None = None
+    for number in range(line, code.co_firstlineno, -1):
+        text = linecache.getline(code.co_filename, number)
+        statement = text.lstrip()
+        indent = len(text) - len(statement)
+        if statement and (depth is None or indent < depth):
+            depth = indent
+            if statement.startswith(("while ", "for ")):
+                return number
+    return code.co_firstlineno
 
 
 def _is_of_library(frame: FrameType) -> bool:
