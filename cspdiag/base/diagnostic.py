@@ -1,7 +1,7 @@
 """What is told to the person at the keyboard.
 
-Each kind of diagnostic is a subclass beside the phase that finds it, in a module named ``diagnostics.py`` or
-``diagnostics_*.py`` of that phase. Its docstring is its manual page (``cspdiag explain CODE``).
+Each kind of diagnostic is a subclass in the folder ``diagnostics`` of the layer that finds it. Its manual page
+(``cspdiag explain CODE``) is a file in ``manual/``.
 """
 
 from __future__ import annotations
@@ -27,9 +27,7 @@ class Diagnostic:
     """One thing that is wrong, where, why, and how to mend it.
 
     A subclass is a ``record`` that sets ``code`` and ``title`` and adds the facts it needs as fields;
-    ``message``, ``help`` and ``labels`` make sentences of them. Its docstring is the manual page: a first line that says
-    what it means, a paragraph that says why it is refused, then a section ``Refused::`` with a whole program
-    that triggers it, a section ``Mended::`` with the program that does not.
+    ``message``, ``help`` and ``labels`` make sentences of them.
     """
 
     code: ClassVar[str]

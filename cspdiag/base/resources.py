@@ -1,4 +1,4 @@
-"""Finds what ships beside the code: the grammar, the templates, the benchmarks and the bundled library.
+"""Finds what ships beside the code: the grammar, the templates, the manual pages, the benchmarks and the bundled library.
 
 A checkout (and an editable install) has ``grammars/`` and its kin at its top level; a wheel has them under
 ``cspdiag/_resources/``. ``pathlib`` is imported only where a path is asked for: ``check`` starts without it.
@@ -45,6 +45,11 @@ def third_party(*parts: str) -> str | None:
     """The path of a file that others have written, such as ``third_party("elkjs", "elk-worker.min.js")``; None where it was not fetched."""
     path = _place("third-party", *parts)
     return path if os.path.isfile(path) else None
+
+
+def manual_page_file(*parts: str) -> str:
+    """The path of a folder of manual pages, or of a page in it."""
+    return _place("manual", *parts)
 
 
 def benchmark_folder() -> Path:

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from cspdiag.catalogue import manual_pages, reference
+from cspdiag.base.manual import manual_pages, reference
 from tests.cli.conftest import Command
 
 

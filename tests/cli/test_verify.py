@@ -13,7 +13,7 @@ from cspdiag.base.manual import manual_page
 from cspdiag.proofs.diagnostics.answers import CanDeadlock, NotProved
 from tests.cli.conftest import BAD, Command
 
-PAGE = manual_page(CanDeadlock)
+PAGE = manual_page(CanDeadlock.code)
 
 
 @pytest.fixture(autouse=True)
@@ -58,7 +58,7 @@ def test_a_refutation_ends_with_1_and_shows_who_waits_for_whom(cspdiag: Command,
 
 def test_what_nobody_knows_ends_with_1_too(cspdiag: Command, tmp_path: Path) -> None:
     path = tmp_path / "open.csp"
-    path.write_text(manual_page(NotProved).refused)
+    path.write_text(manual_page(NotProved.code).refused)
     result = cspdiag("verify", path)
     assert result.code == 1
     assert "UNKNOWN  Waits deadlock free" in result.err

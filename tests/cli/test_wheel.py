@@ -59,6 +59,7 @@ def test_the_wheel_ships_what_is_needed(wheel: Path) -> None:
         "cspdiag/py.typed",
         "cspdiag/std/control.csp",
         "cspdiag/_resources/grammars/csp.lark",
+        "cspdiag/_resources/manual/01-syntax/E0101.md",
         "cspdiag/_resources/templates/project/controller.csp",
         "cspdiag/_resources/benchmarks/__main__.py",
         "cspdiag/runtime/__init__.py",

@@ -10,23 +10,9 @@ from cspdiag.base.record import record
 
 @record
 class Sample(Diagnostic):
-    """Two ends of an arrow differ.
+    """Two ends of an arrow differ; the code is a real one, since what has a code has a page."""
 
-    A value would change its meaning on the way.
-
-    Refused::
-
-        process A {
-          in x : int
-        }
-
-    Mended::
-
-        process A {
-        }
-    """
-
-    code: ClassVar[str] = "E0399"
+    code: ClassVar[str] = "E0316"
     title: ClassVar[str] = "ends differ"
 
     text: str
@@ -55,7 +41,7 @@ class Sample(Diagnostic):
 class SampleWarning(Sample):
     """Something looks odd."""
 
-    code: ClassVar[str] = "W0399"
+    code: ClassVar[str] = "W0512"
     title: ClassVar[str] = "odd"
     severity: ClassVar[Severity] = "warning"
 

@@ -4,6 +4,7 @@ import json
 from xml.etree import ElementTree
 
 from cspdiag.base import Label
+from cspdiag.base.manual import manual_page
 from cspdiag.base.render import concise as concise
 from cspdiag.base.render import github as github
 from cspdiag.base.render import json as json_format
@@ -18,7 +19,7 @@ WARNING = SampleWarning(at(ARM, "in"), "odd")
 
 def test_concise_has_a_line_for_each() -> None:
     assert concise.render([ERROR, WARNING]) == (
-        "my arm.csp:2:7: error[E0399] ends differ\nmy arm.csp:2:3: warning[W0399] odd\n"
+        "my arm.csp:2:7: error[E0316] ends differ\nmy arm.csp:2:3: warning[W0512] odd\n"
     )
 
 
@@ -26,7 +27,7 @@ def test_json_has_the_documented_keys() -> None:
     assert json.loads(json_format.render([])) == []
     assert json.loads(json_format.render([ERROR])) == [
         {
-            "code": "E0399",
+            "code": "E0316",
             "severity": "error",
             "message": "ends differ",
             "file": "my arm.csp",
@@ -42,7 +43,7 @@ def test_json_has_the_documented_keys() -> None:
 
 def test_github_escapes_what_its_commands_need() -> None:
     assert github.render([ERROR]) == (
-        "::error file=my arm.csp,line=2,endLine=2,col=7,endColumn=12,title=E0399%3A ends differ"
+        "::error file=my arm.csp,line=2,endLine=2,col=7,endColumn=12,title=E0316%3A ends differ"
         "::ends differ%0Ahelp: use 100%25, or:%0Aless\n"
     )
     assert github.render([WARNING]).startswith("::warning ")
@@ -53,9 +54,10 @@ def test_sarif_results_refer_to_their_rules() -> None:
     assert document["version"] == "2.1.0"
     (run,) = document["runs"]
     rules = run["tool"]["driver"]["rules"]
-    assert [rule["id"] for rule in rules] == ["E0399", "W0399"]
-    assert rules[0]["fullDescription"]["text"] == "Two ends of an arrow differ."
-    assert "process A" in rules[0]["help"]["markdown"]
+    assert [rule["id"] for rule in rules] == ["E0316", "W0512"]
+    assert rules[0]["fullDescription"]["text"] == "The two ends of a communication have different types or units."
+    page = manual_page("E0316")
+    assert rules[0]["help"] == {"text": page.text, "markdown": page.markdown}
     assert rules[1]["defaultConfiguration"]["level"] == "warning"
     for result in run["results"]:
         assert rules[result["ruleIndex"]]["id"] == result["ruleId"]

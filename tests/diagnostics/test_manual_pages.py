@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import re
 from collections import Counter
+from pathlib import Path
 
 import pytest
 
-from cspdiag.base import Diagnostic
-from cspdiag.base.manual import manual_page
-from cspdiag.catalogue import kinds_of_diagnostics, manual_pages, reference
+from cspdiag.base import Diagnostic, resources
+from cspdiag.base.manual import FAMILIES, manual_page, manual_pages, read_page, reference
 from cspdiag.proofs.answers.findings import diagnostics_of
-from tests.diagnostics.samples import Sample
+from tests.diagnostics.kinds import kinds_of_diagnostics
 from tests.literate import CASES, MAIN, check_files, describe
 from tests.verifying import answers_to
 
 KINDS = kinds_of_diagnostics()
+MANUAL = Path(resources.manual_page_file())
 by_code = pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.code)
 
 
@@ -23,25 +24,65 @@ def test_codes_are_unique() -> None:
     assert [code for code, count in Counter(kind.code for kind in KINDS).items() if count > 1] == []
 
 
-def test_the_page_is_read_from_the_docstring() -> None:
-    page = manual_page(Sample)
+PAGE = """# E0316: ends differ
+
+Two ends of an arrow differ.
+
+A value would change its meaning on the way.
+
+Refused:
+
+```csp
+process A {
+  in x : int
+}
+```
+
+Mended:
+
+```csp
+process A {
+}
+```
+"""
+
+
+def test_a_page_is_read_from_markdown() -> None:
+    page = read_page(PAGE)
     assert page.meaning == "Two ends of an arrow differ."
     assert page.reason == "A value would change its meaning on the way."
     assert page.refused == "process A {\n  in x : int\n}\n"
     assert page.mended == "process A {\n}\n"
-    assert page.text.startswith("E0399: ends differ\n\nTwo ends")
+    assert page.text.startswith("E0316: ends differ\n\nTwo ends")
+    assert f"# {page.code}: {page.title}\n\n{page.markdown}" == PAGE
+
+
+@pytest.mark.parametrize("lost", ["# ", "\n\nA value", "Refused:", "```csp", "Mended:", ": ends differ"])
+def test_a_page_of_another_form_is_refused(lost: str) -> None:
+    with pytest.raises(ValueError, match="no manual page"):
+        read_page(PAGE.replace(lost, ""))
+
+
+def test_each_page_stands_in_its_family_and_belongs_to_a_kind() -> None:
+    found = {path.relative_to(MANUAL).as_posix() for path in MANUAL.rglob("*") if path.is_file()}
+    family = {folder[:2]: folder for folder in FAMILIES}
+    assert found == {f"{family[kind.code[1:3]]}/{kind.code}.md" for kind in KINDS}
+
+
+@pytest.mark.parametrize("code", ["E0199", "E9901", "E", "", "../E0101"])
+def test_a_code_without_a_page_is_none(code: str) -> None:
+    with pytest.raises(KeyError):
+        manual_page(code)
 
 
 @by_code
 def test_a_page_is_whole(kind: type[Diagnostic]) -> None:
-    page = manual_page(kind)
-    assert re.fullmatch(r"[EW]\d{4}", page.code)
-    assert page.code[0] == page.severity[0].upper()
-    assert page.title
-    assert page.meaning
-    assert page.reason, f"{kind.__name__} says what it means but not why"
-    assert page.refused
-    assert page.mended
+    page = manual_page(kind.code)
+    assert re.fullmatch(r"[EW]\d{4}", kind.code)
+    assert kind.code[0] == kind.severity[0].upper()
+    assert (page.code, page.title) == (kind.code, kind.title)
+    for part in (page.title, page.meaning, page.reason, page.refused, page.mended):
+        assert part.strip()
 
 
 def found_in(program: str, kind: type[Diagnostic]) -> list[Diagnostic]:
@@ -52,7 +93,7 @@ def found_in(program: str, kind: type[Diagnostic]) -> list[Diagnostic]:
 
 @by_code
 def test_the_refused_program_is_refused_for_that_reason_only(kind: type[Diagnostic]) -> None:
-    page = manual_page(kind)
+    page = manual_page(kind.code)
     found = found_in(page.refused, kind)
     assert {diagnostic.code for diagnostic in found} == {kind.code}, describe(found)
     for diagnostic in found:
@@ -62,7 +103,7 @@ def test_the_refused_program_is_refused_for_that_reason_only(kind: type[Diagnost
 
 @by_code
 def test_the_mended_program_is_clean(kind: type[Diagnostic]) -> None:
-    found = found_in(manual_page(kind).mended, kind)
+    found = found_in(manual_page(kind.code).mended, kind)
     assert found == [], describe(found)
 
 

@@ -22,7 +22,7 @@ def test_both_places_stand_in_one_piece_of_source() -> None:
     labels = (Label(at(ARM, "drive : double<V>"), "takes `double<V>`"),)
     diagnostic = Sample(at(ARM, "angle -> drive"), "units differ", "gives `double<rad>`", "use `convert`", labels)
     assert shown(diagnostic) == dedent("""\
-        error[E0399]: units differ
+        error[E0316]: units differ
          --> arm.csp:4:3
           |
         3 |   out drive : double<V>
@@ -39,7 +39,7 @@ def test_both_places_stand_in_one_piece_of_source() -> None:
 def test_distant_places_are_joined_by_dots() -> None:
     labels = (Label(at(ARM, "process"), ""),)
     assert shown(Sample(at(ARM, "angle -> drive"), "far", "here", None, labels)) == dedent("""\
-        error[E0399]: far
+        error[E0316]: far
          --> arm.csp:4:3
           |
         1 | process Arm {
@@ -56,7 +56,7 @@ def test_a_place_in_another_file_has_its_own_snippet() -> None:
     laws = source("submodel Law {\n}\n", "laws.csp")
     labels = (Label(at(laws, "Law"), "defined here"),)
     assert shown(Sample(at(ARM, "Arm"), "same name", "", None, labels)) == dedent("""\
-        error[E0399]: same name
+        error[E0316]: same name
          --> arm.csp:1:9
           |
         1 | process Arm {
@@ -75,7 +75,7 @@ def test_several_marks_in_a_line_hang_their_words_on_bars() -> None:
     file = source("alpha -> beta -> gamma\n")
     labels = (Label(at(file, "alpha"), "from"), Label(at(file, "gamma"), "to"))
     assert shown(Sample(at(file, "beta"), "no", "by way of", None, labels)) == dedent("""\
-        error[E0399]: no
+        error[E0316]: no
          --> arm.csp:1:10
           |
         1 | alpha -> beta -> gamma
@@ -91,7 +91,7 @@ def test_several_marks_in_a_line_hang_their_words_on_bars() -> None:
 
 def test_a_range_of_lines_has_a_bracket() -> None:
     assert shown(Sample(at(ARM, ARM.text[12:-1]), "whole block", "all this")) == dedent("""\
-        error[E0399]: whole block
+        error[E0316]: whole block
          --> arm.csp:1:13
           |
         1 | / process Arm {
@@ -161,7 +161,7 @@ def test_a_mark_longer_than_the_window_is_cut() -> None:
 def test_the_summary_counts() -> None:
     error, warning = Sample(at(ARM, "angle"), "e"), SampleWarning(at(ARM, "drive"), "w")
     assert shown(error, error, warning).endswith("\n2 errors, 1 warning\n")
-    assert shown(warning).startswith("warning[W0399]: w\n")
+    assert shown(warning).startswith("warning[W0512]: w\n")
 
 
 def test_colour_changes_nothing_but_colour() -> None:

@@ -31,7 +31,7 @@ def render(diagnostics: Sequence[Diagnostic]) -> str:
 
 
 def _rule(kind: type[Diagnostic]) -> dict[str, Any]:
-    page = manual_page(kind)
+    page = manual_page(kind.code)
     return {
         "id": kind.code,
         "shortDescription": {"text": kind.title},

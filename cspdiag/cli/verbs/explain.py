@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from argparse import ArgumentParser, Namespace
 
-from cspdiag.catalogue import manual_pages, reference
+from cspdiag.base.manual import manual_pages, reference
 from cspdiag.cli.support.failure import FINE, UsageError
 from cspdiag.cli.support.terminal import write_out
 

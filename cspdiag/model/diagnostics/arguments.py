@@ -12,43 +12,6 @@ def _at(declared: Span | None, text: str) -> tuple[Label, ...]:
 
 @record
 class MissingArgument(Diagnostic):
-    """A parameter without a default was given no value.
-
-    Parameters are constants of the drawn-out diagram. One that has no default is different for every instance, and nobody can guess it.
-
-    Refused::
-
-        process Sender(value: int) {
-          out y : int
-          composition { y ! value }
-        }
-
-        process Main {
-          out y : int
-          communication {
-            sender : Sender
-            sender.y -> y
-          }
-          composition { sender }
-        }
-
-    Mended::
-
-        process Sender(value: int) {
-          out y : int
-          composition { y ! value }
-        }
-
-        process Main {
-          out y : int
-          communication {
-            sender : Sender(value = 1)
-            sender.y -> y
-          }
-          composition { sender }
-        }
-    """
-
     code = "E0211"
     title = "a missing argument"
 
@@ -73,21 +36,6 @@ class MissingArgument(Diagnostic):
 
 @record
 class UnknownArgument(Diagnostic):
-    """An argument is given by a name that is not among the parameters.
-
-    Each argument belongs to a parameter of the definition, or to a field of the struct; a value without a receiver is a slip.
-
-    Refused::
-
-        struct Pose { x: double<m> }
-        const origin = Pose(y = 0)
-
-    Mended::
-
-        struct Pose { x: double<m> }
-        const origin = Pose(x = 0)
-    """
-
     code = "E0212"
     title = "an unknown argument"
 
@@ -116,21 +64,6 @@ class UnknownArgument(Diagnostic):
 
 @record
 class RepeatedArgument(Diagnostic):
-    """A parameter is given two values.
-
-    An argument by position takes the parameters from the left; one by name may then only name those that are left.
-
-    Refused::
-
-        struct Pose { x: double }
-        const origin = Pose(0, x = 1)
-
-    Mended::
-
-        struct Pose { x: double }
-        const origin = Pose(x = 1)
-    """
-
     code = "E0213"
     title = "an argument given twice"
 
@@ -152,21 +85,6 @@ class RepeatedArgument(Diagnostic):
 
 @record
 class TooManyArguments(Diagnostic):
-    """More arguments are given than there are parameters.
-
-    Arguments by position take the parameters from the left, and each parameter takes one.
-
-    Refused::
-
-        struct Pose { x: double }
-        const origin = Pose(0, 1)
-
-    Mended::
-
-        struct Pose { x: double }
-        const origin = Pose(0)
-    """
-
     code = "E0214"
     title = "too many arguments"
 
@@ -193,21 +111,6 @@ class TooManyArguments(Diagnostic):
 
 @record
 class PositionalAfterNamed(Diagnostic):
-    """An argument without a name follows one with a name.
-
-    Arguments are positional first, then by name: after a name the position no longer tells which parameter is meant.
-
-    Refused::
-
-        struct Pose { x: double  y: double }
-        const origin = Pose(x = 0, 1)
-
-    Mended::
-
-        struct Pose { x: double  y: double }
-        const origin = Pose(x = 0, y = 1)
-    """
-
     code = "E0215"
     title = "a positional argument after a named one"
 
@@ -226,19 +129,6 @@ class PositionalAfterNamed(Diagnostic):
 
 @record
 class WrongNumberOfArguments(Diagnostic):
-    """A function is given too few or too many arguments.
-
-    The functions of the language take their arguments by position; only linear operators have an option, ``method``.
-
-    Refused::
-
-        const x = limit(3, 1)
-
-    Mended::
-
-        const x = limit(3, 1, 2)
-    """
-
     code = "E0216"
     title = "the wrong number of arguments"
 
@@ -258,28 +148,6 @@ class WrongNumberOfArguments(Diagnostic):
 
 @record
 class UnknownOption(Diagnostic):
-    """A function has no option of this name, or the option has no such value.
-
-    Linear operators take ``method = tustin``, ``zoh``, ``euler`` or ``backward``; a submodel is integrated by ``method = euler`` or
-    ``rk4``.
-
-    Refused::
-
-        submodel Law {
-          in  x : double
-          out y : double
-          y = lag(x, 1<s>, method = bilinear)
-        }
-
-    Mended::
-
-        submodel Law {
-          in  x : double
-          out y : double
-          y = lag(x, 1<s>, method = tustin)
-        }
-    """
-
     code = "E0217"
     title = "an unknown option"
 

@@ -9,53 +9,6 @@ from cspdiag.base.span import Span
 
 @record
 class UnspecifiedPort(Diagnostic):
-    """A process is said to refine a specification that says nothing about one of its ports.
-
-    Every communication at a port that the specification lacks would refute the assertion. Either the specification has the port, or the assertion hides it.
-
-    Refused::
-
-        process Motor {
-          in  go   : bool
-          out busy : bool
-
-          communication { var value : bool }
-
-          composition { mu (go ? value ; busy ! value) }
-        }
-
-        process Listens {
-          in go : bool
-
-          communication { var value : bool }
-
-          composition { mu go ? value }
-        }
-
-        assert Motor refines Listens
-
-    Mended::
-
-        process Motor {
-          in  go   : bool
-          out busy : bool
-
-          communication { var value : bool }
-
-          composition { mu (go ? value ; busy ! value) }
-        }
-
-        process Listens {
-          in go : bool
-
-          communication { var value : bool }
-
-          composition { mu go ? value }
-        }
-
-        assert Motor refines Listens hide busy
-    """
-
     code = "E0218"
     title = "a port that a specification says nothing about"
 

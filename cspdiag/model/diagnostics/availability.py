@@ -8,36 +8,6 @@ from cspdiag.base.record import record
 
 @record
 class NotConstant(Diagnostic):
-    """A value that changes while the program runs stands where it must be known before.
-
-    Sizes, sample periods, arguments of definitions, defaults, safe values and initial values are fixed when the diagram is drawn out.
-    They may use numbers, constants, parameters and replicators.
-
-    Refused::
-
-        process Main {
-          out y : int
-          communication {
-            var x : int = 0
-            var z : int = x
-          }
-          composition { y ! x + z }
-        }
-
-    Mended::
-
-        const start = 0
-
-        process Main {
-          out y : int
-          communication {
-            var x : int = start
-            var z : int = start
-          }
-          composition { y ! x + z }
-        }
-    """
-
     code = "E0209"
     title = "a value that must be known before the program runs"
 
@@ -60,21 +30,6 @@ class NotConstant(Diagnostic):
 
 @record
 class NotAvailableHere(Diagnostic):
-    """``time``, ``sample`` or an operator with memory is used where it has no meaning.
-
-    ``sample`` and the operators with memory (``pre``, ``delay``, ``integral``, ``derivative``, ``lag``, ``transfer``, ``statespace``)
-    belong to the equations of a submodel, which is computed once a sample. ``time`` is the present instant of an environment and of
-    the submodels used there. A control law counts samples instead, so that it can be tested without a clock.
-
-    Refused::
-
-        const T = sample
-
-    Mended::
-
-        const T = 1 ms
-    """
-
     code = "E0210"
     title = "not available here"
 

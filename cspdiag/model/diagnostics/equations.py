@@ -8,28 +8,6 @@ from cspdiag.base.record import record
 
 @record
 class MissingEquation(Diagnostic):
-    """An output of a submodel has no equation.
-
-    A submodel writes all its outputs each time it runs, so that each needs exactly one equation.
-
-    Refused::
-
-        submodel Law {
-          in  x : double
-          out y, z : double
-          y = 2 * x
-        }
-
-    Mended::
-
-        submodel Law {
-          in  x : double
-          out y, z : double
-          y = 2 * x
-          z = -x
-        }
-    """
-
     code = "E0401"
     title = "an output without an equation"
 
@@ -47,28 +25,6 @@ class MissingEquation(Diagnostic):
 
 @record
 class RepeatedEquation(Diagnostic):
-    """Two equations give one thing a value.
-
-    Equations hold at the same time and in any order, so that each name has exactly one.
-
-    Refused::
-
-        submodel Law {
-          in  x : double
-          out y : double
-          y = 2 * x
-          y = 3 * x
-        }
-
-    Mended::
-
-        submodel Law {
-          in  x : double
-          out y : double
-          y = 2 * x + 3 * x
-        }
-    """
-
     code = "E0402"
     title = "two equations for one name"
 
@@ -90,30 +46,6 @@ class RepeatedEquation(Diagnostic):
 
 @record
 class EquationForInput(Diagnostic):
-    """An equation gives a value to something that gets its value elsewhere.
-
-    Inputs come from outside, and outputs of an inner submodel from its own equations. Equations are for outputs, for local values
-    (``let``) and for inputs of inner submodels.
-
-    Refused::
-
-        submodel Law {
-          in  x : double
-          out y : double
-          x = 1
-          y = x
-        }
-
-    Mended::
-
-        submodel Law {
-          in  x : double
-          out y : double
-          let z = x + 1
-          y = z
-        }
-    """
-
     code = "E0403"
     title = "an equation for an input"
 
@@ -137,31 +69,6 @@ class EquationForInput(Diagnostic):
 
 @record
 class StateWithoutLaw(Diagnostic):
-    """A state has neither a next value nor a derivative.
-
-    ``next s = e`` says what the state is at the next sample, ``der s = e`` how fast it changes. A state without either never changes
-    and is a parameter.
-
-    Refused::
-
-        submodel Law {
-          in  x : double
-          out y : double
-          state s : double = 0
-          y = x + s
-        }
-
-    Mended::
-
-        submodel Law {
-          in  x : double
-          out y : double
-          state s : double = 0
-          y = x + s
-          next s = x
-        }
-    """
-
     code = "E0404"
     title = "a state that never changes"
 
@@ -178,32 +85,6 @@ class StateWithoutLaw(Diagnostic):
 
 @record
 class StateWithTwoLaws(Diagnostic):
-    """A state has two laws: two next values, two derivatives, or one of each.
-
-    A state is either discrete or continuous, and has one law.
-
-    Refused::
-
-        submodel Law {
-          in  x : double
-          out y : double
-          state s : double = 0
-          y = s
-          next s = x
-          der s = x
-        }
-
-    Mended::
-
-        submodel Law {
-          in  x : double
-          out y : double
-          state s : double = 0
-          y = s
-          next s = x
-        }
-    """
-
     code = "E0405"
     title = "a state with two laws"
 
@@ -228,42 +109,6 @@ class StateWithTwoLaws(Diagnostic):
 
 @record
 class UnconnectedInput(Diagnostic):
-    """An input of an inner submodel has no equation.
-
-    A submodel reads all its inputs each time it runs. One that has a default may be left out.
-
-    Refused::
-
-        submodel Gain {
-          in  x : double
-          out y : double
-          y = 2 * x
-        }
-
-        submodel Law {
-          in  x : double
-          out y : double
-          gain : Gain
-          y = gain.y + x
-        }
-
-    Mended::
-
-        submodel Gain {
-          in  x : double
-          out y : double
-          y = 2 * x
-        }
-
-        submodel Law {
-          in  x : double
-          out y : double
-          gain : Gain
-          gain.x = x
-          y = gain.y + x
-        }
-    """
-
     code = "E0406"
     title = "an inner submodel without an input"
 
@@ -288,31 +133,6 @@ class UnconnectedInput(Diagnostic):
 
 @record
 class NotContinuous(Diagnostic):
-    """A state that is no real number has a derivative.
-
-    Only quantities of type double or float change continuously; others have a next value.
-
-    Refused::
-
-        submodel Law {
-          in  x : int
-          out y : int
-          state s : int = 0
-          y = s
-          der s = x
-        }
-
-    Mended::
-
-        submodel Law {
-          in  x : int
-          out y : int
-          state s : int = 0
-          y = s
-          next s = x
-        }
-    """
-
     code = "E0407"
     title = "a derivative of a discrete value"
 

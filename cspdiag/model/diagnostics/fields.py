@@ -8,38 +8,6 @@ from cspdiag.base.record import record
 
 @record
 class PartByItself(Diagnostic):
-    """A field of a struct is set, read or written by itself.
-
-    What a variable holds and what passes a channel changes as a whole, so that nobody ever sees a struct of which one field is new and
-    another is old. The new struct is built from the old one.
-
-    Refused::
-
-        struct Pose {
-          x: double
-          y: double
-        }
-
-        process Main {
-          out pose : Pose
-          communication { var p : Pose = Pose(x = 0, y = 0) }
-          composition { p.x := 3 ; pose ! p }
-        }
-
-    Mended::
-
-        struct Pose {
-          x: double
-          y: double
-        }
-
-        process Main {
-          out pose : Pose
-          communication { var p : Pose = Pose(x = 0, y = 0) }
-          composition { p := Pose(x = 3, y = p.y) ; pose ! p }
-        }
-    """
-
     code = "E0236"
     title = "a field of a struct by itself"
 

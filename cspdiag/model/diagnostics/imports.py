@@ -13,22 +13,6 @@ class ImportFailure(Diagnostic):
 
 @record
 class UnreadableImport(ImportFailure):
-    """An imported file cannot be read.
-
-    The path of an import is relative to the folder of the file that imports it. The file must exist and be a text in UTF-8:
-    a pipe or a device is not waited for. While an import is missing, names that may come from it are not reported as unknown.
-
-    Refused::
-
-        import "missing.csp"
-
-        const T = 1 ms
-
-    Mended::
-
-        const T = 1 ms
-    """
-
     code = "E0120"
     title = "an import that cannot be read"
 
@@ -47,23 +31,6 @@ class UnreadableImport(ImportFailure):
 
 @record
 class UnknownLibrary(ImportFailure):
-    """A library that is not bundled with cspdiag is imported.
-
-    A name without quotes means a bundled library; a file of your own is imported by its path in quotes.
-
-    Refused::
-
-        import std.controls
-
-        const T = 1 ms
-
-    Mended::
-
-        import std.control
-
-        const T = 1 ms
-    """
-
     code = "E0121"
     title = "an unknown library"
 
@@ -80,22 +47,6 @@ class UnknownLibrary(ImportFailure):
 
 @record
 class ImportCycle(Diagnostic):
-    """Files import each other in a circle, or a file imports itself.
-
-    Every definition of an imported file is visible to its importer only, so a circle has no beginning. Move what both files
-    need to a third one, and import that from both.
-
-    Refused::
-
-        import "case.csp"
-
-        const T = 1 ms
-
-    Mended::
-
-        const T = 1 ms
-    """
-
     code = "E0122"
     title = "an import cycle"
 

@@ -8,22 +8,6 @@ from cspdiag.base.record import record
 
 @record
 class DuplicateDefinition(Diagnostic):
-    """Two definitions have the same name.
-
-    Names of definitions hold in the whole program, imported files and the bundled library included, so that each may be used for one
-    thing only.
-
-    Refused::
-
-        const T = 1 ms
-        enum T { idle, run }
-
-    Mended::
-
-        const T = 1 ms
-        enum Mode { idle, run }
-    """
-
     code = "E0201"
     title = "a definition given twice"
 
@@ -48,28 +32,6 @@ class DuplicateDefinition(Diagnostic):
 
 @record
 class DuplicateName(Diagnostic):
-    """Two things in one process, submodel, struct or enum have the same name.
-
-    Ports, parameters, instances, variables, channels, labels, states and local values share one space of names, because any of them
-    may be named in the composition or in an equation. A label stands for one communication object, so that it names one arrow only.
-
-    Refused::
-
-        process Main {
-          out y : int
-          communication { var y : int = 0 }
-          composition { y ! 1 }
-        }
-
-    Mended::
-
-        process Main {
-          out y : int
-          communication { var x : int = 0 }
-          composition { y ! x }
-        }
-    """
-
     code = "E0202"
     title = "a name used for two things"
 
@@ -102,20 +64,6 @@ class DuplicateName(Diagnostic):
 
 @record
 class ReservedName(Diagnostic):
-    """A name of the language is used for something else.
-
-    ``time``, ``sample`` and ``pi`` are values that equations may use; the names of types, functions and built-in exceptions cannot be
-    given to types and exceptions of your own.
-
-    Refused::
-
-        const pi = 3
-
-    Mended::
-
-        const three = 3
-    """
-
     code = "E0203"
     title = "a reserved name"
 
@@ -133,22 +81,6 @@ class ReservedName(Diagnostic):
 
 @record
 class UnknownName(Diagnostic):
-    """A name stands for nothing.
-
-    Values are parameters, constants, variables and labels (in a process), inputs, states and local values (in a submodel).
-    Definitions come from this file and the files it imports.
-
-    Refused::
-
-        const T = 1 ms
-        const period = 2 * Tt
-
-    Mended::
-
-        const T = 1 ms
-        const period = 2 * T
-    """
-
     code = "E0204"
     title = "an unknown name"
 
@@ -173,32 +105,6 @@ class UnknownName(Diagnostic):
 
 @record
 class WrongKind(Diagnostic):
-    """A name stands for another kind of thing than is wanted in its place.
-
-    An instance is made of a process or a submodel, a composition runs instances, an environment is made for a process, values are
-    had from variables and parameters but not from ports: these have to be read.
-
-    Refused::
-
-        enum Mode { idle, run }
-
-        process Main {
-          out y : Mode
-          communication { mode : Mode }
-          composition { y ! Mode.run }
-        }
-
-    Mended::
-
-        enum Mode { idle, run }
-
-        process Main {
-          out y : Mode
-          communication { var mode : Mode = Mode.idle }
-          composition { y ! mode }
-        }
-    """
-
     code = "E0205"
     title = "a name of the wrong kind"
 
@@ -223,21 +129,6 @@ class WrongKind(Diagnostic):
 
 @record
 class UnknownMember(Diagnostic):
-    """What follows the point is no port, field or literal of what stands before it.
-
-    An instance has the ports of its definition, a struct its fields, an enum its literals, and nothing else.
-
-    Refused::
-
-        enum Mode { idle, run }
-        const start = Mode.idel
-
-    Mended::
-
-        enum Mode { idle, run }
-        const start = Mode.idle
-    """
-
     code = "E0206"
     title = "an unknown port, field or literal"
 
@@ -268,29 +159,6 @@ class UnknownMember(Diagnostic):
 
 @record
 class ShadowedReplicator(Diagnostic):
-    """A replicator has the name of something that is already visible where it stands.
-
-    The inner one would hide the outer one, and an index would silently mean something else.
-
-    Refused::
-
-        const N = 2
-
-        process Main {
-          out y[N] : int
-          composition { par N < 2 : y[N] ! 1 }
-        }
-
-    Mended::
-
-        const N = 2
-
-        process Main {
-          out y[N] : int
-          composition { par i < N : y[i] ! 1 }
-        }
-    """
-
     code = "E0207"
     title = "a replicator that hides another name"
 
@@ -313,22 +181,6 @@ class ShadowedReplicator(Diagnostic):
 
 @record
 class Recursion(Diagnostic):
-    """A definition needs itself, directly or through others.
-
-    A diagram is drawn out whole before it runs, so that a process cannot contain itself; a constant, type or struct that needs its own
-    value or size has none. Repetition is written with ``mu``.
-
-    Refused::
-
-        const a = b + 1
-        const b = a + 1
-
-    Mended::
-
-        const a = b + 1
-        const b = 1
-    """
-
     code = "E0208"
     title = "a definition that contains itself"
 

@@ -10,49 +10,6 @@ from cspdiag.model.wording import noun
 
 @record
 class WrongSource(Diagnostic):
-    """An arrow begins at something that gives no values.
-
-    A source is an ``in`` port of this process (what comes from outside), an ``out`` port of an instance, a variable or a channel.
-
-    Refused::
-
-        submodel Law {
-          in  x : int
-          out y : int
-          y = x
-        }
-
-        process Main {
-          in  x : int
-          out y : int
-          communication {
-            law : Law
-            x     -> law.x
-            y     -> law.y
-          }
-          composition { law }
-        }
-
-    Mended::
-
-        submodel Law {
-          in  x : int
-          out y : int
-          y = x
-        }
-
-        process Main {
-          in  x : int
-          out y : int
-          communication {
-            law : Law
-            x     -> law.x
-            law.y -> y
-          }
-          composition { law }
-        }
-    """
-
     code = "E0230"
     title = "an arrow that begins at a sink"
 
@@ -76,49 +33,6 @@ class WrongSource(Diagnostic):
 
 @record
 class WrongSink(Diagnostic):
-    """An arrow ends at something that takes no values.
-
-    A sink is an ``out`` port of this process (what goes outside), an ``in`` port of an instance, a variable, a channel, or ``_``.
-
-    Refused::
-
-        submodel Law {
-          in  x : int
-          out y : int
-          y = x
-        }
-
-        process Main {
-          in  x : int
-          out y : int
-          communication {
-            law : Law
-            x     -> law.x
-            law.y -> x
-          }
-          composition { law }
-        }
-
-    Mended::
-
-        submodel Law {
-          in  x : int
-          out y : int
-          y = x
-        }
-
-        process Main {
-          in  x : int
-          out y : int
-          communication {
-            law : Law
-            x     -> law.x
-            law.y -> y
-          }
-          composition { law }
-        }
-    """
-
     code = "E0231"
     title = "an arrow that ends at a source"
 
@@ -142,27 +56,6 @@ class WrongSink(Diagnostic):
 
 @record
 class NotReadable(Diagnostic):
-    """A composition reads from something that cannot be read there.
-
-    ``port ? x`` reads an ``in`` port of this process or a channel. What an instance writes goes to what it is connected to.
-
-    Refused::
-
-        process Main {
-          out max : double
-          communication { var x : double = 0 }
-          composition { max ? x }
-        }
-
-    Mended::
-
-        process Main {
-          out max : double
-          communication { var x : double = 0 }
-          composition { max ! x }
-        }
-    """
-
     code = "E0232"
     title = "reading what cannot be read"
 
@@ -186,25 +79,6 @@ class NotReadable(Diagnostic):
 
 @record
 class NotWritable(Diagnostic):
-    """A composition writes to something that cannot be written there.
-
-    ``port ! e`` writes an ``out`` port of this process or a channel; ``x := e`` sets a variable.
-
-    Refused::
-
-        process Main {
-          in  max : double
-          composition { max ! 1 }
-        }
-
-    Mended::
-
-        process Main {
-          out max : double
-          composition { max ! 1 }
-        }
-    """
-
     code = "E0233"
     title = "writing what cannot be written"
 
@@ -228,28 +102,6 @@ class NotWritable(Diagnostic):
 
 @record
 class NotVariable(Diagnostic):
-    """A value is put into something that is no variable.
-
-    What is read by ``?`` goes into a variable, and ``:=`` sets one: something declared by ``var``, or a label that ends an arrow.
-
-    Refused::
-
-        process Main {
-          in  x : int
-          out y : int
-          composition { x ? y }
-        }
-
-    Mended::
-
-        process Main {
-          in  x : int
-          out y : int
-          communication { var value : int }
-          composition { x ? value ; y ! value }
-        }
-    """
-
     code = "E0234"
     title = "no variable"
 
@@ -273,52 +125,6 @@ class NotVariable(Diagnostic):
 
 @record
 class DifferentEnds(Diagnostic):
-    """The two ends of a communication have different types or units.
-
-    A channel carries values as they are: nothing is converted on the way, not even an int to a double, a number to an angle, or degrees
-    to radians. Give both ends one type, or put a submodel between them that converts.
-
-    Refused::
-
-        process Law {
-          in  buttons : double
-          out y       : int
-          communication { var b : double }
-          composition { buttons ? b ; y ! 1 }
-        }
-
-        process Main {
-          in  buttons : int
-          out y       : int
-          communication {
-            law : Law
-            buttons -> law.buttons
-            law.y   -> y
-          }
-          composition { law }
-        }
-
-    Mended::
-
-        process Law {
-          in  buttons : int
-          out y       : int
-          communication { var b : int }
-          composition { buttons ? b ; y ! b }
-        }
-
-        process Main {
-          in  buttons : int
-          out y       : int
-          communication {
-            law : Law
-            buttons -> law.buttons
-            law.y   -> y
-          }
-          composition { law }
-        }
-    """
-
     code = "E0316"
     title = "two ends of different types"
 
@@ -354,30 +160,6 @@ class DifferentEnds(Diagnostic):
 
 @record
 class MisplacedPortOption(Diagnostic):
-    """A port has an option that belongs to the other direction.
-
-    A default is what an input reads that is not connected; a safe value is what an output gets when the program ends; ``immediate``
-    hands an output over at the write instead of at the tick.
-
-    Refused::
-
-        process Main {
-          in  x : int safe 0
-          out y : int
-          communication { var v : int }
-          composition { x ? v ; y ! v }
-        }
-
-    Mended::
-
-        process Main {
-          in  x : int
-          out y : int safe 0
-          communication { var v : int }
-          composition { x ? v ; y ! v }
-        }
-    """
-
     code = "E0235"
     title = "a port option in the wrong place"
 

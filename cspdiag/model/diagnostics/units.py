@@ -11,19 +11,6 @@ from cspdiag.model.wording import conversion_help, noun, shortened
 
 @record
 class WrongUnit(Diagnostic):
-    """A value has another dimension than is wanted where it stands.
-
-    Units are checked by dimension. ``rad`` counts as 1; a bare ``0`` takes any unit; any other bare number has none.
-
-    Refused::
-
-        const speed: double<rad/s> = 0.5<V>
-
-    Mended::
-
-        const speed: double<rad/s> = 0.5<rad/s>
-    """
-
     code = "E0302"
     title = "a value of the wrong unit"
 
@@ -51,19 +38,6 @@ class WrongUnit(Diagnostic):
 
 @record
 class WrongScale(Diagnostic):
-    """A value has the right dimension in another scale, such as degrees for radians.
-
-    Nothing is converted silently. ``convert(x, rad)`` says where it happens.
-
-    Refused::
-
-        const reach: double<rad> = 90<deg>
-
-    Mended::
-
-        const reach: double<rad> = convert(90<deg>, rad)
-    """
-
     code = "E0303"
     title = "a value of another scale"
 
@@ -88,19 +62,6 @@ class WrongScale(Diagnostic):
 
 @record
 class MixedUnits(Diagnostic):
-    """Quantities of different dimension or scale are added or compared.
-
-    ``+``, ``-`` and comparisons need equal units; ``*``, ``/`` and ``^`` combine them. ``rad`` counts as 1, ``deg`` and ``rev`` do not.
-
-    Refused::
-
-        const angle = 0.5<rad> + 2<V>
-
-    Mended::
-
-        const angle = 0.5<rad> + 2<V> * 0.1<rad/V>
-    """
-
     code = "E0305"
     title = "quantities of different units"
 
@@ -138,19 +99,6 @@ class MixedUnits(Diagnostic):
 
 @record
 class NotDimensionless(Diagnostic):
-    """A function of pure numbers is given a quantity with a unit.
-
-    Exponentials, logarithms and trigonometric functions are defined on numbers; an angle in radians is a number.
-
-    Refused::
-
-        const x = sin(30<deg>)
-
-    Mended::
-
-        const x = sin(convert(30<deg>, rad))
-    """
-
     code = "E0307"
     title = "a quantity where a number is wanted"
 
@@ -173,20 +121,6 @@ class NotDimensionless(Diagnostic):
 
 @record
 class UnknownUnit(Diagnostic):
-    """The text between angle brackets is no unit.
-
-    Units are SI symbols with prefixes (``m s kg A K mol cd rad Hz N Pa J W C V F Ohm S Wb T H l bar``), and ``deg rev rpm min h %``,
-    combined by ``*``, ``/`` and ``^``.
-
-    Refused::
-
-        const torque = 0.5<Nm>
-
-    Mended::
-
-        const torque = 0.5<N*m>
-    """
-
     code = "E0309"
     title = "an unknown unit"
 
@@ -206,19 +140,6 @@ class UnknownUnit(Diagnostic):
 
 @record
 class UnitNotAllowed(Diagnostic):
-    """A unit is given to a type that cannot have one.
-
-    Only ``double`` and ``float`` carry units: integers count, and a ``time`` is a number of nanoseconds.
-
-    Refused::
-
-        const n: int<V> = 0
-
-    Mended::
-
-        const n: double<V> = 0
-    """
-
     code = "E0310"
     title = "a unit on a type without units"
 
@@ -238,19 +159,6 @@ class UnitNotAllowed(Diagnostic):
 
 @record
 class BrokenPower(Diagnostic):
-    """A quantity with a unit is raised to a power that is not fixed, or a root of its unit is none.
-
-    The unit of ``x ^ n`` depends on ``n``, which therefore must be a number in the text; the square root of a metre is no unit.
-
-    Refused::
-
-        const x = sqrt(2<m>)
-
-    Mended::
-
-        const x = sqrt(2<m^2>)
-    """
-
     code = "E0313"
     title = "a power of a unit that is no unit"
 
@@ -268,20 +176,6 @@ class BrokenPower(Diagnostic):
 
 @record
 class NotConvertible(Diagnostic):
-    """``convert`` is asked for a unit of another dimension, or a conversion is given something that is no number.
-
-    A conversion changes the scale or the representation of a quantity, but an angle never becomes a voltage. What relates two dimensions
-    is a factor with a unit, such as ``2<V/rad>``.
-
-    Refused::
-
-        const x = convert(90<deg>, V)
-
-    Mended::
-
-        const x = convert(90<deg>, rad)
-    """
-
     code = "E0314"
     title = "an impossible conversion"
 

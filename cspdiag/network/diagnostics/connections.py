@@ -8,56 +8,6 @@ from cspdiag.base.record import record
 
 @record
 class NotConnected(Diagnostic):
-    """A port of an instance is connected to nothing.
-
-    A process that reads an unconnected input would wait for ever, and what it writes to an unconnected output would be lost
-    without anybody having said so. An input may be left alone where its declaration gives a default; an output
-    that nobody needs is connected to `_`.
-
-    Refused::
-
-        process Sender {
-          out output : int
-          composition { mu output ! 1 }
-        }
-
-        process Receiver {
-          in input : int
-          communication { var last : int = 0 }
-          composition { mu input ? last }
-        }
-
-        process Main {
-          communication {
-            sender   : Sender
-            receiver : Receiver
-          }
-          composition { sender || receiver }
-        }
-
-    Mended::
-
-        process Sender {
-          out output : int
-          composition { mu output ! 1 }
-        }
-
-        process Receiver {
-          in input : int
-          communication { var last : int = 0 }
-          composition { mu input ? last }
-        }
-
-        process Main {
-          communication {
-            sender   : Sender
-            receiver : Receiver
-            sender.output -> receiver.input
-          }
-          composition { sender || receiver }
-        }
-    """
-
     code = "E0501"
     title = "port that is not connected"
 
@@ -88,60 +38,6 @@ class NotConnected(Diagnostic):
 
 @record
 class ConnectedTwice(Diagnostic):
-    """A port of an instance has two relationships.
-
-    An arrow of the communication diagram is one communication object. An input that hung on two of them could not tell which one to
-    read, and an output on two of them which one to write. Several sources, or several sinks, stand on one arrow; the composition
-    then decides what kind of channel that is.
-
-    Refused::
-
-        process Sender {
-          out output : int
-          composition { mu output ! 1 }
-        }
-
-        process Receiver {
-          in input : int
-          communication { var last : int = 0 }
-          composition { mu input ? last }
-        }
-
-        process Main {
-          communication {
-            one      : Sender
-            other    : Sender
-            receiver : Receiver
-            one.output   -> receiver.input
-            other.output -> receiver.input
-          }
-          composition { one || other || receiver }
-        }
-
-    Mended::
-
-        process Sender {
-          out output : int
-          composition { mu output ! 1 }
-        }
-
-        process Receiver {
-          in input : int
-          communication { var last : int = 0 }
-          composition { mu input ? last }
-        }
-
-        process Main {
-          communication {
-            one      : Sender
-            other    : Sender
-            receiver : Receiver
-            one.output, other.output -> any -> receiver.input
-          }
-          composition { one || other || receiver }
-        }
-    """
-
     code = "E0502"
     title = "port connected twice"
 
@@ -175,30 +71,6 @@ class ConnectedTwice(Diagnostic):
 
 @record
 class PortToPort(Diagnostic):
-    """A port of the process is connected straight to another port of it.
-
-    A relationship hands a port on to an instance inside. Between two ports of one process there is no instance that would
-    carry a value from one to the other, nor a place in the composition that says when.
-
-    Refused::
-
-        process Main {
-          in  input  : int
-          out output : int
-          communication { input -> output }
-          composition { skip }
-        }
-
-    Mended::
-
-        process Main {
-          in  input  : int
-          out output : int
-          communication { var value : int = 0 }
-          composition { mu (input ? value ; output ! value) }
-        }
-    """
-
     code = "E0507"
     title = "port connected straight to a port"
 
@@ -221,48 +93,6 @@ class PortToPort(Diagnostic):
 
 @record
 class JoinsTwoObjects(Diagnostic):
-    """One relationship joins two communication objects.
-
-    Ports of the process, channels and variables are communication objects of their own. Instances are attached to one of them at each
-    arrow; an arrow cannot make one object of two.
-
-    Refused::
-
-        process Receiver {
-          in input : int
-          communication { var last : int = 0 }
-          composition { mu input ? last }
-        }
-
-        process Main {
-          in one, other : int
-          communication {
-            receiver : Receiver
-            one, other -> receiver.input
-          }
-          composition { receiver }
-        }
-
-    Mended::
-
-        process Receiver {
-          in input : int
-          communication { var last : int = 0 }
-          composition { mu input ? last }
-        }
-
-        process Main {
-          in one, other : int
-          communication {
-            first  : Receiver
-            second : Receiver
-            one    -> first.input
-            other  -> second.input
-          }
-          composition { first || second }
-        }
-    """
-
     code = "E0508"
     title = "relationship with two communication objects"
 
@@ -285,28 +115,6 @@ class JoinsTwoObjects(Diagnostic):
 
 @record
 class PortEndsInLabel(Diagnostic):
-    """An input of the process ends in a label.
-
-    A label that ends an arrow is a variable that an instance writes. Nothing writes the values of a port into it: that is a
-    communication, and the composition says when it takes place.
-
-    Refused::
-
-        process Main {
-          in input : int
-          communication { input -> value : int }
-          composition { mu skip until value == 1 }
-        }
-
-    Mended::
-
-        process Main {
-          in input : int
-          communication { var value : int = 0 }
-          composition { mu input ? value until value == 1 }
-        }
-    """
-
     code = "E0509"
     title = "port connected to a label"
 

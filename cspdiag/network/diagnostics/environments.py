@@ -20,52 +20,6 @@ def _listed(names: list[str]) -> str:
 
 @record
 class IncompleteEnvironment(Diagnostic):
-    """An environment leaves ports of its process unconnected.
-
-    The process would wait for samples that never come, or write to nowhere. An output that nobody needs goes to ``_``.
-
-    Refused::
-
-        process Blink {
-          in  button : int
-          out lamp   : bool @ 10 ms
-
-          communication { var pressed : int = 0 }
-          composition { mu (button ? pressed ; lamp ! pressed == 1) }
-        }
-
-        submodel Finger {
-          out button : int
-          button = if time < 1 s then 0 else 1
-        }
-
-        environment Bench for Blink {
-          finger : Finger
-          finger.button -> button
-        }
-
-    Mended::
-
-        process Blink {
-          in  button : int
-          out lamp   : bool @ 10 ms
-
-          communication { var pressed : int = 0 }
-          composition { mu (button ? pressed ; lamp ! pressed == 1) }
-        }
-
-        submodel Finger {
-          out button : int
-          button = if time < 1 s then 0 else 1
-        }
-
-        environment Bench for Blink {
-          finger : Finger
-          finger.button -> button
-          lamp          -> _
-        }
-    """
-
     code = "E0801"
     title = "an incomplete environment"
 
@@ -94,65 +48,6 @@ class IncompleteEnvironment(Diagnostic):
 
 @record
 class UnconnectedInputs(Diagnostic):
-    """A submodel or a driver of an environment has an input that nothing drives.
-
-    Its equations would have no value to compute with. Connect the input, or give its port a default value.
-
-    Refused::
-
-        process Sink {
-          in  x : double @ 10 ms
-          communication { var last : double = 0 }
-          composition { mu x ? last }
-        }
-
-        submodel Sum {
-          in  a, b : double
-          out y    : double
-          y = a + b
-        }
-
-        submodel One {
-          out y : double
-          y = 1
-        }
-
-        environment Bench for Sink {
-          one : One
-          sum : Sum
-
-          one.y -> sum.a
-          sum.y -> x
-        }
-
-    Mended::
-
-        process Sink {
-          in  x : double @ 10 ms
-          communication { var last : double = 0 }
-          composition { mu x ? last }
-        }
-
-        submodel Sum {
-          in  a, b : double
-          out y    : double
-          y = a + b
-        }
-
-        submodel One {
-          out y : double
-          y = 1
-        }
-
-        environment Bench for Sink {
-          one : One
-          sum : Sum
-
-          one.y -> sum.a, sum.b
-          sum.y -> x
-        }
-    """
-
     code = "E0802"
     title = "an input of the environment that nothing drives"
 
@@ -175,33 +70,6 @@ class UnconnectedInputs(Diagnostic):
 
 @record
 class StepNotPositive(Diagnostic):
-    """The step of an environment is zero or negative.
-
-    ``step`` is the grid on which the environment is evaluated besides the sample instants.
-
-    Refused::
-
-        process Constant {
-          out voltage : double<V> @ 10 ms
-          composition { mu (voltage ! 1<V> ; wait 10 ms) }
-        }
-
-        environment Bench for Constant step 0 ms {
-          voltage -> _
-        }
-
-    Mended::
-
-        process Constant {
-          out voltage : double<V> @ 10 ms
-          composition { mu (voltage ! 1<V> ; wait 10 ms) }
-        }
-
-        environment Bench for Constant step 1 ms {
-          voltage -> _
-        }
-    """
-
     code = "E0808"
     title = "a step that is not positive"
 
@@ -212,34 +80,6 @@ class StepNotPositive(Diagnostic):
 
 @record
 class UnknownMissPolicy(Diagnostic):
-    """``on miss`` names something that cannot be done about a missed sample.
-
-    A sample that was not taken before the next one came is a missed deadline: ``timeout`` raises ``Timeout`` in the reader (the default), ``count`` counts
-    and goes on.
-
-    Refused::
-
-        process Constant {
-          out voltage : double<V> @ 10 ms
-          composition { mu (voltage ! 1<V> ; wait 10 ms) }
-        }
-
-        environment Bench for Constant on miss ignore {
-          voltage -> _
-        }
-
-    Mended::
-
-        process Constant {
-          out voltage : double<V> @ 10 ms
-          composition { mu (voltage ! 1<V> ; wait 10 ms) }
-        }
-
-        environment Bench for Constant on miss count {
-          voltage -> _
-        }
-    """
-
     code = "E0809"
     title = "an unknown answer to a missed sample"
 

@@ -8,26 +8,6 @@ from cspdiag.base.record import record
 
 @record
 class UnsupportedLanguage(Diagnostic):
-    """A body is written in a language that cannot be called.
-
-    Bodies of submodels, processes and drivers may be written in Python, those of processes and submodels in C. Functional mock-up units
-    (``fmu``) are not supported yet.
-
-    Refused::
-
-        submodel Joint fmu "joint.fmu" {
-          in  voltage : double
-          out angle   : double
-        }
-
-    Mended::
-
-        submodel Joint python "joint.py:Joint" {
-          in  voltage : double
-          out angle   : double
-        }
-    """
-
     code = "E0820"
     title = "a body that cannot be called"
 
@@ -49,27 +29,6 @@ class UnsupportedLanguage(Diagnostic):
 
 @record
 class MalformedTarget(Diagnostic):
-    """The text that names an external body is not of the form that its language wants.
-
-    For Python it is a file or a module and a class, ``module.py:Class`` or ``package.module:Class``; for C a file, ``file.c``. Files are
-    looked for beside the file that names them. The name of a module is written into the generated code, that of a C file into its makefiles:
-    a module consists of names of Python with dots between them, the file of letters, digits, ``_``, ``.``, ``+`` and ``-``.
-
-    Refused::
-
-        submodel Joint python "joint.py" {
-          in  voltage : double
-          out angle   : double
-        }
-
-    Mended::
-
-        submodel Joint python "joint.py:Joint" {
-          in  voltage : double
-          out angle   : double
-        }
-    """
-
     code = "E0821"
     title = "a malformed name of a body"
 
@@ -89,23 +48,6 @@ class MalformedTarget(Diagnostic):
 
 @record
 class DriverWithoutBody(Diagnostic):
-    """A driver has no body.
-
-    A driver is a device: what reads and writes it is a class in Python.
-
-    Refused::
-
-        driver Amplifier {
-          in voltage : double
-        }
-
-    Mended::
-
-        driver Amplifier python "amplifier.py:Amplifier" {
-          in voltage : double
-        }
-    """
-
     code = "E0822"
     title = "a driver without a body"
 
@@ -122,29 +64,6 @@ class DriverWithoutBody(Diagnostic):
 
 @record
 class MixedBody(Diagnostic):
-    """A definition has both an external body and one in the language.
-
-    What is computed outside cannot be described here as well: only ports belong to an external definition.
-
-    Refused::
-
-        submodel Double python "double.py:Double" {
-          in  x : double
-          out y : double
-
-          y = 2 * x
-        }
-
-    Mended::
-
-        submodel Double {
-          in  x : double
-          out y : double
-
-          y = 2 * x
-        }
-    """
-
     code = "E0823"
     title = "two bodies"
 

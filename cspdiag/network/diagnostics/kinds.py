@@ -10,61 +10,6 @@ from cspdiag.network.shapes import AskedKind
 
 @record
 class MixedRelation(Diagnostic):
-    """A channel connects some parts that run in parallel and some that run in sequence.
-
-    Between parallel parts a value passes when both are there; between parts in sequence it has to be kept until the later one
-    comes. One channel cannot do both: the rendezvous would block the part that has no partner, the variable would lose the
-    values of the other pair.
-
-    Refused::
-
-        process Sender {
-          out output : int
-          composition { output ! 1 }
-        }
-
-        process Receiver {
-          in input : int
-          communication { var last : int = 0 }
-          composition { input ? last }
-        }
-
-        process Main {
-          communication {
-            sender : Sender
-            now    : Receiver
-            later  : Receiver
-            sender.output -> now.input, later.input
-          }
-          composition { (sender || now) ; later }
-        }
-
-    Mended::
-
-        process Sender {
-          out output : int
-          composition { output ! 1 }
-        }
-
-        process Receiver {
-          in input : int
-          communication { var last : int = 0 }
-          composition { input ? last }
-        }
-
-        process Main {
-          communication {
-            sender : Sender
-            again  : Sender
-            now    : Receiver
-            later  : Receiver
-            sender.output -> now.input
-            again.output  -> later.input
-          }
-          composition { (sender || now) ; again ; later }
-        }
-    """
-
     code = "E0524"
     title = "users of a channel both in sequence and in parallel"
 
@@ -98,76 +43,6 @@ class MixedRelation(Diagnostic):
 
 @record
 class KindsDisagree(Diagnostic):
-    """One channel is said to be of two kinds.
-
-    A relationship of a process and a relationship inside one of its instances can both say the kind of the channel behind a port. It is one channel, and
-    it has one kind.
-
-    Refused::
-
-        process Sender {
-          out output : int
-          composition { mu output ! 1 }
-        }
-
-        process Receiver {
-          in input : int
-          communication { var last : int = 0 }
-          composition { mu input ? last }
-        }
-
-        process Pair {
-          in input : int
-          communication {
-            one   : Receiver
-            other : Receiver
-            input -> broadcast -> one.input, other.input
-          }
-          composition { one || other }
-        }
-
-        process Main {
-          communication {
-            sender : Sender
-            pair   : Pair
-            sender.output -> any -> pair.input
-          }
-          composition { sender || pair }
-        }
-
-    Mended::
-
-        process Sender {
-          out output : int
-          composition { mu output ! 1 }
-        }
-
-        process Receiver {
-          in input : int
-          communication { var last : int = 0 }
-          composition { mu input ? last }
-        }
-
-        process Pair {
-          in input : int
-          communication {
-            one   : Receiver
-            other : Receiver
-            input -> broadcast -> one.input, other.input
-          }
-          composition { one || other }
-        }
-
-        process Main {
-          communication {
-            sender : Sender
-            pair   : Pair
-            sender.output -> pair.input
-          }
-          composition { sender || pair }
-        }
-    """
-
     code = "E0525"
     title = "two kinds for one channel"
 
@@ -190,49 +65,6 @@ class KindsDisagree(Diagnostic):
 
 @record
 class KindContradicts(Diagnostic):
-    """A port of the outermost process is given a kind that it cannot have.
-
-    The environment never waits for the program. A sampled input gives each sample to every reader; an event input keeps the latest
-    event; an output takes every value at once. So a sampled input has no kind, an event input may be `broadcast` or
-    `any`, an output `any`, and none of them a rendezvous or a buffer.
-
-    Refused::
-
-        process Receiver {
-          in input : int
-          communication { var last : int = 0 }
-          composition { mu input ? last }
-        }
-
-        process Main {
-          in angle : int @ 1 ms
-          communication {
-            one   : Receiver
-            other : Receiver
-            angle -> any -> one.input, other.input
-          }
-          composition { one || other }
-        }
-
-    Mended::
-
-        process Receiver {
-          in input : int
-          communication { var last : int = 0 }
-          composition { mu input ? last }
-        }
-
-        process Main {
-          in angle : int @ 1 ms
-          communication {
-            one   : Receiver
-            other : Receiver
-            angle -> one.input, other.input
-          }
-          composition { one || other }
-        }
-    """
-
     code = "E0528"
     title = "kind that a port of the outermost process cannot have"
 

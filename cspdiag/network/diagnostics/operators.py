@@ -10,29 +10,6 @@ from cspdiag.base.record import record
 
 @record
 class ImproperTransfer(Diagnostic):
-    """The numerator of a transfer function has a higher degree than the denominator.
-
-    Such an operator would need future samples: it contains a pure differentiator. Give it a pole that limits its bandwidth.
-
-    Refused::
-
-        submodel Lead {
-          in  x : double
-          out y : double
-
-          y = transfer([0.1, 1], [1], x)
-        }
-
-    Mended::
-
-        submodel Lead {
-          in  x : double
-          out y : double
-
-          y = transfer([0.1, 1], [0.01, 1], x)
-        }
-    """
-
     code = "E0453"
     title = "an improper transfer function"
 
@@ -53,30 +30,6 @@ class ImproperTransfer(Diagnostic):
 
 @record
 class WrongShape(Diagnostic):
-    """The coefficients of a transfer function or the matrices of a state space do not fit.
-
-    ``transfer`` takes two lists, neither empty, the first coefficient of the denominator not zero. ``statespace`` takes A (nxn), B (nxm), C (pxn)
-    and D (pxm), as lists of rows.
-
-    Refused::
-
-        submodel Plant {
-          in  u : double
-          out y : double
-
-          y = statespace([[0, 1], [-4, -1]], [[0], [1], [2]], [[1, 0]], [[0]], u)
-        }
-
-    Mended::
-
-        submodel Plant {
-          in  u : double
-          out y : double
-
-          y = statespace([[0, 1], [-4, -1]], [[0], [1]], [[1, 0]], [[0]], u)
-        }
-    """
-
     code = "E0454"
     title = "coefficients that do not fit"
 
@@ -89,29 +42,6 @@ class WrongShape(Diagnostic):
 
 @record
 class ValueOutOfRange(Diagnostic):
-    """A time constant is not positive, or a delay is not a whole number of samples between 1 and 10000.
-
-    A lag with a time constant of zero or below has no difference equation that means anything.
-
-    Refused::
-
-        submodel Smooth {
-          in  x : double
-          out y : double
-
-          y = delay(x, 0, 0)
-        }
-
-    Mended::
-
-        submodel Smooth {
-          in  x : double
-          out y : double
-
-          y = delay(x, 3, 0)
-        }
-    """
-
     code = "E0455"
     title = "an argument out of range"
 
@@ -124,30 +54,6 @@ class ValueOutOfRange(Diagnostic):
 
 @record
 class UnknownMethod(Diagnostic):
-    """A method of integration or discretization that does not exist.
-
-    Linear operators are discretized by ``tustin`` (the default), ``zoh``, ``euler`` or ``backward``; states with ``der`` are integrated by
-    ``rk4`` (the default) or ``euler``.
-
-    Refused::
-
-        submodel Smooth method = trapezium {
-          in  x : double
-          out y : double
-
-          y = lag(x, 10 ms)
-        }
-
-    Mended::
-
-        submodel Smooth method = tustin {
-          in  x : double
-          out y : double
-
-          y = lag(x, 10 ms)
-        }
-    """
-
     code = "E0456"
     title = "an unknown method"
 
@@ -164,54 +70,6 @@ class UnknownMethod(Diagnostic):
 
 @record
 class UnstableDiscretization(Diagnostic):
-    """A stable operator becomes unstable by its discretization.
-
-    The forward Euler method puts a pole at s = -a to z = 1 - aT: beyond T = 2/a it leaves the unit circle, and the signal grows
-    without bound. (Åström and Wittenmark, Computer-Controlled Systems, section 8.3.)
-
-    Refused::
-
-        submodel Smooth method = euler {
-          in  x : double
-          out y : double
-
-          y = lag(x, 1 ms)
-        }
-
-        process Filter {
-          in  x : double @ 10 ms
-          out y : double @ 10 ms
-
-          communication {
-            smooth : Smooth
-            x -> smooth.x
-            smooth.y -> y
-          }
-          composition { mu smooth }
-        }
-
-    Mended::
-
-        submodel Smooth method = tustin {
-          in  x : double
-          out y : double
-
-          y = lag(x, 1 ms)
-        }
-
-        process Filter {
-          in  x : double @ 10 ms
-          out y : double @ 10 ms
-
-          communication {
-            smooth : Smooth
-            x -> smooth.x
-            smooth.y -> y
-          }
-          composition { mu smooth }
-        }
-    """
-
     code = "W0457"
     title = "an unstable discretization"
     severity: ClassVar[Severity] = "warning"

@@ -25,28 +25,6 @@ def both(one: Access, other: Access, verbs: tuple[str, str]) -> tuple[Label, ...
 
 @record
 class Race(Diagnostic):
-    """A variable is written in one parallel part and used in another.
-
-    A variable keeps its last value and makes nobody wait. Between parallel parts it would depend on the scheduler which value is
-    seen: a race. Parallel parts exchange values over channels, where the reader waits for the writer.
-
-    Refused::
-
-        process Main {
-          out output : int
-          communication { var value : int = 0 }
-          composition { value := 1 || output ! value }
-        }
-
-    Mended::
-
-        process Main {
-          out output : int
-          communication { var value : int = 0 }
-          composition { value := 1 ; output ! value }
-        }
-    """
-
     code = "E0520"
     title = "race on a variable"
 
@@ -79,59 +57,6 @@ class Race(Diagnostic):
 
 @record
 class ParallelWriters(Diagnostic):
-    """A channel has several writers in parallel.
-
-    A rendezvous is between one writer and one reader. Where several writers are active at the same time, the order in which their
-    values come is left open, and the diagram has to say that this is meant: `any`. Writers that run one after
-    the other, or in different branches of an alternative, need nothing.
-
-    Refused::
-
-        process Sender {
-          out output : int
-          composition { mu output ! 1 }
-        }
-
-        process Receiver {
-          in input : int
-          communication { var last : int = 0 }
-          composition { mu input ? last }
-        }
-
-        process Main {
-          communication {
-            one      : Sender
-            other    : Sender
-            receiver : Receiver
-            one.output, other.output -> receiver.input
-          }
-          composition { one || other || receiver }
-        }
-
-    Mended::
-
-        process Sender {
-          out output : int
-          composition { mu output ! 1 }
-        }
-
-        process Receiver {
-          in input : int
-          communication { var last : int = 0 }
-          composition { mu input ? last }
-        }
-
-        process Main {
-          communication {
-            one      : Sender
-            other    : Sender
-            receiver : Receiver
-            one.output, other.output -> any -> receiver.input
-          }
-          composition { one || other || receiver }
-        }
-    """
-
     code = "E0521"
     title = "several writers in parallel"
 
@@ -160,58 +85,6 @@ class ParallelWriters(Diagnostic):
 
 @record
 class ParallelReaders(Diagnostic):
-    """A channel has several readers in parallel.
-
-    With several readers at the same time there are two meanings, and the diagram has to say which: `broadcast` gives every value
-    to every reader, `any` gives each value to one of them.
-
-    Refused::
-
-        process Sender {
-          out output : int
-          composition { mu output ! 1 }
-        }
-
-        process Receiver {
-          in input : int
-          communication { var last : int = 0 }
-          composition { mu input ? last }
-        }
-
-        process Main {
-          communication {
-            sender : Sender
-            one    : Receiver
-            other  : Receiver
-            sender.output -> one.input, other.input
-          }
-          composition { sender || one || other }
-        }
-
-    Mended::
-
-        process Sender {
-          out output : int
-          composition { mu output ! 1 }
-        }
-
-        process Receiver {
-          in input : int
-          communication { var last : int = 0 }
-          composition { mu input ? last }
-        }
-
-        process Main {
-          communication {
-            sender : Sender
-            one    : Receiver
-            other  : Receiver
-            sender.output -> broadcast -> one.input, other.input
-          }
-          composition { sender || one || other }
-        }
-    """
-
     code = "E0522"
     title = "several readers in parallel"
 
@@ -236,49 +109,6 @@ class ParallelReaders(Diagnostic):
 
 @record
 class EventReadInParallel(Diagnostic):
-    """An event from outside is read by several processes in parallel.
-
-    An event is taken by whoever reads it first. In the published code of JIWY both joints waited for the stop button in this way: one
-    joint could take the press, and the other one never stopped. Say `broadcast` if every reader must get every event, `any` if
-    one of them is enough. A sampled input needs nothing of the kind: each reader gets each sample.
-
-    Refused::
-
-        process Receiver {
-          in input : int
-          communication { var last : int = 0 }
-          composition { mu input ? last }
-        }
-
-        process Main {
-          in button : int
-          communication {
-            horizontal : Receiver
-            vertical   : Receiver
-            button -> horizontal.input, vertical.input
-          }
-          composition { horizontal || vertical }
-        }
-
-    Mended::
-
-        process Receiver {
-          in input : int
-          communication { var last : int = 0 }
-          composition { mu input ? last }
-        }
-
-        process Main {
-          in button : int
-          communication {
-            horizontal : Receiver
-            vertical   : Receiver
-            button -> broadcast -> horizontal.input, vertical.input
-          }
-          composition { horizontal || vertical }
-        }
-    """
-
     code = "E0523"
     title = "event read by several in parallel"
 

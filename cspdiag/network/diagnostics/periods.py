@@ -9,34 +9,6 @@ from cspdiag.model.constants.durations import duration
 
 @record
 class PeriodNotPositive(Diagnostic):
-    """A sample period is zero or negative.
-
-    Sampled ports communicate at the instants k·T, k = 1, 2, … There are such instants only for a period longer than zero.
-
-    What is marked is where the period comes from: the constant or the argument that gives it to every port further in. With
-    `--set` the value is the one of the command line, and the constant or parameter that was set is marked.
-
-    Refused::
-
-        const T = 0 ms
-
-        process Main {
-          in angle : int @ T
-          communication { var last : int = 0 }
-          composition { mu angle ? last }
-        }
-
-    Mended::
-
-        const T = 1 ms
-
-        process Main {
-          in angle : int @ T
-          communication { var last : int = 0 }
-          composition { mu angle ? last }
-        }
-    """
-
     code = "E0701"
     title = "sample period that is not positive"
 
@@ -61,46 +33,6 @@ class PeriodNotPositive(Diagnostic):
 
 @record
 class PeriodsDisagree(Diagnostic):
-    """Ports with different sample periods are connected to each other.
-
-    A net has one period: its values come at the instants of one clock. A port inside that says another period would wait for samples
-    that do not come, or miss those that do.
-
-    Refused::
-
-        process Reader(T: time) {
-          in angle : int @ T
-          communication { var last : int = 0 }
-          composition { mu angle ? last }
-        }
-
-        process Main {
-          in angle : int @ 1 ms
-          communication {
-            reader : Reader(T = 2 ms)
-            angle -> reader.angle
-          }
-          composition { reader }
-        }
-
-    Mended::
-
-        process Reader(T: time) {
-          in angle : int @ T
-          communication { var last : int = 0 }
-          composition { mu angle ? last }
-        }
-
-        process Main {
-          in angle : int @ 1 ms
-          communication {
-            reader : Reader(T = 1 ms)
-            angle -> reader.angle
-          }
-          composition { reader }
-        }
-    """
-
     code = "E0702"
     title = "two sample periods on one net"
 
@@ -128,46 +60,6 @@ class PeriodsDisagree(Diagnostic):
 
 @record
 class SampledInsideOnly(Diagnostic):
-    """An event port of the outermost process is sampled further in.
-
-    On the outermost process a port without `@` is an event port: it is ready when the environment offers something new. A process inside
-    that expects a sample at every period would miss its deadlines.
-
-    Refused::
-
-        process Reader(T: time) {
-          in angle : int @ T
-          communication { var last : int = 0 }
-          composition { mu angle ? last }
-        }
-
-        process Main {
-          in angle : int
-          communication {
-            reader : Reader(T = 1 ms)
-            angle -> reader.angle
-          }
-          composition { reader }
-        }
-
-    Mended::
-
-        process Reader(T: time) {
-          in angle : int @ T
-          communication { var last : int = 0 }
-          composition { mu angle ? last }
-        }
-
-        process Main {
-          in angle : int @ 1 ms
-          communication {
-            reader : Reader(T = 1 ms)
-            angle -> reader.angle
-          }
-          composition { reader }
-        }
-    """
-
     code = "E0703"
     title = "event port used as a sampled one"
 
@@ -193,54 +85,6 @@ class SampledInsideOnly(Diagnostic):
 
 @record
 class SampleUnknown(Diagnostic):
-    """A control law needs its sample period, and nothing tells it.
-
-    A submodel runs at the period of the nets that it is connected to: those with a port that says `@ T`, or else that of the submodel with
-    which it exchanges values. A law with derivatives, or with `sample` in its equations, means nothing without a period.
-
-    Refused::
-
-        submodel Filter {
-          in  input  : double
-          out output : double
-          state last : double = 0
-          output    = last
-          next last = input + sample / 1 s * last
-        }
-
-        process Main {
-          in  raw    : double
-          out smooth : double
-          communication {
-            filter : Filter
-            raw           -> filter.input
-            filter.output -> smooth
-          }
-          composition { mu filter }
-        }
-
-    Mended::
-
-        submodel Filter {
-          in  input  : double
-          out output : double
-          state last : double = 0
-          output    = last
-          next last = input + sample / 1 s * last
-        }
-
-        process Main {
-          in  raw    : double @ 1 ms
-          out smooth : double @ 1 ms
-          communication {
-            filter : Filter
-            raw           -> filter.input
-            filter.output -> smooth
-          }
-          composition { mu filter }
-        }
-    """
-
     code = "E0704"
     title = "sample period that cannot be inferred"
 
@@ -262,62 +106,6 @@ class SampleUnknown(Diagnostic):
 
 @record
 class SamplesDisagree(Diagnostic):
-    """A control law is connected to nets of two sample periods.
-
-    One run of a submodel reads all its inputs and writes all its outputs once, so that it has one period. At the faster of
-    two it would wait for the slower input, and miss samples. A process at the boundary of two rates reads the slow value into a variable
-    when it comes, and runs the law with what it has.
-
-    Refused::
-
-        submodel Difference {
-          in  wanted, actual : double
-          out error : double
-          error = wanted - actual
-        }
-
-        process Main {
-          in  wanted : double @ 10 ms
-          in  actual : double @ 1 ms
-          out error  : double @ 1 ms
-          communication {
-            law : Difference
-            wanted    -> law.wanted
-            actual    -> law.actual
-            law.error -> error
-          }
-          composition { mu law }
-        }
-
-    Mended::
-
-        submodel Difference {
-          in  wanted, actual : double
-          out error : double
-          error = wanted - actual
-        }
-
-        process Main {
-          in  wanted : double @ 10 ms
-          in  actual : double @ 1 ms
-          out error  : double @ 1 ms
-          communication {
-            law : Difference
-            var target : double = 0
-            target    -> law.wanted
-            actual    -> law.actual
-            law.error -> error
-          }
-          composition {
-            mu (
-              wanted ? target -> skip
-              []>
-              actual -> law
-            )
-          }
-        }
-    """
-
     code = "E0705"
     title = "control law between two sample periods"
 

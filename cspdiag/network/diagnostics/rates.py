@@ -11,67 +11,6 @@ from cspdiag.model.constants.durations import duration
 
 @record
 class FasterLawWaits(Diagnostic):
-    """Two control laws of different rates wait for each other.
-
-    In a rendezvous the writer and the reader both wait. A law that is run at every sample of 1 ms and gets its set-point by
-    rendezvous from a law that runs every 10 ms waits those 10 ms too. The samples that come meanwhile are overwritten, which is a missed
-    deadline: `Timeout`. A FIFO only postpones it: an empty one makes the reader wait, and `buffer`, when full, the writer.
-
-    To a faster reader the value has to be a variable: an alternative takes a new value when there is one, and runs the law at each sample
-    with the last. A faster writer need not wait where the channel is `overwrite 1`: the slower reader takes the latest value.
-
-    Refused::
-
-        submodel Controller {
-          in  wanted, actual : double
-          out control        : double
-          control = 2 * (wanted - actual)
-        }
-
-        process Main {
-          in  wanted, angle : double @ 10 ms
-          in  speed         : double @ 1 ms
-          out control       : double @ 1 ms
-          communication {
-            outer : Controller
-            inner : Controller
-            wanted        -> outer.wanted
-            angle         -> outer.actual
-            outer.control -> inner.wanted
-            speed         -> inner.actual
-            inner.control -> control
-          }
-          composition { mu outer || mu inner }
-        }
-
-    Mended::
-
-        submodel Controller {
-          in  wanted, actual : double
-          out control        : double
-          control = 2 * (wanted - actual)
-        }
-
-        process Main {
-          in  wanted, angle : double @ 10 ms
-          in  speed         : double @ 1 ms
-          out control       : double @ 1 ms
-          communication {
-            outer : Controller
-            inner : Controller
-            channel reference : double
-            var target        : double = 0
-            wanted        -> outer.wanted
-            angle         -> outer.actual
-            outer.control -> reference
-            target        -> inner.wanted
-            speed         -> inner.actual
-            inner.control -> control
-          }
-          composition { mu outer || mu (reference ? target -> skip []> speed -> inner) }
-        }
-    """
-
     code = "W0706"
     title = "faster control law that waits for a slower one"
     severity = "warning"
@@ -120,66 +59,6 @@ class FasterLawWaits(Diagnostic):
 
 @record
 class SamplesMissed(Diagnostic):
-    """A process does something between two reads of a sampled input that takes longer than its samples come.
-
-    From the first read of a sampled input on, and until the process ends, each sample is taken before the next one comes. One that is overwritten
-    before is a missed deadline: the next read raises `Timeout`. So a process that follows samples must not wait for anything else that takes a period
-    or longer: a delay, an input that is sampled more slowly, or an event, which may come at any time or never. Shorter delays add up, where each turn of a loop waits longer
-    than the samples take that it reads; and what follows an event beside the samples begins, at the worst, when the next sample comes. Every way is looked at that can be taken.
-
-    An alternative waits for whatever comes first, and keeps the slower value in a variable. What belongs to one mode only stands in a
-    process of its own: it follows the samples while it runs, and begins with the next one when it runs again. And what
-    comes at another rate can be read by a process in parallel.
-
-    Refused::
-
-        process Main {
-          in  start  : int
-          in  angle  : double @ 1 ms
-          out motor  : double @ 1 ms
-          communication {
-            var pressed : int    = 0
-            var now     : double = 0
-          }
-          composition {
-            mu (
-              start ? pressed ;
-              (mu (angle ? now ; motor ! 1 - now) until now > 1) ;
-              motor ! 0
-            )
-          }
-        }
-
-    Mended::
-
-        process Turn {
-          in  angle  : double @ 1 ms
-          out motor  : double @ 1 ms
-          communication {
-            var now : double = 0
-          }
-          composition {
-            (mu (angle ? now ; motor ! 1 - now) until now > 1) ;
-            motor ! 0
-          }
-        }
-
-        process Main {
-          in  start  : int
-          in  angle  : double @ 1 ms
-          out motor  : double @ 1 ms
-          communication {
-            turn        : Turn
-            var pressed : int = 0
-            angle      -> turn.angle
-            turn.motor -> motor
-          }
-          composition {
-            mu (start ? pressed ; turn)
-          }
-        }
-    """
-
     code = "W0707"
     title = "process that misses samples"
     severity = "warning"

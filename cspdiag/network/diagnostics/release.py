@@ -10,65 +10,6 @@ from cspdiag.base.record import record
 
 @record
 class OutputNotReleased(Diagnostic):
-    """A loop of a control law ends, and its last value stays on a sampled output.
-
-    A sampled output keeps its value until somebody writes another one. When a loop around a submodel has ended, the actuator
-    goes on doing what the law asked for last, with nobody in control. In the published code of JIWY the joint was
-    left pressing against its end stop in this way. Whoever ends a mode says what the actuator is to do then.
-
-    Refused::
-
-        submodel Speed {
-          in  feedback : double<rad>
-          out control  : double<V>
-          out stop     : bool
-
-          control = -1<V>
-          stop    = feedback < -1<rad>
-        }
-
-        process Align {
-          in  feedback : double<rad> @ 2 ms
-          out control  : double<V>   @ 2 ms
-
-          communication {
-            speed : Speed
-
-            feedback      -> speed.feedback
-            speed.control -> control
-            speed.stop    -> stop : bool
-          }
-
-          composition { mu speed until stop }
-        }
-
-    Mended::
-
-        submodel Speed {
-          in  feedback : double<rad>
-          out control  : double<V>
-          out stop     : bool
-
-          control = -1<V>
-          stop    = feedback < -1<rad>
-        }
-
-        process Align {
-          in  feedback : double<rad> @ 2 ms
-          out control  : double<V>   @ 2 ms
-
-          communication {
-            speed : Speed
-
-            feedback      -> speed.feedback
-            speed.control -> control
-            speed.stop    -> stop : bool
-          }
-
-          composition { (mu speed until stop) ; control ! 0<V> }
-        }
-    """
-
     code = "W0690"
     title = "output not released"
     severity: ClassVar[Severity] = "warning"

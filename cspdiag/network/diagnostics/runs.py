@@ -9,55 +9,6 @@ from cspdiag.network.relations import Access
 
 @record
 class NoComposition(Diagnostic):
-    """A process has no composition.
-
-    The communication diagram says who exists and what flows between them. In which order or at the same time they run is said by the
-    composition diagram alone; there is no default for it.
-
-    Refused::
-
-        process Sender {
-          out output : int
-          composition { output ! 1 }
-        }
-
-        process Receiver {
-          in input : int
-          communication { var last : int = 0 }
-          composition { input ? last }
-        }
-
-        process Main {
-          communication {
-            sender   : Sender
-            receiver : Receiver
-            sender.output -> receiver.input
-          }
-        }
-
-    Mended::
-
-        process Sender {
-          out output : int
-          composition { output ! 1 }
-        }
-
-        process Receiver {
-          in input : int
-          communication { var last : int = 0 }
-          composition { input ? last }
-        }
-
-        process Main {
-          communication {
-            sender   : Sender
-            receiver : Receiver
-            sender.output -> receiver.input
-          }
-          composition { sender ; receiver }
-        }
-    """
-
     code = "E0606"
     title = "process without a composition"
 
@@ -74,56 +25,6 @@ class NoComposition(Diagnostic):
 
 @record
 class InstanceNeverRun(Diagnostic):
-    """An instance is declared and never runs.
-
-    Everything that is connected to it would wait for it in vain, or use values that never come. The composition
-    names every instance of the communication diagram.
-
-    Refused::
-
-        process Sender {
-          out output : int
-          composition { output ! 1 }
-        }
-
-        process Receiver {
-          in input : int
-          communication { var last : int = 0 }
-          composition { input ? last }
-        }
-
-        process Main {
-          communication {
-            sender   : Sender
-            receiver : Receiver
-            sender.output -> receiver.input
-          }
-          composition { receiver }
-        }
-
-    Mended::
-
-        process Sender {
-          out output : int
-          composition { output ! 1 }
-        }
-
-        process Receiver {
-          in input : int
-          communication { var last : int = 0 }
-          composition { input ? last }
-        }
-
-        process Main {
-          communication {
-            sender   : Sender
-            receiver : Receiver
-            sender.output -> receiver.input
-          }
-          composition { sender || receiver }
-        }
-    """
-
     code = "E0607"
     title = "instance that never runs"
 
@@ -141,44 +42,6 @@ class InstanceNeverRun(Diagnostic):
 
 @record
 class RunTwiceAtOnce(Diagnostic):
-    """An instance runs in two parallel parts.
-
-    An instance is one process with one state. It may run again later, in a loop or further on in a sequence, but not a second time
-    while it is still running; nor may it be reset then.
-
-    Refused::
-
-        process Sender {
-          out output : int
-          composition { output ! 1 }
-        }
-
-        process Main {
-          communication {
-            sender : Sender
-            sender.output -> _
-          }
-          composition { sender || sender }
-        }
-
-    Mended::
-
-        process Sender {
-          out output : int
-          composition { output ! 1 }
-        }
-
-        process Main {
-          communication {
-            sender : Sender
-            other  : Sender
-            sender.output -> _
-            other.output  -> _
-          }
-          composition { sender || other }
-        }
-    """
-
     code = "E0608"
     title = "instance that runs twice at the same time"
 
@@ -200,37 +63,6 @@ class RunTwiceAtOnce(Diagnostic):
 
 @record
 class ReadBeforeWrite(Diagnostic):
-    """A value is read before anything has written it.
-
-    A variable without an initial value, and a channel between parts in sequence, have no value until they are written for the first
-    time. On every way to the reader there must be a writer: through `;` and `||`, in every branch of an alternative and of `if`, and
-    before a `while`, which may run no time at all. Of a part that can be abandoned (`interrupt`, `catch`) it is assumed that it ended.
-
-    Refused::
-
-        process Main {
-          in  ready  : bool
-          out output : int
-          communication {
-            var is_ready : bool
-            var value : int
-          }
-          composition { ready ? is_ready ; (if is_ready then value := 1) ; output ! value }
-        }
-
-    Mended::
-
-        process Main {
-          in  ready  : bool
-          out output : int
-          communication {
-            var is_ready : bool
-            var value : int
-          }
-          composition { ready ? is_ready ; (if is_ready then value := 1 else value := 2) ; output ! value }
-        }
-    """
-
     code = "E0609"
     title = "value read before it was written"
 
@@ -265,28 +97,6 @@ class ReadBeforeWrite(Diagnostic):
 
 @record
 class Unreachable(Diagnostic):
-    """A part of the composition is never reached.
-
-    What follows `stop`, `raise`, an endless `mu` or an instance that never ends is never run. It does no harm, but was surely
-    meant to happen.
-
-    Refused::
-
-        process Main {
-          out count : int @ 1 ms
-          communication { var n : int = 0 }
-          composition { mu (wait 1 ms ; n := n + 1) ; count ! n }
-        }
-
-    Mended::
-
-        process Main {
-          out count : int @ 1 ms
-          communication { var n : int = 0 }
-          composition { mu (wait 1 ms ; n := n + 1) until n == 10 ; count ! n }
-        }
-    """
-
     code = "W0611"
     title = "part that is never reached"
     severity = "warning"
@@ -308,27 +118,6 @@ class Unreachable(Diagnostic):
 
 @record
 class EndlessLoop(Diagnostic):
-    """A loop never waits, and never ends.
-
-    One process runs until it must wait. A loop that never waits for a communication or for time, and whose condition nothing in it
-    changes, keeps all others from running: time stands still. A delay of no time does not wait: ``wait 0 ms``, or one by a parameter
-    that is zero in every instance.
-
-    Refused::
-
-        process Main {
-          out light : bool @ 10 ms
-          composition { mu light ! true }
-        }
-
-    Mended::
-
-        process Main {
-          out light : bool @ 10 ms
-          composition { mu (light ! true ; wait 10 ms) }
-        }
-    """
-
     code = "E0612"
     title = "loop in which no time passes"
 

@@ -10,57 +10,6 @@ from cspdiag.network.relations import Access
 
 @record
 class RendezvousInSequence(Diagnostic):
-    """A channel that makes its users wait for each other is asked for between parts in sequence.
-
-    With `sync`, `broadcast` and `any` the writer goes on only when a reader has taken the value. If the reader comes after the writer
-    in a sequence, the writer waits for somebody who never comes: a certain deadlock. Left alone, the channel becomes one that
-    keeps the value.
-
-    Refused::
-
-        process Sender {
-          out output : int
-          composition { output ! 1 }
-        }
-
-        process Receiver {
-          in input : int
-          communication { var last : int = 0 }
-          composition { input ? last }
-        }
-
-        process Main {
-          communication {
-            sender   : Sender
-            receiver : Receiver
-            sender.output -> sync -> receiver.input
-          }
-          composition { sender ; receiver }
-        }
-
-    Mended::
-
-        process Sender {
-          out output : int
-          composition { output ! 1 }
-        }
-
-        process Receiver {
-          in input : int
-          communication { var last : int = 0 }
-          composition { input ? last }
-        }
-
-        process Main {
-          communication {
-            sender   : Sender
-            receiver : Receiver
-            sender.output -> receiver.input
-          }
-          composition { sender ; receiver }
-        }
-    """
-
     code = "E0526"
     title = "channel that waits, between parts in sequence"
 
@@ -90,58 +39,6 @@ class RendezvousInSequence(Diagnostic):
 
 @record
 class BroadcastInSequence(Diagnostic):
-    """A broadcast has readers that run in sequence.
-
-    The writer of a broadcast goes on when every reader has taken the value. A reader that has not begun yet, or has ended, never takes
-    it.
-
-    Refused::
-
-        process Sender {
-          out output : int
-          composition { mu output ! 1 }
-        }
-
-        process Receiver {
-          in input : int
-          communication { var last : int = 0 }
-          composition { input ? last }
-        }
-
-        process Main {
-          communication {
-            sender : Sender
-            one    : Receiver
-            other  : Receiver
-            sender.output -> broadcast -> one.input, other.input
-          }
-          composition { sender || (one ; other) }
-        }
-
-    Mended::
-
-        process Sender {
-          out output : int
-          composition { mu output ! 1 }
-        }
-
-        process Receiver {
-          in input : int
-          communication { var last : int = 0 }
-          composition { input ? last }
-        }
-
-        process Main {
-          communication {
-            sender : Sender
-            one    : Receiver
-            other  : Receiver
-            sender.output -> one.input, other.input
-          }
-          composition { sender || (one ; other) }
-        }
-    """
-
     code = "E0527"
     title = "broadcast to readers in sequence"
 

@@ -8,33 +8,6 @@ from cspdiag.base.record import record
 
 @record
 class AlgebraicLoop(Diagnostic):
-    """Some signals of a submodel depend on themselves within one sample.
-
-    The equations of a submodel are evaluated one after another, each after those that it reads. For signals that need
-    each other at the same instant there is no such order. A value of the sample before, a state or an operator without direct
-    feedthrough breaks the loop. (Cellier and Kofman, Continuous System Simulation, section 7.2.)
-
-    Refused::
-
-        submodel Speed(gain: double) {
-          in  setpoint : double
-          out control  : double
-
-          let error = setpoint - control
-          control = gain * error
-        }
-
-    Mended::
-
-        submodel Speed(gain: double) {
-          in  setpoint : double
-          out control  : double
-
-          let error = setpoint - pre(control, 0)
-          control = gain * error
-        }
-    """
-
     code = "E0450"
     title = "an algebraic loop"
 
@@ -72,50 +45,6 @@ class AlgebraicLoop(Diagnostic):
 
 @record
 class TimeOutsideEnvironment(Diagnostic):
-    """A submodel that runs in a process reads the time.
-
-    A control law knows its sample period, ``sample``, but not the present instant: so it behaves the same whenever it starts. Only the submodels of
-    environments see ``time``.
-
-    Refused::
-
-        submodel Ramp {
-          out y : double
-
-          y = 1<1/s> * time
-        }
-
-        process Source {
-          out y : double @ 10 ms
-
-          communication {
-            ramp : Ramp
-            ramp.y -> y
-          }
-          composition { mu (ramp ; wait 10 ms) }
-        }
-
-    Mended::
-
-        submodel Ramp {
-          out y : double
-
-          state count : double = 0
-          y = count
-          next count = count + sample / 1<s>
-        }
-
-        process Source {
-          out y : double @ 10 ms
-
-          communication {
-            ramp : Ramp
-            ramp.y -> y
-          }
-          composition { mu (ramp ; wait 10 ms) }
-        }
-    """
-
     code = "E0458"
     title = "time outside an environment"
 
@@ -132,33 +61,6 @@ class TimeOutsideEnvironment(Diagnostic):
 
 @record
 class StepNotPositive(Diagnostic):
-    """The step of an integration is zero or negative.
-
-    ``step`` is the longest sub-step in which the states with ``der`` are integrated over a sample.
-
-    Refused::
-
-        submodel Wheel step 0 ms {
-          in  a : double
-          out v : double
-
-          state speed : double = 0
-          der speed = a
-          v = speed
-        }
-
-    Mended::
-
-        submodel Wheel step 1 ms {
-          in  a : double
-          out v : double
-
-          state speed : double = 0
-          der speed = a
-          v = speed
-        }
-    """
-
     code = "E0459"
     title = "a step that is not positive"
 
@@ -169,50 +71,6 @@ class StepNotPositive(Diagnostic):
 
 @record
 class TooManyEquations(Diagnostic):
-    """Nested submodels unfold to more equations than can be handled.
-
-    Every instance of a submodel brings its own equations, so that nested in several levels they multiply. One outermost submodel or
-    environment may have 20 000.
-
-    Refused::
-
-        submodel Cell {
-          out y : double
-          y = 1
-        }
-
-        submodel Row {
-          out y : double
-          cell[150] : Cell
-          y = cell[0].y
-        }
-
-        submodel Field {
-          out y : double
-          row[150] : Row
-          y = row[0].y
-        }
-
-    Mended::
-
-        submodel Cell {
-          out y : double
-          y = 1
-        }
-
-        submodel Row {
-          out y : double
-          cell[150] : Cell
-          y = cell[0].y
-        }
-
-        submodel Field {
-          out y : double
-          row[15] : Row
-          y = row[0].y
-        }
-    """
-
     code = "E0461"
     title = "too many equations"
 

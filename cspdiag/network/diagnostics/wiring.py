@@ -9,48 +9,6 @@ from cspdiag.network.ir.network import Direction
 
 @record
 class WrongDirection(Diagnostic):
-    """A relationship of an environment goes against the direction of a port.
-
-    An environment sees the process from outside: outputs of the process are sources, its inputs are sinks. Submodels and drivers give at their
-    outputs and take at their inputs.
-
-    Refused::
-
-        process Sink {
-          in  x : double @ 10 ms
-          communication { var last : double = 0 }
-          composition { mu x ? last }
-        }
-
-        submodel One {
-          out y : double
-          y = 1
-        }
-
-        environment Bench for Sink {
-          one : One
-          x -> one.y
-        }
-
-    Mended::
-
-        process Sink {
-          in  x : double @ 10 ms
-          communication { var last : double = 0 }
-          composition { mu x ? last }
-        }
-
-        submodel One {
-          out y : double
-          y = 1
-        }
-
-        environment Bench for Sink {
-          one : One
-          one.y -> x
-        }
-    """
-
     code = "E0803"
     title = "a relationship against the direction of a port"
 
@@ -76,49 +34,6 @@ class WrongDirection(Diagnostic):
 
 @record
 class TwoSources(Diagnostic):
-    """Two relationships of an environment drive the same port.
-
-    A port of the plant or an input of the process has one value at an instant, from one source.
-
-    Refused::
-
-        process Sink {
-          in  x : double @ 10 ms
-          communication { var last : double = 0 }
-          composition { mu x ? last }
-        }
-
-        submodel One {
-          out y : double
-          y = 1
-        }
-
-        environment Bench for Sink {
-          first  : One
-          second : One
-          first.y  -> x
-          second.y -> x
-        }
-
-    Mended::
-
-        process Sink {
-          in  x : double @ 10 ms
-          communication { var last : double = 0 }
-          composition { mu x ? last }
-        }
-
-        submodel One {
-          out y : double
-          y = 1
-        }
-
-        environment Bench for Sink {
-          first : One
-          first.y -> x
-        }
-    """
-
     code = "E0804"
     title = "two sources for one port"
 
@@ -142,54 +57,6 @@ class TwoSources(Diagnostic):
 
 @record
 class DriverToSubmodel(Diagnostic):
-    """A driver and a submodel of an environment are connected to each other.
-
-    Drivers belong to ports of the process: they are read and written when the process communicates. The simulated plant sees what passes
-    those ports.
-
-    Refused::
-
-        driver Stick python "stick.py:Stick" {
-          out x : double
-        }
-
-        process Follow {
-          in  angle : double @ 10 ms
-          communication { var last : double = 0 }
-          composition { mu angle ? last }
-        }
-
-        submodel Arm {
-          in  force : double
-          out angle : double
-          angle = 2 * force
-        }
-
-        environment Bench for Follow {
-          stick : Stick
-          arm   : Arm
-          stick.x   -> arm.force
-          arm.angle -> angle
-        }
-
-    Mended::
-
-        driver Stick python "stick.py:Stick" {
-          out x : double
-        }
-
-        process Follow {
-          in  angle : double @ 10 ms
-          communication { var last : double = 0 }
-          composition { mu angle ? last }
-        }
-
-        environment Bench for Follow {
-          stick : Stick
-          stick.x -> angle
-        }
-    """
-
     code = "E0805"
     title = "a driver connected to a submodel"
 
@@ -208,44 +75,6 @@ class DriverToSubmodel(Diagnostic):
 
 @record
 class SharedPort(Diagnostic):
-    """A port of the process is connected both to the simulated system and to a driver, or to two drivers.
-
-    Each port of the process has one counterpart that takes or gives its values.
-
-    Refused::
-
-        driver Amplifier python "amplifier.py:Amplifier" {
-          in voltage : double<V>
-        }
-
-        process Constant {
-          out voltage : double<V> @ 10 ms
-          composition { mu (voltage ! 1<V> ; wait 10 ms) }
-        }
-
-        environment Bench for Constant {
-          left  : Amplifier
-          right : Amplifier
-          voltage -> left.voltage, right.voltage
-        }
-
-    Mended::
-
-        driver Amplifier python "amplifier.py:Amplifier" {
-          in voltage : double<V>
-        }
-
-        process Constant {
-          out voltage : double<V> @ 10 ms
-          composition { mu (voltage ! 1<V> ; wait 10 ms) }
-        }
-
-        environment Bench for Constant {
-          left : Amplifier
-          voltage -> left.voltage
-        }
-    """
-
     code = "E0806"
     title = "a port with two counterparts"
 
@@ -270,49 +99,6 @@ class SharedPort(Diagnostic):
 
 @record
 class NotInEnvironment(Diagnostic):
-    """An environment declares something that only processes have.
-
-    Variables, channels, labels at the end of an arrow and kinds of channels belong to the communication diagram of a process. In an environment
-    relationships are signals: a sink always has the present value of its source.
-
-    Refused::
-
-        process Sink {
-          in  x : double @ 10 ms
-          communication { var last : double = 0 }
-          composition { mu x ? last }
-        }
-
-        submodel One {
-          out y : double
-          y = 1
-        }
-
-        environment Bench for Sink {
-          one : One
-          var scale : double = 2
-          one.y -> x
-        }
-
-    Mended::
-
-        process Sink {
-          in  x : double @ 10 ms
-          communication { var last : double = 0 }
-          composition { mu x ? last }
-        }
-
-        submodel One {
-          out y : double
-          y = 1
-        }
-
-        environment Bench for Sink {
-          one : One
-          one.y -> x
-        }
-    """
-
     code = "E0807"
     title = "not in an environment"
 

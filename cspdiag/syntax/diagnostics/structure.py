@@ -8,25 +8,6 @@ from cspdiag.base.record import record
 
 @record
 class UnexpectedText(Diagnostic):
-    """Something stands where the language has no place for it.
-
-    The message says what could have stood there. What follows is read again from the next declaration or definition on.
-
-    Refused::
-
-        process Main {
-          out y : int
-          composition { y ! }
-        }
-
-    Mended::
-
-        process Main {
-          out y : int
-          composition { y ! 1 }
-        }
-    """
-
     code = "E0101"
     title = "unexpected text"
 
@@ -45,36 +26,6 @@ class UnexpectedText(Diagnostic):
 
 @record
 class NestedTooDeeply(Diagnostic):
-    """An expression or a composition is nested deeper than 200 levels.
-
-    A level is an operator, a pair of parentheses within parentheses, an index, a call or a block inside another one. An operator chain of
-    expressions such as ``a + b + c`` nests to the left, so it counts a level for each operator; chains of the composition
-    (``;``, ``||`` and their kin) count one level whatever their length.
-
-    Refused::
-
-        process Main {
-          out y : int
-          composition {
-            y !
-            (((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((
-            (((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((
-            (((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((((
-            1
-            )))))))))))))))))))))))))))))))))))))))))))))))))))))))))))))))))))
-            )))))))))))))))))))))))))))))))))))))))))))))))))))))))))))))))))))
-            )))))))))))))))))))))))))))))))))))))))))))))))))))))))))))))))))))
-          }
-        }
-
-    Mended::
-
-        process Main {
-          out y : int
-          composition { y ! 1 }
-        }
-    """
-
     code = "E0103"
     title = "nested too deeply"
 
@@ -91,29 +42,6 @@ class NestedTooDeeply(Diagnostic):
 
 @record
 class ParenthesesNeeded(Diagnostic):
-    """Two operators meet in a composition, and only parentheses say which one comes first.
-
-    An operator chain uses one operator, as the composition diagram needs its parenthesis symbol where another one begins. In the
-    same way ``mu``, ``catch`` and ``interrupt`` take a single operand: a process, a communication, or something in
-    parentheses.
-
-    Refused::
-
-        process Main {
-          out y : int
-          out z : int
-          composition { y ! 1 ; y ! 2 || z ! 3 }
-        }
-
-    Mended::
-
-        process Main {
-          out y : int
-          out z : int
-          composition { (y ! 1 ; y ! 2) || z ! 3 }
-        }
-    """
-
     code = "E0104"
     title = "parentheses needed"
 
@@ -137,25 +65,6 @@ class ParenthesesNeeded(Diagnostic):
 
 @record
 class KeywordAsName(Diagnostic):
-    """A keyword stands where a name is wanted.
-
-    The words of the language are reserved, so that a text reads the same wherever it is cut.
-
-    Refused::
-
-        process Main {
-          communication { var state : int = 0 }
-          composition { state := 1 }
-        }
-
-    Mended::
-
-        process Main {
-          communication { var state_ : int = 0 }
-          composition { state_ := 1 }
-        }
-    """
-
     code = "E0107"
     title = "keyword used as a name"
 
@@ -172,27 +81,6 @@ class KeywordAsName(Diagnostic):
 
 @record
 class WrongOperator(Diagnostic):
-    """An operator of another language, or of another place.
-
-    ``=`` defines (constants, defaults, equations), ``:=`` assigns in a composition, ``==`` compares; logic is written
-    ``and``, ``or`` and ``not``; an arrow is ``->``; a variable is counted up by ``n := n + 1``; a choice between values is
-    ``if condition then a else b``. Numbers are decimal, and have digits on both sides of their point.
-
-    Refused::
-
-        process Main {
-          communication { var count : int = 0 }
-          composition { count = 1 }
-        }
-
-    Mended::
-
-        process Main {
-          communication { var count : int = 0 }
-          composition { count := 1 }
-        }
-    """
-
     code = "E0108"
     title = "wrong operator"
 
@@ -211,29 +99,6 @@ class WrongOperator(Diagnostic):
 
 @record
 class Unclosed(Diagnostic):
-    """A parenthesis, bracket or brace is opened and not closed, or closed and not opened.
-
-    The label shows the opening one. The place of the error is where it could be missed for the first time.
-
-    Refused::
-
-        process Main {
-          out y : int
-          composition {
-            y ! (1 + 2
-          }
-        }
-
-    Mended::
-
-        process Main {
-          out y : int
-          composition {
-            y ! (1 + 2)
-          }
-        }
-    """
-
     code = "E0109"
     title = "unbalanced brackets"
 
@@ -257,41 +122,6 @@ class Unclosed(Diagnostic):
 
 @record
 class ArrowWithoutEnd(Diagnostic):
-    """An arrow of the communication diagram lacks its source or its sink.
-
-    Every communication relationship leads from an output to an input. The sink ``_`` discards the values.
-
-    Refused::
-
-        submodel Source {
-          out y : int
-          y = 1
-        }
-
-        process Main {
-          communication {
-            source : Source
-            source.y ->
-          }
-          composition { source }
-        }
-
-    Mended::
-
-        submodel Source {
-          out y : int
-          y = 1
-        }
-
-        process Main {
-          communication {
-            source : Source
-            source.y -> _
-          }
-          composition { source }
-        }
-    """
-
     code = "E0118"
     title = "arrow without an end"
 
@@ -310,27 +140,6 @@ class ArrowWithoutEnd(Diagnostic):
 
 @record
 class WrongPlace(Diagnostic):
-    """A part of the language at a place where it does not belong.
-
-    A process has its ports first, then its communication diagram, then its composition diagram; a submodel its ports,
-    then its equations. Declarations need nothing between them: ``;`` is the sequential operator and nothing else, and a
-    comma stands between names of one type and period. ``until`` follows what its ``mu`` repeats.
-
-    Refused::
-
-        process Main {
-          composition { y ! 1 }
-          out y : int
-        }
-
-    Mended::
-
-        process Main {
-          out y : int
-          composition { y ! 1 }
-        }
-    """
-
     code = "E0119"
     title = "not the place for this"
 

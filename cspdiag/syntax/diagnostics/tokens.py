@@ -28,23 +28,6 @@ _LONG_TIMES = {"h": 60, "hour": 60, "hours": 60, "d": 1440, "day": 1440, "days":
 
 @record
 class UnknownCharacter(Diagnostic):
-    """A character that begins nothing in the language.
-
-    Programs are written in ASCII outside of comments and strings.
-
-    Refused::
-
-        process Main {
-          composition { skip $ }
-        }
-
-    Mended::
-
-        process Main {
-          composition { skip }
-        }
-    """
-
     code = "E0102"
     title = "unknown character"
 
@@ -65,23 +48,6 @@ class UnknownCharacter(Diagnostic):
 
 @record
 class UnterminatedString(Diagnostic):
-    """A string has no closing quotes.
-
-    A string ends on the line on which it begins, so that a forgotten quote does not swallow the rest of the file.
-
-    Refused::
-
-        driver Encoder python "encoder.py:Encoder {
-          out angle : double<rad>
-        }
-
-    Mended::
-
-        driver Encoder python "encoder.py:Encoder" {
-          out angle : double<rad>
-        }
-    """
-
     code = "E0105"
     title = "unterminated string"
 
@@ -96,25 +62,6 @@ class UnterminatedString(Diagnostic):
 
 @record
 class UnterminatedComment(Diagnostic):
-    """A comment that begins with ``/*`` has no ``*/``.
-
-    Everything up to the end of the file would belong to it. Comments do not nest.
-
-    Refused::
-
-        process Main {
-          composition { skip }
-        }
-        /* to be continued
-
-    Mended::
-
-        process Main {
-          composition { skip }
-        }
-        /* to be continued */
-    """
-
     code = "E0106"
     title = "unterminated comment"
 
@@ -129,19 +76,6 @@ class UnterminatedComment(Diagnostic):
 
 @record
 class NumberOutOfRange(Diagnostic):
-    """A number that no type can hold.
-
-    A ``double`` ends near 1.8e308, an ``int`` and the nanoseconds of a ``time`` at 64 bits; 64 digits are enough for any of them.
-
-    Refused::
-
-        const Large = 1e999
-
-    Mended::
-
-        const Large = 1e300
-    """
-
     code = "E0110"
     title = "number out of range"
 
@@ -152,19 +86,6 @@ class NumberOutOfRange(Diagnostic):
 
 @record
 class ZeroFrequency(Diagnostic):
-    """A frequency of zero.
-
-    A frequency stands for its period wherever a ``time`` is wanted, and zero has none.
-
-    Refused::
-
-        const Rate = 0 Hz
-
-    Mended::
-
-        const Rate = 50 Hz
-    """
-
     code = "E0111"
     title = "frequency of zero"
 
@@ -175,33 +96,6 @@ class ZeroFrequency(Diagnostic):
 
 @record
 class NotAnInstanceName(Diagnostic):
-    """An instance is declared under something that is not a name.
-
-    An instance has a name, ``servo : Servo``, or a name and one size for an array of instances, ``cell[8] : Cell``.
-
-    Refused::
-
-        process Idle {
-          composition { skip }
-        }
-
-        process Main {
-          communication { idle.one : Idle }
-          composition { idle }
-        }
-
-    Mended::
-
-        process Idle {
-          composition { skip }
-        }
-
-        process Main {
-          communication { idle : Idle }
-          composition { idle }
-        }
-    """
-
     code = "E0112"
     title = "name of an instance"
 
@@ -212,26 +106,6 @@ class NotAnInstanceName(Diagnostic):
 
 @record
 class SourceDiscarded(Diagnostic):
-    """The discarding sink ``_`` begins an arrow.
-
-    It takes values and gives none, so it can only end an arrow.
-
-    Refused::
-
-        process Main {
-          out y : int
-          communication { _ -> y }
-          composition { skip }
-        }
-
-    Mended::
-
-        process Main {
-          out y : int
-          composition { y ! 1 }
-        }
-    """
-
     code = "E0113"
     title = "discard as a source"
 
@@ -242,27 +116,6 @@ class SourceDiscarded(Diagnostic):
 
 @record
 class LabelNotAName(Diagnostic):
-    """The label of an arrow is not a plain name.
-
-    The label names the communication object, which is no port: ports stand at the ends of an arrow.
-
-    Refused::
-
-        process Main {
-          in  x : int
-          out y : int
-          communication { x -> some.label : int -> y }
-          composition { skip }
-        }
-
-    Mended::
-
-        process Main {
-          out y : int
-          composition { y ! 1 }
-        }
-    """
-
     code = "E0114"
     title = "label of an arrow"
 
@@ -273,24 +126,6 @@ class LabelNotAName(Diagnostic):
 
 @record
 class OptionNotHere(Diagnostic):
-    """A clause in the head of a definition that means nothing there.
-
-    ``wcet`` belongs to submodels and processes, ``step`` and ``method`` to submodels, ``step`` and ``on miss`` to environments,
-    ``python "module.py:Class"`` to submodels, processes and drivers.
-
-    Refused::
-
-        process Main step 1 ms {
-          composition { skip }
-        }
-
-    Mended::
-
-        process Main {
-          composition { skip }
-        }
-    """
-
     code = "E0115"
     title = "clause not allowed here"
 
@@ -308,23 +143,6 @@ class OptionNotHere(Diagnostic):
 
 @record
 class OptionTwice(Diagnostic):
-    """A clause stands twice in the head of a definition.
-
-    One of the two would have to be forgotten, and the text does not say which.
-
-    Refused::
-
-        process Main wcet 1 ms wcet 2 ms {
-          composition { skip }
-        }
-
-    Mended::
-
-        process Main wcet 2 ms {
-          composition { skip }
-        }
-    """
-
     code = "E0116"
     title = "clause said twice"
 
@@ -342,20 +160,6 @@ class OptionTwice(Diagnostic):
 
 @record
 class MissingUnitBrackets(Diagnostic):
-    """A unit without its angle brackets, or with spaces in it.
-
-    Durations and frequencies are a number and a unit: ``5 ms``, ``50 Hz``. Every other quantity has its unit in angle
-    brackets directly after the number, without spaces: ``0.5<rad/s>``.
-
-    Refused::
-
-        const Speed = 0.5 rad
-
-    Mended::
-
-        const Speed = 0.5<rad>
-    """
-
     code = "E0117"
     title = "unit without brackets"
 

@@ -1,0 +1,24 @@
+"""All kinds of diagnostics there are."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from pkgutil import iter_modules
+
+from cspdiag.base import Diagnostic
+
+_LAYERS = ("syntax", "model", "network", "analyses", "proofs")
+
+
+def kinds_of_diagnostics() -> list[type[Diagnostic]]:
+    """Every kind of diagnostic, by code. They stand in the folders ``diagnostics`` of the layers."""
+    for layer in _LAYERS:
+        folder = f"cspdiag.{layer}.diagnostics"
+        for module in iter_modules(import_module(folder).__path__):
+            import_module(f"{folder}.{module.name}")
+    return sorted(_with_code(Diagnostic), key=lambda kind: kind.code)
+
+
+def _with_code(kind: type[Diagnostic]) -> set[type[Diagnostic]]:
+    found = {kind} if "code" in kind.__dict__ and kind.__module__.startswith("cspdiag.") else set()
+    return found.union(*(_with_code(narrower) for narrower in kind.__subclasses__()))
