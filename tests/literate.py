@@ -122,7 +122,8 @@ def actual(case: Case, block: Block) -> str:
 
     passes, _, cls = (block.name or "").partition(".")
     if passes:
-        network = optimize(network, PASSES if passes == "-O1" else [pass_named(name) for name in passes.split(",")])
+        chosen = PASSES if passes == "-O1" else [pass_named(name) for name in passes.split(",")]
+        network = optimize(network, chosen, debug=True)
     text = dump(network)
     return text if not cls else _class_alone(text, cls)
 

@@ -10,6 +10,7 @@ from collections.abc import Callable, Sequence
 from cspdiag.base.record import node
 from cspdiag.network.ir.network import Network
 from cspdiag.optimize.bookkeeping import drop_bookkeeping
+from cspdiag.optimize.check.network import require_whole
 from cspdiag.optimize.constants import fold_constants
 from cspdiag.optimize.dead.steps import remove_dead_parts
 from cspdiag.optimize.flatten.processes import flatten
@@ -85,10 +86,19 @@ def pass_named(name: str) -> Pass:
 
 
 @room_to_recurse()
-def optimize(network: Network, passes: Sequence[Pass] = PASSES) -> Network:
-    """The network after the passes, in the order given."""
+def optimize(network: Network, passes: Sequence[Pass] = PASSES, *, debug: bool = False) -> Network:
+    """The network after the passes, in the order given.
+
+    With ``debug`` it is verified before the first and after each; raises BrokenNetworkError, which names the pass.
+    """
+    applied: list[str] = []
+    if debug:
+        require_whole(network)
     for entry in passes:
         network = entry.apply(network)
+        applied.append(entry.name)
+        if debug:
+            require_whole(network, applied)
     return network
 
 

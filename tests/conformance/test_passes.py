@@ -42,7 +42,7 @@ def assert_kept(
     before: Execution, network: Network, passes: Sequence[Pass], environment: str | None, until: int
 ) -> None:
     """The network does after the passes what it did ``before`` them."""
-    optimized = optimize(network, passes)
+    optimized = optimize(network, passes, debug=True)
     after = execute(optimized, environment, until)
     external = {f"{network.top}.{port.name}" for port in network.external_ports}
     difference = compare(before.trace, after.trace, external)

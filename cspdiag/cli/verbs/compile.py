@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from argparse import ArgumentParser, Namespace
+from argparse import SUPPRESS, ArgumentParser, Namespace
 from typing import TYPE_CHECKING
 
 from cspdiag.base.render.snippet import on_one_line, printable
@@ -41,6 +41,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     )
     parser.add_argument("--force", action="store_true", help="overwrite files that were changed by hand")
     parser.add_argument("--emit", choices=("ast", "model", "network", "lts"), help="print a representation instead")
+    parser.add_argument("--debug-passes", action="store_true", help=SUPPRESS)
     level = parser.add_mutually_exclusive_group()
     level.add_argument("-O0", dest="level", action="store_const", const=0, default=0, help="readable code (default)")
     level.add_argument("-O1", dest="level", action="store_const", const=1, help="fast code")
@@ -163,4 +164,8 @@ def _network(arguments: Namespace) -> Network | None:
     except (SettingError, SelectionError) as problem:
         raise UsageError(str(problem)) from None
     show_diagnostics(built.checked.report.diagnostics, arguments.color)
+    if arguments.debug_passes and built.network is not None:
+        from cspdiag.optimize import PASSES, optimize
+
+        optimize(built.network, PASSES, debug=True)
     return built.network

@@ -1,0 +1,1 @@
+"""Whether a network is what passes and targets take for granted."""

@@ -1,0 +1,278 @@
+"""What is wrong with the composition of a process: ends, variables and instances that are not there, and types that do not agree."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import assert_never
+
+from cspdiag.base import Span
+from cspdiag.model.types import BOOL, TIME, ArrayType, IntType, Type
+from cspdiag.network.ir.actions import (
+    Action,
+    AfterEvent,
+    AssignValue,
+    Branch,
+    CatchException,
+    ChannelEnd,
+    Choice,
+    CountedLoop,
+    End,
+    Event,
+    Group,
+    IfElse,
+    InputEvent,
+    InterruptOn,
+    OutputEvent,
+    ParallelSteps,
+    PortEnd,
+    ProcessScope,
+    RaiseException,
+    ReadInputs,
+    ReadValue,
+    ReadyEvent,
+    Repeat,
+    ReportCommunication,
+    ResetInstance,
+    ResetStates,
+    RunInstance,
+    RunLaw,
+    SequentialSteps,
+    SkipEvent,
+    SkipStep,
+    Step,
+    StopStep,
+    Target,
+    WaitStep,
+    WhileLoop,
+    WriteOutputs,
+    WriteValue,
+)
+from cspdiag.network.ir.equations import ExternalCall
+from cspdiag.network.ir.expressions import Expression
+from cspdiag.network.ir.network import Direction, ProcessClass
+from cspdiag.network.ir.walk import parts
+from cspdiag.optimize.check.expressions import Names, agrees, wrong_in_expression
+
+OF_EVERY_PROGRAM = frozenset({"Fault", "Timeout"})
+"""The exceptions that a program need not declare."""
+
+
+class Composition:
+    """The composition of a process class; each method gives, in words, what is wrong with a part of it."""
+
+    def __init__(self, process: ProcessClass, exceptions: frozenset[str]) -> None:
+        self.process = process
+        self.exceptions = exceptions
+        self.ports = {port.name: port for port in process.ports}
+        self.channels = {channel.name: channel for channel in process.channels}
+        self.instances = {instance.name for instance in process.instances}
+        self.names = Names(
+            parameters={parameter.name: parameter.type for parameter in process.parameters},
+            variables={channel.name: channel.type for channel in process.channels if channel.kind == "var"},
+            signals=_signals(process),
+        )
+
+    def wrong(self) -> Iterator[str]:
+        """Everything that is wrong, from the initial values of what the process owns to the last step."""
+        for constant in self.process.constants:
+            yield from self._value(constant.value, constant.type)
+        for state in self.process.states:
+            yield from self._value(state.initial, state.type)
+        for channel in self.process.channels:
+            if channel.initial is not None:
+                yield from self._value(channel.initial, channel.type)
+        if self.process.body is not None:
+            yield from self._action(self.process.body)
+
+    def end(self, end: End, direction: Direction | None = None) -> Iterator[str]:
+        """What is wrong with a port or channel that is read (``in``) or written; None: handed on to an instance."""
+        match end:
+            case ChannelEnd():
+                if end.channel not in self.channels:
+                    yield f"there is no channel `{end.channel}`"
+            case PortEnd():
+                port = self.ports.get(end.port)
+                if port is None:
+                    yield f"there is no port `{end.port}`"
+                elif direction not in (None, port.direction):
+                    yield f"the port `{end.port}` is of the other direction"
+                elif (end.index is None) != (port.size is None) or not 0 <= (end.index or 0) < (port.size or 1):
+                    yield f"the port `{end.port}` has no element {end.index}"
+            case _:
+                assert_never(end)
+
+    def type_of(self, end: End) -> Type | None:
+        """The type of the values that pass; None where there is no such end."""
+        found = self.ports.get(end.port) if isinstance(end, PortEnd) else self.channels.get(end.channel)
+        return None if found is None else found.type
+
+    def _action(self, action: Action) -> Iterator[str]:
+        yield from _place(action)
+        match action:
+            case RunInstance() | ResetInstance():
+                if action.instance not in self.instances:
+                    yield f"there is no instance `{action.instance}`"
+            case ReadValue():
+                yield from self._read(action.source, action.target)
+            case WriteValue():
+                yield from self._written(action.sink, action.value)
+            case AssignValue():
+                yield from self._target(action.target, action.value.type)
+                yield from self._value(action.value)
+            case SkipStep() | StopStep():
+                pass
+            case WaitStep():
+                yield from self._value(action.duration, TIME)
+            case RaiseException():
+                if action.exception not in self.exceptions:
+                    yield f"there is no exception `{action.exception}`"
+            case SequentialSteps() | ParallelSteps():
+                if not action.steps:
+                    yield f"{type(action).__name__} is empty"
+                for step in action.steps:
+                    yield from self._action(step)
+            case Choice():
+                if not action.branches:
+                    yield "an alternative has no branches"
+                for branch in action.branches:
+                    yield from self._branch(branch)
+            case Repeat():
+                yield from self._action(action.body)
+                if action.until is not None:
+                    yield from self._value(action.until, BOOL)
+            case WhileLoop():
+                yield from self._value(action.condition, BOOL)
+                yield from self._action(action.body)
+            case CountedLoop():
+                if action.turns < 2:
+                    yield f"a counted loop has {action.turns} turns"
+                yield from self._action(action.body)
+            case IfElse():
+                yield from self._value(action.condition, BOOL)
+                yield from self._action(action.then)
+                yield from self._action(action.otherwise)
+            case CatchException():
+                if action.exception not in self.exceptions | OF_EVERY_PROGRAM:
+                    yield f"there is no exception `{action.exception}`"
+                yield from self._action(action.body)
+                yield from self._action(action.handler)
+            case InterruptOn():
+                yield from self._action(action.body)
+                yield from self._branch(action.branch)
+            case Group():
+                yield from self._action(action.body)
+            case ReadInputs():
+                for read in action.reads:
+                    yield from self._passing(read.source, "in", read.type)
+            case WriteOutputs():
+                for write in action.writes:
+                    yield from self._written(write.sink, write.value)
+            case RunLaw():
+                yield from self._law(action)
+            case ResetStates():
+                calls = {part.name for part in parts(self.process.body) if isinstance(part, ExternalCall)}
+                for name in action.states:
+                    if name not in calls and name not in {state.name for state in self.process.states}:
+                        yield f"there is no state `{name}`"
+            case ProcessScope():
+                for end in action.ends:
+                    yield from self.end(end, "in")
+                yield from self._action(action.body)
+            case ReportCommunication():
+                yield from self._value(action.value)
+            case _:
+                assert_never(action)
+
+    def _branch(self, branch: Branch) -> Iterator[str]:
+        yield from _place(branch)
+        if branch.condition is not None:
+            yield from self._value(branch.condition, BOOL)
+        yield from self._event(branch.event)
+        yield from self._action(branch.body)
+
+    def _event(self, event: Event) -> Iterator[str]:
+        yield from _place(event)
+        match event:
+            case ReadyEvent():
+                yield from self.end(event.source, "in")
+            case InputEvent():
+                yield from self._read(event.source, event.target)
+            case OutputEvent():
+                yield from self._written(event.sink, event.value)
+            case AfterEvent():
+                yield from self._value(event.duration, TIME)
+            case SkipEvent():
+                pass
+            case _:
+                assert_never(event)
+
+    def _law(self, law: RunLaw) -> Iterator[str]:
+        for equation in (*law.equations, *law.derivative_equations):
+            if isinstance(equation, ExternalCall):
+                for _, value in (*equation.arguments, *equation.inputs):
+                    yield from self._value(value)
+            else:
+                yield from self._value(equation.value, equation.type)
+        states = {state.name: state for state in self.process.states}
+        for continuous, values in ((False, law.next_values), (True, law.derivatives)):
+            for name, value in values:
+                if name not in states or states[name].continuous != continuous:
+                    yield f"there is no {'continuous' if continuous else 'discrete'} state `{name}`"
+                else:
+                    yield from self._value(value, states[name].type if not continuous else None)
+        if law.sample is not None:
+            yield from self._value(law.sample)
+
+    def _read(self, source: End, target: Target) -> Iterator[str]:
+        yield from self.end(source, "in")
+        kind = self.type_of(source)
+        if kind is not None:
+            yield from self._target(target, kind)
+
+    def _written(self, sink: End, value: Expression) -> Iterator[str]:
+        yield from self._passing(sink, "out", value.type)
+        yield from self._value(value)
+
+    def _passing(self, end: End, direction: Direction, kind: Type) -> Iterator[str]:
+        yield from self.end(end, direction)
+        passing = self.type_of(end)
+        if passing is not None and not agrees(passing, kind):
+            yield f"{kind} passes an end of {passing}"
+
+    def _target(self, target: Target, value: Type) -> Iterator[str]:
+        kind = self.names.variables.get(target.channel)
+        if kind is None:
+            yield f"there is no variable `{target.channel}`"
+            return
+        for index in target.indexes:
+            if not isinstance(kind, ArrayType) or not isinstance(index.type, IntType):
+                yield f"`{target.channel}` has no such element"
+                return
+            yield from self._value(index)
+            kind = kind.element
+        if not agrees(kind, value):
+            yield f"`{target.channel}` is {kind} and is given {value}"
+
+    def _value(self, value: Expression, wanted: Type | None = None) -> Iterator[str]:
+        return wrong_in_expression(value, self.names, wanted)
+
+
+def _place(step: Step) -> Iterator[str]:
+    if not isinstance(step.span, Span):
+        yield f"{type(step).__name__} has no place in the text"
+
+
+def _signals(process: ProcessClass) -> dict[str, Type]:
+    """What the laws that were taken into a process know by name."""
+    found: dict[str, Type] = {constant.name: constant.type for constant in process.constants}
+    found.update((state.name, state.type) for state in process.states)
+    for part in parts(process.body):
+        if isinstance(part, ReadInputs):
+            found.update((read.name, read.type) for read in part.reads)
+        elif isinstance(part, RunLaw):
+            for equation in (*part.equations, *part.derivative_equations):
+                if isinstance(equation, ExternalCall):
+                    found.update((name, kind) for _, name, kind in equation.outputs)
+                else:
+                    found[equation.name] = equation.type
+    return found

@@ -1,0 +1,199 @@
+"""What is wrong with an expression of the network: names that nothing declares, and types that do not agree."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import assert_never
+
+from cspdiag.base.record import node
+from cspdiag.model.types import (
+    BOOL,
+    TIME,
+    ArrayType,
+    BoolType,
+    EnumType,
+    IntType,
+    RealType,
+    StructType,
+    TextType,
+    TimeType,
+    Type,
+    UnknownType,
+)
+from cspdiag.network.dump.expression import expression_text
+from cspdiag.network.ir.expression_walk import walk
+from cspdiag.network.ir.expressions import (
+    ArrayElements,
+    BinaryOperation,
+    ConditionalValue,
+    Conversion,
+    ElementValue,
+    Expression,
+    FieldValue,
+    FunctionCall,
+    LiteralValue,
+    ParameterValue,
+    PresentTime,
+    SignalValue,
+    StructValue,
+    UnaryOperation,
+    Value,
+    VariableValue,
+)
+
+_ARITY = {
+    "min": 2, "max": 2, "limit": 3, "atan2": 2, "quantize": 2, "deadzone": 3,
+}  # fmt: skip
+"""Arguments of the functions that do not take one."""
+
+
+@node
+class Names:
+    """The types of what an expression may name."""
+
+    parameters: Mapping[str, Type]
+    variables: Mapping[str, Type]
+    signals: Mapping[str, Type]
+    has_time: bool = False
+
+
+def agrees(one: Type, other: Type) -> bool:
+    """Whether values of two types are represented alike; units are none of the network's business."""
+    if isinstance(one, RealType) and isinstance(other, RealType):
+        return one.bits == other.bits
+    if isinstance(one, ArrayType) and isinstance(other, ArrayType):
+        return one.size == other.size and agrees(one.element, other.element)
+    if isinstance(one, StructType) and isinstance(other, StructType):
+        return one.name == other.name
+    return one == other
+
+
+def wrong_in_expression(expression: Expression, names: Names, wanted: Type | None = None) -> Iterator[str]:
+    """What is wrong with an expression that may name ``names`` and is to have the type ``wanted``."""
+    if wanted is not None and not agrees(expression.type, wanted):
+        yield f"`{expression_text(expression)}` is {expression.type} where {wanted} is needed"
+    for part in walk(expression):
+        for problem in _wrong(part, names):
+            yield f"`{expression_text(part)}` {problem}"
+
+
+def _wrong(part: Expression, names: Names) -> Iterator[str]:
+    match part:
+        case LiteralValue():
+            if not is_value_of(part.value, part.type):
+                yield f"is no {part.type}"
+        case ParameterValue():
+            yield from _wrong_name(part, part.name, names.parameters, "parameter")
+        case VariableValue():
+            yield from _wrong_name(part, part.channel, names.variables, "variable")
+        case SignalValue():
+            yield from _wrong_name(part, part.name, names.signals, "signal")
+        case PresentTime():
+            if not names.has_time:
+                yield "stands outside an environment"
+        case UnaryOperation():
+            wanted = BOOL if part.operator == "not" else part.type
+            yield from _differing(part.type, wanted, part.operand.type)
+        case BinaryOperation():
+            yield from _wrong_operation(part)
+        case ConditionalValue():
+            yield from _differing(BOOL, part.condition.type)
+            yield from _differing(part.type, part.then.type, part.otherwise.type)
+        case FunctionCall():
+            if len(part.arguments) != _ARITY.get(part.function, 1):
+                yield f"has {len(part.arguments)} arguments"
+            elif part.function == "seconds":
+                yield from _differing(TIME, part.arguments[0].type)
+            else:
+                yield from _differing(part.type, *(argument.type for argument in part.arguments))
+        case Conversion():
+            if isinstance(part.type, StructType | ArrayType) or isinstance(part.operand.type, StructType | ArrayType):
+                yield f"converts {part.operand.type} to {part.type}"
+        case FieldValue():
+            found = part.operand.type.field(part.field) if isinstance(part.operand.type, StructType) else None
+            yield from (f"takes a field that {part.operand.type} does not have",) if found is None else ()
+            yield from () if found is None else _differing(part.type, found)
+        case ElementValue():
+            if not isinstance(part.operand.type, ArrayType):
+                yield f"takes an element of {part.operand.type}"
+            elif not isinstance(part.index.type, IntType):
+                yield f"has an index that is {part.index.type}"
+            else:
+                yield from _differing(part.type, part.operand.type.element)
+        case StructValue():
+            fields = part.type.fields if isinstance(part.type, StructType) else ()
+            yield from _wrong_elements(part, [kind for _, kind in fields])
+        case ArrayElements():
+            size, element = (part.type.size or 0, part.type.element) if isinstance(part.type, ArrayType) else (0, BOOL)
+            yield from _wrong_elements(part, [element] * size)
+        case _:
+            assert_never(part)
+
+
+def _wrong_name(part: Expression, name: str, known: Mapping[str, Type], what: str) -> Iterator[str]:
+    if name not in known:
+        yield f"names no {what}"
+    else:
+        yield from _differing(part.type, known[name])
+
+
+def _wrong_operation(part: BinaryOperation) -> Iterator[str]:
+    left, right = part.left.type, part.right.type
+    match part.operator:
+        case "and" | "or":
+            yield from _differing(BOOL, part.type, left, right)
+        case "==" | "!=" | "<" | "<=" | ">" | ">=":
+            yield from _differing(BOOL, part.type)
+            yield from _differing(left, right)
+        case "*" | "/" | "%" if TIME in (left, right):
+            yield from _differing(part.type, TIME if part.operator == "*" or left != right else IntType())
+        case "+" | "-" | "*" | "/" | "%" | "^":
+            yield from _differing(part.type, left, right)
+        case _:
+            assert_never(part.operator)
+
+
+def _wrong_elements(part: StructValue | ArrayElements, wanted: list[Type]) -> Iterator[str]:
+    if len(part.values) != len(wanted):
+        yield f"has {len(part.values)} values, and is {part.type}"
+    for value, kind in zip(part.values, wanted, strict=False):
+        yield from _differing(kind, value.type)
+
+
+def _differing(wanted: Type, *found: Type) -> Iterator[str]:
+    for kind in found:
+        if not agrees(kind, wanted):
+            yield f"has {kind} where {wanted} is needed"
+
+
+def is_value_of(value: Value, kind: Type) -> bool:
+    """Whether a value belongs to a type."""
+    match kind:
+        case BoolType():
+            return isinstance(value, bool)
+        case IntType():
+            return type(value) is int and kind.minimum <= value <= kind.maximum
+        case RealType():
+            return type(value) is float
+        case TimeType():
+            return type(value) is int
+        case TextType():
+            return isinstance(value, str)
+        case EnumType():
+            return type(value) is int and 0 <= value < len(kind.literals)
+        case StructType():
+            return (
+                isinstance(value, tuple)
+                and len(value) == len(kind.fields)
+                and all(is_value_of(part, field) for part, (_, field) in zip(value, kind.fields, strict=True))
+            )
+        case ArrayType():
+            return (
+                isinstance(value, tuple)
+                and len(value) == kind.size
+                and all(is_value_of(part, kind.element) for part in value)
+            )
+        case UnknownType():
+            return False
+        case _:
+            assert_never(kind)

@@ -1,0 +1,192 @@
+"""Whether a network is whole: every name is declared, types agree, steps have places, and nothing is there that a later pass makes.
+
+It is looked at after each pass where it is asked for: a pass that breaks a network is found at the pass, not at the code.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Collection, Iterable, Iterator, Mapping
+
+from cspdiag.base.errors import CspdiagError
+from cspdiag.model.types import Type
+from cspdiag.network.ir.actions import (
+    Choice,
+    OptimizedStep,
+    ProcessScope,
+    ReadInputs,
+    ReportCommunication,
+    ResetStates,
+    RunLaw,
+    WriteOutputs,
+)
+from cspdiag.network.ir.equations import ExternalCall
+from cspdiag.network.ir.network import (
+    ConstantEnd,
+    DiscardEnd,
+    InstanceOf,
+    Network,
+    ProcessClass,
+    SubmodelClass,
+)
+from cspdiag.network.ir.walk import parts
+from cspdiag.optimize.check.composition import Composition
+from cspdiag.optimize.check.expressions import Names, agrees, is_value_of, wrong_in_expression
+
+_MADE_BY: dict[type[OptimizedStep], str] = {
+    ReadInputs: "inline_laws",
+    WriteOutputs: "inline_laws",
+    RunLaw: "inline_laws",
+    ResetStates: "inline_laws",
+    ProcessScope: "flatten",
+    ReportCommunication: "fuse",
+}
+"""The pass that makes each of the steps that are not in a text."""
+
+Class = ProcessClass | SubmodelClass
+
+
+class BrokenNetworkError(CspdiagError, ValueError):
+    """A pass has made a network that is not whole; ``problems`` are sentences, ``after`` is the pass."""
+
+    def __init__(self, problems: tuple[str, ...], after: str) -> None:
+        super().__init__(f"the network is broken after {after}: {'; '.join(problems)}")
+        self.problems = problems
+
+
+def require_whole(network: Network, passes: Collection[str] = ()) -> None:
+    """Raise BrokenNetworkError unless the network is whole after ``passes``, in their order."""
+    problems = tuple(dict.fromkeys(wrong_in_network(network, passes)))
+    if problems:
+        raise BrokenNetworkError(problems, [*passes][-1] if passes else "lowering")
+
+
+def wrong_in_network(network: Network, passes: Collection[str]) -> Iterator[str]:
+    """What is wrong with a network after these passes."""
+    classes: dict[str, Class] = {}
+    exceptions = frozenset(network.exceptions)
+    for entry in network.classes:
+        found = _wrong_in_submodel(entry) if isinstance(entry, SubmodelClass) else ()
+        if isinstance(entry, ProcessClass):
+            found = _wrong_in_process(entry, classes, exceptions, passes)
+        yield from (f"{entry.name}: {problem}" for problem in found)
+        yield from _repeated("class", [entry.name, *classes.keys() & {entry.name}])
+        classes[entry.name] = entry
+    if not isinstance(classes.get(network.top), ProcessClass):
+        yield f"the outermost process `{network.top}` is no process"
+        return
+    yield from _wrong_arguments(network.top, classes[network.top], network.arguments)
+    yield from _wrong_instances(network, classes)
+    for environment in network.environments:
+        if environment.system is not None:
+            yield from (f"{environment.name}: {problem}" for problem in _wrong_in_submodel(environment.system, True))
+
+
+def _wrong_instances(network: Network, classes: Mapping[str, Class]) -> Iterator[str]:
+    """The instances are those of the tree that the classes make."""
+    listed = {item.path: item for item in network.instances}
+    pending = [(network.top, classes[network.top])]
+    there = {network.top}
+    while pending:
+        path, entry = pending.pop()
+        item = listed.get(path)
+        if item is None and path != network.top:
+            yield f"the instance `{path}` is not listed"
+        elif item is not None and item.class_name != entry.name:
+            yield f"the instance `{path}` is listed as one of `{item.class_name}`, and is one of `{entry.name}`"
+        elif item is not None:
+            yield from _wrong_arguments(path, entry, item.arguments)
+        if isinstance(entry, ProcessClass):
+            for instance in entry.instances:
+                if instance.class_name in classes:
+                    there.add(f"{path}.{instance.name}")
+                    pending.append((f"{path}.{instance.name}", classes[instance.class_name]))
+    yield from (f"the instance `{path}` is listed and not there" for path in listed if path not in there)
+
+
+def _wrong_arguments(path: str, entry: Class, arguments: Iterable[tuple[str, object]]) -> Iterator[str]:
+    kinds = {parameter.name: parameter.type for parameter in entry.parameters}
+    given = dict(arguments)
+    for name in kinds.keys() ^ given.keys():
+        yield f"`{path}` and `{entry.name}` disagree about a parameter `{name}`"
+    for name in kinds.keys() & given.keys():
+        if not is_value_of(given[name], kinds[name]):  # type: ignore[arg-type]
+            yield f"`{path}` gives `{name}` the value {given[name]}, which is no {kinds[name]}"
+
+
+def _wrong_in_process(
+    entry: ProcessClass, inside: Mapping[str, Class], exceptions: frozenset[str], passes: Collection[str]
+) -> Iterator[str]:
+    yield from _repeated("port or channel", [item.name for item in (*entry.ports, *entry.channels)])
+    yield from _repeated("instance", [instance.name for instance in entry.instances])
+    yield from _repeated("parameter", [parameter.name for parameter in entry.parameters])
+    yield from _repeated("state or constant", [item.name for item in (*entry.states, *entry.constants)])
+    for part in parts(entry.body):
+        if isinstance(part, OptimizedStep) and _MADE_BY[type(part)] not in passes:
+            yield f"{type(part).__name__} is there before the pass `{_MADE_BY[type(part)]}`"
+    composition = Composition(entry, exceptions)
+    yield from composition.wrong()
+    for instance in entry.instances:
+        if instance.class_name not in inside:
+            yield f"the class `{instance.class_name}` of `{instance.name}` does not come before"
+        else:
+            yield from _wrong_in_instance(instance, inside[instance.class_name], composition)
+    if "specialize" in passes:
+        yield from _wrong_after_specialize(entry)
+
+
+def _wrong_after_specialize(entry: ProcessClass) -> Iterator[str]:
+    for port in entry.ports:
+        if len(port.media) != (1 if port.size is None else port.size):
+            yield f"the port `{port.name}` does not say what it is connected to"
+    if any(isinstance(part, Choice) and not part.name for part in parts(entry.body)):
+        yield "an alternative has no name"
+
+
+def _wrong_in_instance(instance: InstanceOf, entry: Class, around: Composition) -> Iterator[str]:
+    kinds = {parameter.name: parameter.type for parameter in entry.parameters}
+    if kinds.keys() != dict(instance.arguments).keys():
+        yield f"the arguments of `{instance.name}` are not the parameters of `{entry.name}`"
+    for name, value in instance.arguments:
+        yield from wrong_in_expression(value, around.names, kinds.get(name))
+    ports = {port.name: port for port in entry.ports}
+    wanted = {(p.name, i) for p in entry.ports for i in ([None] if p.size is None else range(p.size))}
+    yield from _repeated("connection", [f"{instance.name}.{c.port}[{c.index}]" for c in instance.connections])
+    if wanted != {(connection.port, connection.index) for connection in instance.connections}:
+        yield f"the connections of `{instance.name}` are not the ports of `{entry.name}`"
+    for connection in instance.connections:
+        port, attached = ports.get(connection.port), connection.attachment
+        if isinstance(attached, ConstantEnd):
+            yield from wrong_in_expression(attached.value, around.names, port.type if port else None)
+        elif not isinstance(attached, DiscardEnd):
+            yield from around.end(attached, port.direction if port else None)
+            kind = around.type_of(attached)
+            if port is not None and kind is not None and not agrees(kind, port.type):
+                yield f"`{instance.name}.{port.name}` is {port.type} and connected to {kind}"
+
+
+def _wrong_in_submodel(entry: SubmodelClass, has_time: bool = False) -> Iterator[str]:
+    signals: dict[str, Type] = {constant.name: constant.type for constant in entry.constants}
+    signals.update((state.name, state.type) for state in entry.states)
+    signals.update((port.name, port.type) for port in entry.ports)
+    for equation in entry.equations:
+        if isinstance(equation, ExternalCall):
+            signals.update((name, kind) for _, name, kind in equation.outputs)
+        else:
+            signals[equation.name] = equation.type
+    parameters = {parameter.name: parameter.type for parameter in entry.parameters}
+    names = Names(parameters=parameters, variables={}, signals=signals, has_time=has_time)
+    states = {state.name: state.type for state in entry.states}
+    for item in (*entry.constants, *entry.equations, *entry.derivative_equations):
+        if not isinstance(item, ExternalCall):
+            yield from wrong_in_expression(item.value, names, item.type)
+    for state in entry.states:
+        yield from wrong_in_expression(state.initial, names, state.type)
+    for name, value in (*entry.next_values, *entry.derivatives):
+        if name not in states:
+            yield f"there is no state `{name}`"
+        yield from wrong_in_expression(value, names)
+
+
+def _repeated(what: str, names: Iterable[str]) -> Iterator[str]:
+    yield from (f"there are {n} times a {what} `{name}`" for name, n in Counter(names).items() if n > 1)
