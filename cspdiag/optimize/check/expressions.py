@@ -41,9 +41,7 @@ from cspdiag.network.ir.expressions import (
     VariableValue,
 )
 
-_ARITY = {
-    "min": 2, "max": 2, "limit": 3, "atan2": 2, "quantize": 2, "deadzone": 3,
-}  # fmt: skip
+_ARITY = {"min": 2, "max": 2, "limit": 3, "atan2": 2, "quantize": 2, "deadzone": 2}
 """Arguments of the functions that do not take one."""
 
 
@@ -146,7 +144,7 @@ def _wrong_operation(part: BinaryOperation) -> Iterator[str]:
             yield from _differing(BOOL, part.type)
             yield from _differing(left, right)
         case "*" | "/" | "%" if TIME in (left, right):
-            yield from _differing(part.type, TIME if part.operator == "*" or left != right else IntType())
+            yield from _differing(part.type, IntType() if part.operator == "/" and left == right else TIME)
         case "+" | "-" | "*" | "/" | "%" | "^":
             yield from _differing(part.type, left, right)
         case _:
