@@ -56,6 +56,51 @@ def test_changes_made_by_hand_are_kept(cspdiag: Command, good: Path, tmp_path: P
     assert network.read_text() != "mine"
 
 
+def _texts(folder: Path) -> dict[str, bytes]:
+    return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+@pytest.mark.parametrize(("first", "second"), [("python", "c"), ("c", "python")])
+def test_the_package_for_another_target_stays(cspdiag: Command, tmp_path: Path, first: str, second: str) -> None:
+    out = tmp_path / "out"
+    assert cspdiag("compile", JIWY, "-o", out, "--target", first).code == 0
+    before = _texts(out)
+    refused = cspdiag("compile", JIWY, "-o", out, "--target", second)
+    assert refused.code == 2
+    assert refused.err == (
+        f"cspdiag: {out / 'jiwy'} has the package for {first}, and the one for {second} has a README.md too: "
+        "give another folder with -o (--force overwrites what both have)\n"
+    )
+    assert _texts(out) == before
+    assert cspdiag("compile", JIWY, "-o", out, "--target", second, "--force").code == 0
+    assert before.keys() < _texts(out).keys()
+
+
+def test_targets_whose_files_have_different_names_share_a_folder(cspdiag: Command, good: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    for target in ("promela", "python", "cspm", "promela", "python"):
+        assert cspdiag("compile", good, "-o", out, "--target", target).code == 0
+    (folder,) = out.iterdir()
+    assert {f"{good.stem}.pml", f"{good.stem}.csp", "pyproject.toml"} < _texts(folder).keys()
+
+
+def test_it_is_said_that_the_package_of_another_program_is_replaced(cspdiag: Command, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    first, second, moved = (tmp_path / name / "arm.csp" for name in ("first", "second", "moved"))
+    for program in (first, second, moved):
+        program.parent.mkdir()
+    for program in (first, second):
+        program.write_text("process Arm { composition { skip } }\n")
+        assert (
+            cspdiag("compile", program, "-o", out).err
+            == ("" if program == first else f"{out / 'arm'} had the package of {first}, which this one replaces\n")
+            + f"wrote {out / 'arm'}\n"
+        )
+    second.rename(moved)
+    for _ in range(2):
+        assert cspdiag("compile", moved, "-o", out).err == f"wrote {out / 'arm'}\n"
+
+
 def test_the_same_program_gives_the_same_package(cspdiag: Command, tmp_path: Path) -> None:
     for name, seed in (("first", "1"), ("second", "2")):
         subprocess.run(

@@ -5,12 +5,17 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
-from hashlib import sha256
 
 from cspdiag.cli.support.failure import UsageError
-
-MANIFEST = ".cspdiag-manifest"
-"""Names the generated files of a package, each with the SHA-256 of its text, so that changes made by hand are seen."""
+from cspdiag.cli.support.manifest import (
+    Manifest,
+    digest,
+    manifest_name,
+    manifest_of,
+    manifest_text,
+    read_manifest,
+    targets_in,
+)
 
 
 def replace_text(path: str, text: str) -> None:
@@ -22,31 +27,39 @@ def replace_text(path: str, text: str) -> None:
     write_whole(Path(path), text.encode())
 
 
-def write_package(folder: str, files: Mapping[str, str], *, force: bool) -> None:
-    """Write the files of a generated package, by path relative to ``folder``.
+def write_package(folder: str, files: Mapping[str, str], target: str, *, program: str = "", force: bool) -> None:
+    """Write the files of a package that was generated for ``target``, by path relative to ``folder``.
 
-    All files are written beside the folder first and then moved to their places. Files of an earlier generation that are no
-    longer generated are removed; files that were never generated stay. Raises UsageError, having written nothing, where
-    a file was changed or put there by hand, unless ``force``, where the folder or one in it is a symbolic link, so that files would be
-    written or removed elsewhere, and where something else is in the way; OSError where a file cannot be written.
+    All files are written beside the folder first and then moved to their places. Files of an earlier generation for the target that are no
+    longer generated are removed, with the folders that this leaves empty; files that were never generated stay, and so does what was
+    generated for another target. Whatever breaks this off, what was generated is known as such the next time. ``program`` is the path of
+    the program's text from ``folder``, if it has one. Raises UsageError, having written nothing, where
+    a file was changed or put there by hand or belongs to another target, unless ``force``, where the folder or one in it is a symbolic link,
+    so that files would be written or removed elsewhere, and where something else is in the way; OSError where a file cannot be written.
     """
     folder = folder.rstrip(os.sep)
-    recorded = _recorded(folder, force=force)
-    complete = {**files, MANIFEST: _manifest(files)}
-    _refuse_links(folder, (*files, *recorded))
-    _refuse_obstacles(folder, complete)
+    listed = manifest_name(target)
+    recorded = read_manifest(folder, target, force=force)
+    others = {other: read_manifest(folder, other, force=True) for other in targets_in(folder) if other != target}
+    _refuse_links(folder, (*files, *recorded.digests))
+    _refuse_obstacles(folder, (*files, listed))
+    generated = manifest_of(files, program)
     if not force:
-        _refuse_changes(folder, files, recorded)
+        _refuse_other_targets(folder, generated, target, others)
+        _refuse_changes(folder, generated, recorded)
+    whole = f"{listed}.whole"
+    lists = {listed: manifest_text(recorded, generated), whole: manifest_text(generated)}
     with _staging(folder) as staging:
-        for path, text in complete.items():
+        for path, text in {**files, **lists}.items():
             _write(os.path.join(staging, path), text)
-        for path in complete:
-            target = os.path.join(folder, path)
-            os.makedirs(os.path.dirname(target), exist_ok=True)
-            os.replace(os.path.join(staging, path), target)
-    for path in recorded.keys() - files.keys():
-        with suppress(OSError):
-            os.unlink(os.path.join(folder, path))
+        for path in (listed, *files):
+            place = os.path.join(folder, path)
+            os.makedirs(os.path.dirname(place), exist_ok=True)
+            os.replace(os.path.join(staging, path), place)
+        for path in recorded.digests.keys() - files.keys():
+            if not any(path in other.digests for other in others.values()):
+                _remove(folder, path)
+        os.replace(os.path.join(staging, whole), os.path.join(folder, listed))
 
 
 def write_new_folder(folder: str, files: Mapping[str, str]) -> None:
@@ -124,53 +137,51 @@ def _remove_tree(folder: str) -> None:
         os.rmdir(folder)
 
 
-def _digest(text: str) -> str:
-    return sha256(text.encode()).hexdigest()
+def _remove(folder: str, path: str) -> None:
+    """Remove a generated file, what Python keeps of it, and the folders that are empty then."""
+    place = os.path.join(folder, path)
+    parent, name = os.path.split(place)
+    module, is_module = name.removesuffix(".py"), name.endswith(".py")
+    kept = os.path.join(parent, "__pycache__")
+    with suppress(OSError):
+        os.unlink(place)
+        if is_module and os.path.isdir(kept) and not os.path.islink(kept):
+            for entry in os.listdir(kept):
+                if entry.startswith(f"{module}.") and entry.endswith(".pyc"):
+                    os.unlink(os.path.join(kept, entry))
+            with suppress(OSError):
+                os.rmdir(kept)
+        while len(parent) > len(folder):
+            os.rmdir(parent)
+            parent = os.path.dirname(parent)
 
 
-def _manifest(files: Mapping[str, str]) -> str:
-    return "".join(f"{_digest(text)}  {path}\n" for path, text in sorted(files.items()))
+def _refuse_other_targets(folder: str, generated: Manifest, target: str, others: Mapping[str, Manifest]) -> None:
+    for other, manifest in others.items():
+        for path, known in sorted(generated.digests.items()):
+            if not known <= manifest.digests.get(path, known) and os.path.lexists(os.path.join(folder, path)):
+                raise UsageError(
+                    f"{folder} has the package for {other}, and the one for {target} has a {path} too: "
+                    "give another folder with -o (--force overwrites what both have)"
+                )
 
 
-def _recorded(folder: str, *, force: bool) -> dict[str, str]:
-    """What the manifest has. Raises UsageError for one that cspdiag has not written; with ``force`` that is none."""
-    place = os.path.join(folder, MANIFEST)
-    if not os.path.lexists(place):
-        return {}
-    pairs = [("", "", "")]
-    with suppress(UnicodeDecodeError):
-        if os.path.isfile(place):
-            with open(place, encoding="utf-8") as file:
-                pairs = [line.rstrip("\n").partition("  ") for line in file]
-    foreign = next((path for _, _, path in pairs if not _is_inside(path)), None)
-    if foreign is None and not os.path.islink(place):
-        return {path: digest for digest, _, path in pairs}
-    if force:
-        return {}
-    what = f"it names {foreign!r}" if foreign else "it is a link" if os.path.islink(place) else "it is no list of files"
-    raise UsageError(f"{place} was not written by cspdiag: {what} (--force does without it)")
-
-
-def _is_inside(path: str) -> bool:
-    """Whether a path leads to a file below the folder that it is joined to, links aside."""
-    parts = path.replace("\\", "/").split("/")
-    return not os.path.isabs(path) and not os.path.splitdrive(path)[0] and not {"", ".", ".."} & set(parts)
-
-
-def _refuse_changes(folder: str, files: Mapping[str, str], recorded: Mapping[str, str]) -> None:
-    changed = [path for path in sorted({*files, *recorded}) if _is_hand_made(folder, path, files, recorded)]
+def _refuse_changes(folder: str, generated: Manifest, recorded: Manifest) -> None:
+    known = (generated.digests, recorded.digests)
+    changed = [
+        path
+        for path in sorted({*generated.digests, *recorded.digests})
+        if _is_hand_made(os.path.join(folder, path), frozenset().union(*(digests.get(path, ()) for digests in known)))
+    ]
     if not changed:
         return
     listed = ", ".join(changed[:3]) + (f" and {len(changed) - 3} more" if len(changed) > 3 else "")
     raise UsageError(f"{folder} holds files changed by hand: {listed} (--force overwrites them)")
 
 
-def _is_hand_made(folder: str, path: str, files: Mapping[str, str], recorded: Mapping[str, str]) -> bool:
-    place = os.path.join(folder, path)
+def _is_hand_made(place: str, known: frozenset[str]) -> bool:
     if not os.path.isfile(place):
         # A device or a pipe is not opened: nobody may ever write to it. A link that leads nowhere was made by hand too.
         return os.path.lexists(place)
     with open(place, "rb") as file:
-        data = file.read()
-    known = {recorded.get(path), _digest(files[path]) if path in files else None}
-    return sha256(data).hexdigest() not in known
+        return digest(file.read()) not in known

@@ -120,6 +120,7 @@ def _emit_transitions(arguments: Namespace) -> int:
 
 
 def _generate(arguments: Namespace) -> int:
+    from cspdiag.cli.support.manifest import read_manifest
     from cspdiag.cli.support.output import write_package
     from cspdiag.network.lower.program import is_taken_by_python
 
@@ -136,7 +137,12 @@ def _generate(arguments: Namespace) -> int:
         files = generate(network, read_source, arguments.target, arguments.level)
     except target_errors() as problem:
         raise NoResultError(str(problem)) from None
-    write_package(folder, files, force=arguments.force)
+    program = "" if arguments.file == "-" else os.path.relpath(arguments.file, folder)
+    earlier = read_manifest(folder, arguments.target, force=True).program
+    write_package(folder, files, arguments.target, program=program, force=arguments.force)
+    if program and _is_another(os.path.join(folder, earlier), arguments.file):
+        before = on_one_line(os.path.normpath(os.path.join(folder, earlier)))
+        say(f"{on_one_line(folder)} had the package of {before}, which this one replaces")
     renamed = network.name.removesuffix("_")
     if renamed != network.name and is_taken_by_python(renamed):
         say(
@@ -148,6 +154,11 @@ def _generate(arguments: Namespace) -> int:
 
         say(f"{report_or_reason(network, files, arguments.level)}")
     return FINE
+
+
+def _is_another(earlier: str, file: str) -> bool:
+    """Whether the program that a package was of is there still, and is not this one: then it was not moved."""
+    return os.path.isfile(earlier) and not os.path.samefile(earlier, file)
 
 
 def _network(arguments: Namespace) -> Network | None:

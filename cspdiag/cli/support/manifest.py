@@ -1,0 +1,98 @@
+"""What ``compile`` has left in a folder: for each target a list of the files that it generated, and of which program."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from contextlib import suppress
+from hashlib import sha256
+
+from cspdiag.base.record import record
+from cspdiag.cli.support.failure import UsageError
+
+MANIFEST = ".cspdiag-manifest"
+"""Begins the name of each list, which ends with its target."""
+_PROGRAM = "# program "
+
+
+@record
+class Manifest:
+    """``digests`` are, by path, the SHA-256 of what was generated: several where a generation was broken off.
+
+    ``program`` is the path of the program's text from the folder, "" where that is not known.
+    """
+
+    program: str
+    digests: Mapping[str, frozenset[str]]
+
+
+NOTHING = Manifest("", {})
+
+
+def manifest_of(files: Mapping[str, str], program: str) -> Manifest:
+    """What describes generated files, by path."""
+    return Manifest(program, {path: frozenset((digest(text.encode()),)) for path, text in files.items()})
+
+
+def digest(data: bytes) -> str:
+    """What is kept of a file, so that changes made by hand are seen."""
+    return sha256(data).hexdigest()
+
+
+def manifest_name(target: str) -> str:
+    """The name of the list of a target's files."""
+    return f"{MANIFEST}-{target}"
+
+
+def targets_in(folder: str) -> list[str]:
+    """The targets of which a folder has a package."""
+    prefix = manifest_name("")
+    if not os.path.isdir(folder):
+        return []
+    return sorted(name.removeprefix(prefix) for name in os.listdir(folder) if name.startswith(prefix))
+
+
+def manifest_text(*manifests: Manifest) -> str:
+    """The list that has the files of all; the program is that of the last."""
+    rows = sorted(
+        {(path, known) for manifest in manifests for path in manifest.digests for known in manifest.digests[path]}
+    )
+    program = manifests[-1].program
+    head = f"{_PROGRAM}{program}\n" if program.isprintable() and program else ""
+    return head + "".join(f"{known}  {path}\n" for path, known in rows)
+
+
+def read_manifest(folder: str, target: str, *, force: bool) -> Manifest:
+    """What a list has. Raises UsageError for one that cspdiag has not written; with ``force`` that is none."""
+    place = os.path.join(folder, manifest_name(target))
+    if not os.path.lexists(place):
+        return NOTHING
+    foreign = "it is a link" if os.path.islink(place) else "it is no list of files"
+    if os.path.isfile(place) and not os.path.islink(place):
+        with suppress(UnicodeDecodeError), open(place, encoding="utf-8") as file:
+            program, digests = _parsed(file.read())
+            outside = next((path for path in digests if not _is_inside(path)), None)
+            if outside is None:
+                return Manifest(program, {path: frozenset(known) for path, known in digests.items()})
+            foreign = f"it names {outside!r}"
+    if force:
+        return NOTHING
+    raise UsageError(f"{place} was not written by cspdiag: {foreign} (--force does without it)")
+
+
+def _parsed(text: str) -> tuple[str, dict[str, set[str]]]:
+    program = ""
+    digests: dict[str, set[str]] = {}
+    for line in text.removesuffix("\n").split("\n") if text else ():
+        if line.startswith(_PROGRAM):
+            program = line.removeprefix(_PROGRAM)
+        else:
+            known, _, path = line.partition("  ")
+            digests.setdefault(path, set()).add(known)
+    return program, digests
+
+
+def _is_inside(path: str) -> bool:
+    """Whether a path leads to a file below the folder that it is joined to, links aside."""
+    parts = path.replace("\\", "/").split("/")
+    return not os.path.isabs(path) and not os.path.splitdrive(path)[0] and not {"", ".", ".."} & set(parts)
