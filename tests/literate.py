@@ -17,7 +17,7 @@ from pathlib import Path
 from cspdiag import pipeline
 from cspdiag.base import Diagnostic, SourceFile, Span
 from cspdiag.proofs.answers.findings import diagnostics_of
-from tests.verifying import answers_to, told
+from tests.support.verifying import answers_to, told
 
 CASES = Path(__file__).parent / "cases"
 MAIN = "case.csp"

@@ -9,7 +9,7 @@ import pytest
 from cspdiag.codegen.python.text import rolling as python_rolling
 from cspdiag.codegen.python.text.code import Atom
 from cspdiag.codegen.python.text.statements import Line, Statement, lines
-from tests.counting import calls
+from tests.support.counting import calls
 
 
 def statement(text: str) -> tuple[Statement, ...]:

@@ -18,7 +18,7 @@ from cspdiag.draw.book.page import book
 from cspdiag.draw.layout.elk import engine_available
 from cspdiag.draw.pictures import Pictures
 from cspdiag.pipeline import check
-from tests.draw.browser import BROWSER, answer
+from tests.draw.geometry.browser import BROWSER, answer
 
 ROOT = Path(__file__).parents[2]
 

@@ -18,7 +18,7 @@ from cspdiag.draw.layout.elk import engine_available
 from cspdiag.draw.output.svg import render_svg
 from cspdiag.draw.pictures import Pictures, Wish
 from cspdiag.pipeline import check
-from tests.draw.geometry_rules import faults
+from tests.draw.geometry.rules import faults
 from tests.robustness.damage import ROOT, damaged
 
 

@@ -27,7 +27,7 @@ from cspdiag.draw.elements.composition import (
     Watched,
 )
 from distribution.notation_pictures import PAGE, example_diagram, examples, pictures
-from tests.draw.composition_geometry import faults
+from tests.draw.geometry.compositions import faults
 
 TEXT = PAGE.read_text(encoding="utf-8")
 

@@ -6,15 +6,15 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 from tests.oracle.explore import explore
-from tests.oracle.generate import closed
-from tests.oracle.generate_pairs import pair
-from tests.oracle.generate_timed import timed
 from tests.oracle.judged import Judgement, verify
+from tests.oracle.programs.closed import closed
+from tests.oracle.programs.pairs import pair
+from tests.oracle.programs.text import process, text
+from tests.oracle.programs.timed import timed
+from tests.oracle.programs.tree import INT, Program
 from tests.oracle.properties import Answer, deadlock_free, livelock_free, schedulable, terminates
 from tests.oracle.refine import refines
-from tests.oracle.text import process, text
 from tests.oracle.traces import compare_traces
-from tests.oracle.tree import INT, Program
 
 WIDE = (-5, -2, -1, 0, 1, 2, 3, 4, 5, 7, 8, 100, 2**63 - 1)
 

@@ -7,11 +7,11 @@ from collections import deque
 from collections.abc import Hashable, Iterator
 from dataclasses import dataclass, field
 
-from tests.oracle.link import Linked, link
-from tests.oracle.machine import Machine
-from tests.oracle.policy import from_table
-from tests.oracle.state import Choice, Delay, Joint, Offer, State, Thread, Tid
-from tests.oracle.tree import Law, Port, Program, Value
+from tests.oracle.machine.link import Linked, link
+from tests.oracle.machine.machine import Machine
+from tests.oracle.machine.policy import from_table
+from tests.oracle.machine.state import Choice, Delay, Joint, Offer, State, Thread, Tid
+from tests.oracle.programs.tree import Law, Port, Program, Value
 
 
 class Chooser:

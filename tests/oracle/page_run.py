@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from tests.oracle.link import link
-from tests.oracle.machine import Machine
-from tests.oracle.policy import Unwitnessed
-from tests.oracle.tree import Program, Value
+from tests.oracle.machine.link import link
+from tests.oracle.machine.machine import Machine
+from tests.oracle.machine.policy import Unwitnessed
+from tests.oracle.programs.tree import Program, Value
 
 Communication = tuple[int, str, Value]
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from tests.oracle.explore import Graph, explore
-from tests.oracle.state import Tid
+from tests.oracle.machine.state import Tid
+from tests.oracle.programs.tree import Program
 from tests.oracle.stuck import stuck, waits_for_others
-from tests.oracle.tree import Program
 
 
 @dataclass

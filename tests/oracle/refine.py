@@ -11,8 +11,8 @@ import time
 from collections import deque
 
 from tests.oracle.explore import Graph, explore
+from tests.oracle.programs.tree import Alt, Comp, Interrupt, Par, Program, Write, walk
 from tests.oracle.properties import Answer
-from tests.oracle.tree import Alt, Comp, Interrupt, Par, Program, Write, walk
 
 Event = tuple[str, object]
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from tests.oracle.tree import INT, Lit, Port, Read, Target, Write
+from tests.oracle.programs.tree import INT, Lit, Port, Read, Target, Write
 
 O = Port("o", False, INT)  # noqa: E741
 

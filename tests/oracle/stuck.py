@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from tests.oracle.link import End, Linked
-from tests.oracle.state import Branches, Choice, Frame, Joint, Offer, Op, State, Stopped, Thread, Tid
+from tests.oracle.machine.link import End, Linked
+from tests.oracle.machine.state import Branches, Choice, Frame, Joint, Offer, Op, State, Stopped, Thread, Tid
 
 
 def _later(linked: Linked, frame: Frame) -> tuple[frozenset[End], bool]:

@@ -5,11 +5,9 @@ import pytest
 from tests.oracle.hunt import hunt
 from tests.oracle.judged import verify
 from tests.oracle.page_run import page_run
-from tests.oracle.properties import decide
-from tests.oracle.shrink import tidy
-from tests.oracle.steps import O, read, write
-from tests.oracle.text import text
-from tests.oracle.tree import (
+from tests.oracle.programs.shrink import tidy
+from tests.oracle.programs.text import text
+from tests.oracle.programs.tree import (
     BOOL,
     INT,
     MS,
@@ -42,6 +40,8 @@ from tests.oracle.tree import (
     Wait,
     Write,
 )  # fmt: skip
+from tests.oracle.properties import decide
+from tests.oracle.steps import O, read, write
 
 SYNC = (Channel("c", INT, "sync"), Channel("d", INT, "sync"))
 X = Port("x", True, INT, 10 * MS, values=((0, 0), (15 * MS, 1)), domain=(0,))

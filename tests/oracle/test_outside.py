@@ -3,10 +3,7 @@
 import pytest
 
 from tests.oracle.page_run import page_run
-from tests.oracle.properties import decide
-from tests.oracle.refine import refines
-from tests.oracle.steps import O, read, write
-from tests.oracle.tree import (
+from tests.oracle.programs.tree import (
     BOOL,
     INT,
     MS,
@@ -35,6 +32,9 @@ from tests.oracle.tree import (
     Wait,
     Write,
 )  # fmt: skip
+from tests.oracle.properties import decide
+from tests.oracle.refine import refines
+from tests.oracle.steps import O, read, write
 
 E = Port("e", True, BOOL, domain=(False, True), values=((0, False),))
 F = Port("f", True, BOOL, domain=(False, True), values=((0, False),))

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from tests.oracle.judged import RunOutput, run
 from tests.oracle.page_run import page_run
-from tests.oracle.text import duration, shown, text
-from tests.oracle.tree import Program
+from tests.oracle.programs.text import duration, shown, text
+from tests.oracle.programs.tree import Program
 
 Trace = list[tuple[int, str, object]]
 TARGETS: dict[str, tuple[str, ...]] = {

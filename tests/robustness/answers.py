@@ -15,7 +15,7 @@ from cspdiag.codegen.shared.target_error import TargetError
 from cspdiag.network.ir.network import Network
 from cspdiag.network.lower.program import SelectionError
 from cspdiag.syntax.format.formatter import format_tree
-from tests.alarm import alarm_after
+from tests.support.alarm import alarm_after
 
 PATIENCE = 120
 """Seconds of computing after which a text is taken to have no answer; the largest needs about one."""

@@ -11,7 +11,7 @@ from cspdiag import pipeline
 from cspdiag.base import SourceFile
 from cspdiag.base.render.text import render
 from cspdiag.base.sources import read_source
-from tests.counting import calls
+from tests.support.counting import calls
 
 MOST = 2.6
 """How much more may be done for twice the size: n log n, with room for what does not grow at all."""

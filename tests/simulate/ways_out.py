@@ -17,7 +17,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from cspdiag.cli.main import main
-from tests.signals import hear_signals
+from tests.support.signals import hear_signals
 
 ROOT = Path(__file__).parents[2]
 

@@ -13,8 +13,8 @@ from dataclasses import dataclass, field
 
 from cspdiag.analyses.timing.report.timing import timing_report
 from tests.analyses.timing.judge import build, missed
-from tests.analyses.timing.meetings import Meetings
-from tests.analyses.timing.shapes import Shapes
+from tests.analyses.timing.random.meetings import Meetings
+from tests.analyses.timing.random.shapes import Shapes
 
 
 @dataclass

@@ -17,8 +17,8 @@ from cspdiag.network.ir.network import Network
 from cspdiag.runtime import SampledInput, Submodel
 from cspdiag.simulate.run.execute import simulate
 from cspdiag.simulate.run.probes import parts_of
-from tests.alarm import alarm_after
 from tests.analyses.timing.processor import Processor, read, wcets
+from tests.support.alarm import alarm_after
 
 HORIZON = 150_000_000
 

@@ -8,9 +8,9 @@ import pytest
 
 import cspdiag.runtime.network
 from cspdiag.analyses.timing.report.timing import timing_report
-from tests.analyses.timing.compositions import composed
 from tests.analyses.timing.processor import Processor, longest, wcets, with_bench
 from tests.analyses.timing.programs import US, by_name, law, loops_of
+from tests.analyses.timing.random.compositions import composed
 
 
 @pytest.fixture(autouse=True)

@@ -9,12 +9,12 @@ from contextlib import contextmanager
 from typing import NoReturn
 
 from cspdiag.base import SourceFile
-from tests.alarm import alarm_after
 from tests.conformance.kit import external_channels
 from tests.conformance.random.nodes import Program
 from tests.conformance.sources import JUST_AFTER, InvalidProgramError, network_of
 from tests.conformance.targets import REFERENCE, TARGETS
 from tests.conformance.traces import compare
+from tests.support.alarm import alarm_after
 
 LIMIT = 60_000_000 + JUST_AFTER
 LONGEST = 60

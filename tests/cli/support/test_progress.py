@@ -1,0 +1,92 @@
+"""What a run tells of itself while it goes on."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+
+import pytest
+
+from cspdiag import pipeline
+from cspdiag.base.sources import read_source
+from cspdiag.base.span import SourceFile
+from cspdiag.cli.main import main
+from cspdiag.cli.support.progress import Progress
+from cspdiag.network.checks.endless import never_ends
+from cspdiag.simulate.record.modes import ModeGroup
+from cspdiag.simulate.record.recorder import Recorder
+from tests.cli.support.test_written import PROGRAM
+
+
+class Somewhere:
+    """A program at 1.5 s."""
+
+    now = 1_500_000_000
+
+
+def test_progress_goes_on_in_lines_where_there_is_no_terminal(capsys: pytest.CaptureFixture[str]) -> None:
+    with Progress(Recorder(communications=False), [], interval=0.02) as progress:
+        progress.attach(Somewhere())
+        while progress.written < 2:
+            time.sleep(0.01)
+    shown = capsys.readouterr().err
+    assert shown.count("    1.50 s ") == shown.count("\n") >= 2
+    assert "\x1b" not in shown
+
+
+def test_what_has_not_begun_is_told_from_what_has_ended() -> None:
+    recorder = Recorder(communications=False)
+    groups = [ModeGroup(name, {f"Main.{name}": name}, ()) for name in ("align", "servo", "home")]
+    progress = Progress(recorder, groups)
+    recorder.process_started(0, "Main.align", "Align")
+    recorder.process_ended(0, "Main.align")
+    recorder.process_started(0, "Main.servo", "Servo")
+    assert progress.line().endswith("align: ended  servo: servo  home: not begun")
+    recorder.process_ended(1, "Main.servo")
+    recorder.process_started(1, "Main.home", "Home")
+    assert progress.line().endswith("align: ended  servo: ended  home: home")
+
+
+def test_a_run_without_an_end_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "main.csp"
+    path.write_text(PROGRAM)
+    for options, is_said in (([], True), (["--for", "1ms"], False), (["--quiet"], False)):
+        main(["run", str(path), *options])
+        assert ("Main never ends by itself: Ctrl-C ends the run" in capsys.readouterr().err) == is_said
+
+
+@pytest.mark.parametrize(
+    ("composition", "is_endless"),
+    [
+        ("mu a ? x", True),
+        ("mu a ? x until x > 3", False),
+        ("(mu wait 1 ms) || a ? x", True),
+        ("a ? x ; stop", True),
+        ("inner", True),
+        ("mu (skip -> inner [] a ? x -> skip)", True),
+        ("skip -> inner [] a ? x -> skip", False),
+        ("inner interrupt a ? x -> skip", False),
+        ("inner catch Timeout -> skip", False),
+        ("inner catch Timeout -> stop", True),
+        ("(mu raise Enough) catch Enough -> inner", False),
+        ("if x > 3 then inner", False),
+        ("while x < 3 do inner", False),
+    ],
+)
+def test_what_never_ends_by_itself(composition: str, is_endless: bool) -> None:
+    text = f"""
+    exception Enough
+    process Inner {{ composition {{ mu wait 1 ms }} }}
+    process Main {{
+      in a : int
+      communication {{
+        {"inner : Inner" if "inner" in composition else ""}
+        var x : int = 0
+      }}
+      composition {{ {composition} }}
+    }}
+    """
+    built = pipeline.build(SourceFile(name="main.csp", text=text), read_source)
+    if built.network is None:
+        pytest.fail("\n".join(str(found) for found in built.checked.report.diagnostics))
+    assert never_ends(built.network) == is_endless

@@ -1,0 +1,77 @@
+"""Every program of the tutorial does what the text says."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import cspdiag
+from cspdiag.base import SourceFile
+from cspdiag.base.render.text import render
+from cspdiag.base.report import Report
+from cspdiag.base.sources import read_source
+from cspdiag.pipeline import check
+from cspdiag.simulate.result import Run
+from cspdiag.syntax.format.formatter import format_tree
+from cspdiag.syntax.parser import parse
+from tests.literate import Block, cases_of
+
+TUTORIAL = Path(__file__).parents[2] / "docs" / "tutorial.md"
+
+
+def blocks() -> list[Block]:
+    return [block for case in cases_of(TUTORIAL) for block in case.blocks]
+
+
+def program(name: str) -> str:
+    (text,) = [block.text for block in blocks() if block.language == "csp" and block.name == name]
+    return text
+
+
+def run(folder: Path, name: str, until: str | None = None, set: dict[str, str] | None = None) -> Run:
+    path = folder / "axis.csp"
+    path.write_text(program(name), encoding="utf-8")
+    return cspdiag.load(path).run(until=until, set=set or {})
+
+
+@pytest.mark.parametrize("name", [block.name for block in blocks() if block.language == "csp"])
+def test_compiler_says_what_the_text_shows(name: str) -> None:
+    found = blocks()
+    (place,) = [k for k, block in enumerate(found) if block.language == "csp" and block.name == name]
+    following = found[place + 1] if place + 1 < len(found) else None
+    expected = following.text if following is not None and following.language == "text" else ""
+    checked = check(SourceFile(name="axis.csp", text=program(name)), read_source)
+    assert render(checked.report.diagnostics) == expected
+
+
+@pytest.mark.parametrize("name", [block.name for block in blocks() if block.language == "csp"])
+def test_program_is_in_the_one_style(name: str) -> None:
+    tree = parse(SourceFile(name="axis.csp", text=program(name)), Report())
+    assert tree is not None
+    assert format_tree(tree) == program(name)
+
+
+def test_first_program_reaches_its_set_point(tmp_path: Path) -> None:
+    result = run(tmp_path, "first/axis.csp", until="3 s")
+    assert result.outcome.ended == "time limit"
+    assert result["position"][-1] == pytest.approx(0.2, abs=0.002)
+    assert result["control"][-1] == 0
+
+
+def test_two_modes_find_the_switch_and_follow(tmp_path: Path) -> None:
+    result = run(tmp_path, "modes/axis.csp")
+    assert result.outcome.ended == "terminated"
+    assert result.outcome.time == 8_000_000_000
+    assert result["position"][-1] == pytest.approx(0.3 - 0.25, abs=0.003)
+    assert result["control"][-1] == 0
+
+
+def test_the_two_modes_tell_a_slow_period(tmp_path: Path) -> None:
+    def worst(period: str) -> float:
+        result = run(tmp_path, "modes/axis.csp", set={"T": period})
+        late = (result.time("position") > 7) & (result.time("position") < 8)
+        return float(abs(result["position"][late] - result["position"][late].mean()).max())
+
+    assert worst("10 ms") < 0.001
+    assert worst("200 ms") > 0.01

@@ -1,0 +1,294 @@
+"""Random compositions within one branch, and random changes of a list of steps."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from tests.oracle.programs.scope import BYTE, Scope
+from tests.oracle.programs.text import uses
+from tests.oracle.programs.tree import (
+    BOOL,
+    INT,
+    MS,
+    REAL,
+    After,
+    Alt,
+    Assign,
+    Bin,
+    Call,
+    Catch,
+    Channel,
+    Comp,
+    Event,
+    Guarded,
+    If,
+    Interrupt,
+    Lit,
+    Mu,
+    Par,
+    Raise,
+    Read,
+    Ref,
+    Replicated,
+    Seq,
+    Skip,
+    Stop,
+    Target,
+    Wait,
+    While,
+    Write,
+    walk,
+)  # fmt: skip
+
+
+def forever(body: Comp) -> Comp:
+    """A loop that waits for something in each round; a loop that never does is refused."""
+    if any(isinstance(part, Read | Write | Wait) for part in walk(body)):
+        return Mu(body)
+    if any(isinstance(part, Guarded) and not isinstance(part.event, Skip) for part in walk(body)):
+        return Mu(body)
+    return Mu(Seq((*body.parts, Wait(MS)) if isinstance(body, Seq) else (body, Wait(MS))))
+
+
+def _port(event: Event) -> str:
+    """What no two guards of an alternative may share."""
+    match event:
+        case Read(channel, _):
+            return channel + "?"
+        case Write(channel, _):
+            return channel + "!"
+        case After():
+            return "after"
+        case _:
+            return "skip"
+
+
+class Forms:
+    def __init__(self, scope: Scope, without: frozenset[str]) -> None:
+        self.scope = scope
+        self.rng = scope.rng
+        self.without = without
+
+    def sequence(self, steps: Sequence[Comp]) -> Comp:
+        flat: list[Comp] = []
+        for step in steps:
+            flat += step.parts if isinstance(step, Seq) else (step,)
+        return Skip() if not flat else flat[0] if len(flat) == 1 else Seq(tuple(flat))
+
+    def loop(self, body: Comp) -> Comp:
+        """For ever, or so many times."""
+        choice = self.rng.random()
+        if choice < 0.5:
+            return forever(body)
+        counter = self.scope.world.variable(INT, self.scope.owner)
+        count = Assign(Target(counter.name, INT), Bin("+", Ref(counter.name, INT), Lit(1, INT), INT))
+        times = Lit(self.rng.randint(1, 3), INT)
+        if choice < 0.8:
+            return Mu(self.sequence([body, count]), Bin(">=", Ref(counter.name, INT), times, BOOL))
+        return While(Bin("<", Ref(counter.name, INT), times, BOOL), self.sequence([body, count]))
+
+    def delay(self) -> int:
+        return self.rng.choice([0, 1, 1, 2, 2, 3, 5]) * MS
+
+    # ---- steps ----
+
+    def steps(self, count: int, depth: int) -> list[Comp]:
+        found: list[Comp] = []
+        for _ in range(count):
+            found.append(self.step(depth))
+        return found
+
+    def communication(self) -> Read | Write | None:
+        """One of the channels of this branch."""
+        reads: list[tuple[Channel, bool]] = [(channel, True) for channel in self.scope.reads]
+        ends = reads + [(channel, False) for channel in self.scope.writes]
+        if not ends:
+            return None
+        channel, read = self.rng.choice(ends)
+        if read:
+            return Read(channel.name, self.scope.target(channel.type))
+        return Write(channel.name, self.scope.value(channel.type))
+
+    def local(self) -> list[Comp]:
+        """Something that concerns nobody else."""
+        choice = self.rng.random()
+        if choice < 0.4 and "time" not in self.without:
+            return [Wait(self.delay())]
+        if choice < 0.6 and self.scope.outputs:
+            return [Write(self.rng.choice(self.scope.outputs), self.scope.number())]
+        return [self.assignment()]
+
+    def assignment(self) -> Assign:
+        if self.scope.world.rich and self.rng.random() < 0.3:
+            return Assign(self.scope.target(REAL), self.scope.real())
+        target = self.scope.target(INT)
+        return Assign(target, self.scope.number())
+
+    def step(self, depth: int) -> Comp:
+        choice = self.rng.random()
+        if choice < 0.4:
+            return self.communication() or self.local()[0]
+        if choice < 0.55 or depth == 0:
+            return self.local()[0]
+        if choice < 0.7:
+            return self.alternative(depth)
+        if choice < 0.75:
+            test = self.scope.condition()
+            return If(test, self.step(depth - 1), self.step(depth - 1) if self.rng.random() < 0.6 else None)
+        if choice < 0.79:
+            return self.parallel(depth)
+        if choice < 0.83:
+            return self.loop(self.sequence(self.steps(self.rng.randint(1, 2), depth - 1)))
+        if choice < 0.87:
+            return self.caught(self.steps(self.rng.randint(1, 2), depth - 1), depth)
+        if choice < 0.92:
+            return self.interrupted(self.sequence(self.steps(self.rng.randint(1, 2), depth - 1)), depth)
+        if choice < 0.94:
+            return self.faulty(depth)
+        if choice < 0.96:
+            return self.guarded(depth)
+        if choice < 0.98:
+            return self.replicated(depth)
+        if choice < 0.985:
+            return Stop()
+        return Skip()
+
+    def event(self, *, timed: bool = True) -> Event:
+        choice = self.rng.random()
+        communication = self.communication()
+        if communication is not None and choice < 0.75:
+            return communication
+        if choice < 0.93 and timed and "time" not in self.without:
+            return After(self.delay())
+        return Skip()
+
+    def guard(self, depth: int) -> Guarded:
+        when = self.scope.condition() if self.rng.random() < 0.2 else None
+        return Guarded(self.event(), self.step(max(depth - 1, 0)), when)
+
+    def guarded(self, depth: int) -> Comp:
+        communication = self.communication()
+        event: Event = communication if communication is not None else Skip()
+        return Guarded(event, self.step(depth - 1))
+
+    def alternative(self, depth: int) -> Comp:
+        guards: list[Guarded] = []
+        for _ in range(self.rng.choice([2, 2, 2, 3])):
+            guard = self.guard(depth)
+            if _port(guard.event) not in {_port(other.event) for other in guards}:
+                guards.append(guard)
+        return Alt(tuple(guards), self.rng.random() < 0.5) if len(guards) > 1 else guards[0]
+
+    def parallel(self, depth: int) -> Comp:
+        scopes = self.scope.split(2)
+        inner = [Forms(scope, self.without) for scope in scopes]
+        return Par(tuple(forms.sequence(forms.steps(self.rng.randint(1, 2), depth - 1)) for forms in inner))
+
+    def replicated(self, depth: int) -> Comp:
+        count = self.rng.randint(1, 3)
+        choice = self.rng.random()
+        if choice < 0.5 and self.scope.writes:
+            channel = self.rng.choice(self.scope.writes)
+            if channel.type == INT:
+                return Replicated("seq", "i", count, Write(channel.name, Ref("i", INT)))
+        if choice < 0.75:
+            return Replicated("seq", "i", count, self.step(0))
+        when = Bin("==", self.scope.number(0), Ref("i", INT), BOOL)
+        return Replicated(self.rng.choice(["alt", "prialt"]), "i", 4, Guarded(Skip(), self.step(0), when))
+
+    def caught(self, steps: list[Comp], depth: int) -> Comp:
+        name = self.rng.choice(["Trouble", "Alarm"])
+        self.scope.world.exceptions.add(name)
+        thrown: Comp = Raise(name)
+        if self.rng.random() < 0.5:
+            thrown = If(self.scope.condition(), thrown)
+        if self.rng.random() < 0.3:
+            scopes = self.scope.split(2)
+            inner = Forms(scopes[0], self.without)
+            other = Forms(scopes[1], self.without)
+            both = (inner.sequence([*inner.steps(1, 0), Raise(name)]), other.sequence(other.steps(2, 0)))
+            return Catch(Par(both), name, self.step(depth - 1))
+        return Catch(self.sequence([*steps, thrown]), name, self.step(depth - 1))
+
+    def faulty(self, depth: int) -> Comp:
+        """Arithmetic that may fault, and who catches it."""
+        scope = self.scope
+        choice = self.rng.random()
+        steps: list[Comp]
+        if choice < 0.3:
+            root = Bin("-", scope.real(), scope.real(), REAL)
+            steps = [Assign(scope.target(REAL), Call("sqrt", (root,), REAL))]
+        elif choice < 0.6:
+            made = scope.world.variable(BYTE, scope.owner, self.rng.choice([1, 40, 100]))
+            ref = Ref(made.name, BYTE)
+            steps = [Assign(Target(made.name, BYTE), Bin(self.rng.choice("+*"), ref, ref, BYTE))]
+        else:
+            divisor = Ref(scope.variable(INT).name, INT)
+            divided = Bin(self.rng.choice("/%"), Lit(7, INT), divisor, INT)
+            steps = [Assign(scope.target(INT), Bin("%", divided, Lit(3, INT), INT))]
+        return Catch(self.sequence([*steps, *self.local()]), "Fault", self.step(max(depth - 1, 0)))
+
+    def interrupted(self, body: Comp, depth: int) -> Comp:
+        """A body with a guard beside it, which is another parallel part: they share no end and no variable."""
+        if "interrupt" in self.without or "time" in self.without:
+            return body
+        beside = uses(body, {})
+        read = [channel for channel in self.scope.reads if channel.name + "?" not in beside]
+        write = [channel for channel in self.scope.writes if channel.name + "!" not in beside]
+        guard = Scope(self.scope.world, self.scope.owner, read, write, [])
+        event = Forms(guard, self.without).event()
+        if isinstance(event, Skip):
+            event = After(self.delay())
+        return Interrupt(body, Guarded(event, self.step(max(depth - 1, 0))))
+
+    # ---- changes ----
+
+    def changed(self, steps: list[Comp]) -> list[Comp]:
+        """A list of steps with one change, after which it may no longer fit to the others."""
+        if not steps:
+            return self.steps(1, 1)
+        at = self.rng.randrange(len(steps))
+        before, step, after = steps[:at], steps[at], steps[at + 1 :]
+        match self.rng.randrange(12):
+            case 0 if after:
+                return [*before, after[0], step, *after[1:]]
+            case 1:
+                return [*before, *after]
+            case 2:
+                return [*before, self.step(1), step, *after]
+            case 3:
+                return [*before, Wait(self.delay()), step, *after]
+            case 4 if isinstance(step, Read | Write) and self._may_guard(step):
+                other = Guarded(After(self.delay()), self.step(0))
+                return [*before, Alt((Guarded(step, Skip()), other), self.rng.random() < 0.5), *after]
+            case 5 if isinstance(step, Read | Write) and self._may_guard(step):
+                rest = self.sequence(after)
+                other = self.guard(1)
+                if _port(other.event) == _port(step):
+                    other = Guarded(After(self.delay()), self.step(0))
+                return [*before, Alt((Guarded(step, rest), other), self.rng.random() < 0.5)]
+            case 6:
+                end = self.rng.randint(at, len(steps))
+                return [*before, self.interrupted(self.sequence(steps[at:end]), 1), *steps[end:]]
+            case 7:
+                end = self.rng.randint(at, len(steps))
+                return [*before, self.caught(steps[at:end], 1), *steps[end:]]
+            case 8:
+                return [*before, If(self.scope.condition(), step), *after]
+            case 9 if (
+                isinstance(step, Read) and after and isinstance(after[0], Read) and step.channel != after[0].channel
+            ):
+                first, second = step, after[0]
+                if not (self._may_guard(first) and self._may_guard(second)):
+                    return steps
+                both = (Guarded(first, second), Guarded(second, first))
+                return [*before, Alt(both, self.rng.random() < 0.3), *after[1:]]
+            case 10:
+                return [*before, self.faulty(1), step, *after]
+            case 11:
+                return [*before, self.loop(step), *after]
+            case _:
+                return [*before, self.alternative(1), step, *after]
+
+    def _may_guard(self, step: Read | Write) -> bool:
+        return isinstance(step, Read) or step.channel in {channel.name for channel in self.scope.writes}

@@ -1,0 +1,247 @@
+"""Random pairs of a program and a specification, of which about half refine by construction.
+
+`P` is made of `Q` by taking choices away, or `Q` of `P` by adding some; or `P` computes in another way the value that `Q`
+writes: through a variable, an expression, a struct, an array, a law. The rest has one more change that may matter.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from random import Random
+
+from tests.oracle.programs.closed import closed
+from tests.oracle.programs.forms import Forms, forever
+from tests.oracle.programs.scope import MODE, PAIR, TWO, Scope, World
+from tests.oracle.programs.shrink import tidy
+from tests.oracle.programs.tree import (
+    INT,
+    Alt,
+    Assign,
+    Bin,
+    Channel,
+    Comp,
+    Expr,
+    Field,
+    Guarded,
+    Index,
+    Law,
+    Lit,
+    Make,
+    Mu,
+    Port,
+    Program,
+    Read,
+    Ref,
+    Run,
+    Seq,
+    Skip,
+    Target,
+    Variable,
+    Wait,
+    Write,
+    parts,
+    walk,
+    with_parts,
+)  # fmt: skip
+
+DOMAIN = (0, 1, 2, 7)
+
+
+@dataclass
+class Pair:
+    program: Program
+    specification: Program
+    holds: bool | None  # by construction, as to traces
+    hidden: tuple[str, ...] = ()  # ports that only the program has
+
+
+def pair(seed: int) -> Pair:
+    rng = Random(seed)
+    base, forms = _parallel(rng) if rng.random() < 0.3 else _sequential(rng)
+    one, other = base, base
+    if rng.random() < 0.5:
+        one = _narrower(rng, one)
+    if rng.random() < 0.5:
+        other = _looser(rng, other)
+    one = _otherwise(rng, one)
+    holds: bool | None = True
+    if rng.random() < 0.5:
+        world = forms.scope.world
+        changed = _changed(rng, one, forms)
+        one, holds = (
+            replace(changed, variables=tuple({v.name: v for v in (*world.variables, *one.variables)}.values())),
+            None,
+        )
+    kept = base.ports
+    hidden: tuple[Port, ...] = ()
+    if rng.random() < 0.3:
+        one, hidden = _hiding(rng, one)
+    return Pair(
+        replace(
+            tidy(one),
+            ports=(*kept, *hidden),
+            name="Main",
+            tags=frozenset({"constants"}),
+            exceptions=base.exceptions,
+            structs=base.structs,
+            enums=base.enums,
+        ),
+        replace(tidy(other), ports=kept, name="Spec"),
+        holds,
+        tuple(port.name for port in hidden),
+    )
+
+
+def _hiding(rng: Random, program: Program) -> tuple[Program, tuple[Port, ...]]:
+    """With a port that is written, or read, before one of its communications."""
+    places = [at for at, part in enumerate(walk(program.body)) if isinstance(part, Write | Read)]
+    if not places:
+        return program, ()
+    reads = rng.random() < 0.4
+    port = Port("h0", reads, INT, domain=(0, 1), values=((0, 0),))
+    step: Comp = Read("h0", Target("w2", INT)) if reads else Write("h0", Lit(rng.randrange(3), INT))
+    body = _everywhere(program.body, lambda part: Seq((step, part)), rng.choice(places))
+    more = (Variable("w2", INT, 0, 0),) if reads else ()
+    return replace(program, body=body, variables=(*program.variables, *more)), (port,)
+
+
+def _parallel(rng: Random) -> tuple[Program, Forms]:
+    """Branches that communicate with each other and outside."""
+    made = closed(rng.randrange(10**9), inputs=True, sampled=False, without=frozenset({"time"}))
+    world = World(rng, variables=list(made.variables))
+    outputs = [Channel(port.name, INT, "output") for port in made.ports if not port.input]
+    scope = Scope(world, 0, [], outputs[:1], [])
+    base = replace(made, boxed=frozenset(), environment=False)
+    return base, Forms(scope, frozenset({"time"}))
+
+
+def _sequential(rng: Random) -> tuple[Program, Forms]:
+    """One process that communicates outside."""
+    world = World(rng, rich=rng.random() < 0.3)
+    inputs = [Channel(f"i{number}", INT, "event") for number in range(rng.choice([0, 1, 1, 2]))]
+    outputs = [Channel(f"o{number}", INT, "output") for number in range(rng.choice([1, 1, 2]))]
+    scope = Scope(world, 0, inputs, outputs, [])
+    without = frozenset({"time"}) if rng.random() < 0.8 else frozenset[str]()
+    forms = Forms(scope, without)
+    steps = forms.steps(rng.randint(1, 3), 1)
+    for output in outputs:
+        steps.insert(rng.randrange(len(steps) + 1), Write(output.name, scope.number()))
+    steps += [Read(channel.name, scope.target(INT)) for channel in inputs if rng.random() < 0.7]
+    body = forms.sequence(steps)
+    looped = rng.random()
+    body = forms.loop(body) if looped < 0.4 else forever(body) if looped < 0.6 else body
+    ports = [Port(channel.name, True, INT, domain=DOMAIN, values=((0, 0),)) for channel in inputs]
+    ports += [Port(channel.name, False, INT) for channel in outputs]
+    base = Program(
+        body,
+        ports=tuple(ports),
+        variables=tuple(world.variables),
+        enums=(MODE,),
+        structs=(PAIR,),
+        exceptions=tuple(sorted(world.exceptions)),
+        environment=False,
+    )
+    return base, forms
+
+
+def _number(part: Comp) -> bool:
+    """Whether it writes a number."""
+    return isinstance(part, Write) and part.value.type == INT
+
+
+def _everywhere(node: Comp, change: object, number: int) -> Comp:
+    """The composition with its `number`th part, in the order of the text, changed."""
+    found = walk(node)[number]
+
+    def put(part: Comp) -> Comp:
+        if part is found:
+            assert callable(change)
+            made: Comp = change(part)
+            return made
+        return with_parts(part, tuple(put(inner) for inner in parts(part)))
+
+    return put(node)
+
+
+def _narrower(rng: Random, program: Program) -> Program:
+    """Without one of the choices of an alternative of which every guard is always ready, or of any `[]`."""
+    places = [at for at, part in enumerate(walk(program.body)) if isinstance(part, Alt) and not part.prioritized]
+    if not places:
+        return program
+
+    def fewer(part: Comp) -> Comp:
+        assert isinstance(part, Alt)
+        left = rng.choice(part.branches)
+        return left.body if isinstance(left.event, Skip) and left.when is None else part
+
+    return replace(program, body=_everywhere(program.body, fewer, rng.choice(places)))
+
+
+def _looser(rng: Random, program: Program) -> Program:
+    """With another value that may be written instead."""
+    places = [at for at, part in enumerate(walk(program.body)) if _number(part)]
+    if not places:
+        return program
+
+    def more(part: Comp) -> Comp:
+        assert isinstance(part, Write)
+        other = Write(part.channel, Lit(rng.randrange(4), INT))
+        return Alt((Guarded(Skip(), part), Guarded(Skip(), other)))
+
+    return replace(program, body=_everywhere(program.body, more, rng.choice(places)))
+
+
+def _otherwise(rng: Random, program: Program) -> Program:
+    """With one value that is written computed in another way."""
+    places = [at for at, part in enumerate(walk(program.body)) if _number(part)]
+    if not places or rng.random() < 0.2:
+        return program
+    way = rng.randrange(6)
+    fresh = Variable(
+        "w0", PAIR if way == 2 else TWO if way == 3 else INT, (0, False) if way == 2 else (0, 0) if way == 3 else 0, 0
+    )
+    through = Variable("w1", INT, 0, 0)
+    law = Law("keep", (("x", INT, "w0"),), (("y", INT, "w1", Ref("x", INT)),), (), 1000, 0)
+
+    def made(part: Comp) -> Comp:
+        assert isinstance(part, Write)
+        value: Expr = part.value
+        ref = Ref("w0", fresh.type)
+        whole = Target("w0", fresh.type)
+        match way:
+            case 0:
+                return Seq((Assign(whole, value), Write(part.channel, ref)))
+            case 1:
+                return Write(part.channel, Bin("-", Bin("+", value, Lit(1, INT), INT), Lit(1, INT), INT))
+            case 2:
+                whole_value = Make((value, Lit(True, PAIR.fields[1][1])), PAIR)
+                return Seq((Assign(whole, whole_value), Write(part.channel, Field(ref, 0, "a", INT))))
+            case 3:
+                both = Make((Lit(3, INT), value), TWO)
+                return Seq((Assign(whole, both), Write(part.channel, Index(ref, Lit(1, INT), INT))))
+            case 4:
+                return Seq((Assign(whole, value), Run("keep"), Write(part.channel, Ref("w1", INT))))
+            case _:
+                return Write(part.channel, Bin("*", value, Lit(1, INT), INT))
+
+    body = _everywhere(program.body, made, rng.choice(places))
+    laws = (law,) if way == 4 else ()
+    return replace(program, body=body, variables=(*program.variables, fresh, through), laws=laws)
+
+
+def _changed(rng: Random, program: Program, forms: Forms) -> Program:
+    """With a change that may matter: another value, a step more or less."""
+    places = [at for at, part in enumerate(walk(program.body)) if not isinstance(part, Guarded)]
+
+    def other(part: Comp) -> Comp:
+        match rng.randrange(4):
+            case 0 if isinstance(part, Write) and _number(part):
+                return replace(part, value=forms.scope.number())
+            case 1 if isinstance(part, Write) and _number(part):
+                return Write(part.channel, Lit(rng.choice(DOMAIN), INT))
+            case 2 if not isinstance(part, Mu):
+                return Seq((part, forms.step(0)))
+            case _:
+                return Skip() if not isinstance(part, Mu | Seq | Wait) else part
+
+    return replace(program, body=_everywhere(program.body, other, rng.choice(places)))

@@ -1,0 +1,297 @@
+"""A refutation is a run that the program has: where it goes on for ever, comes to a halt, or refuses something."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from cspdiag.cli.main import main
+from tests.support.verifying import answer_to, refuted
+from tests.verify.guided.test_guided import RACE
+
+REFUSES = """process Lamp {
+  in  pressed : bool
+  out light   : bool
+
+  communication { var on : bool = false }
+
+  composition { mu (pressed ? on ; light ! on) }
+}
+
+process Patient {
+  in  pressed : bool
+  out light   : bool
+
+  communication { var on : bool = false }
+
+  composition { mu (pressed ? on ; pressed ? on ; light ! on) }
+}
+
+assert Lamp refines Patient in failures
+"""
+
+
+def test_what_a_process_refuses_is_seen_before_it_goes_on() -> None:
+    """After the first press the specification wants another one; the lamp is lit at once."""
+    assert refuted(REFUSES)
+
+
+TURNS = """process Cell {
+  out number : int
+
+  communication { var n : int = 0 }
+
+  composition { while n < 3 do (number ! n ; n := n + 1 ; wait 2 ms) }
+}
+
+process Collector {
+  in  number[2] : int
+  out sum       : int
+
+  communication { var got : int = 0  var last : int = 0 }
+
+  composition { mu ((alt i < 2 : number[i] ? last -> skip) ; got := got + 1) until got == 6 ; stop }
+}
+
+process Collected {
+  communication {
+    cell[2]   : Cell
+    collector : Collector
+
+    for i < 2 { cell[i].number -> collector.number[i] }
+    collector.sum -> _
+  }
+
+  composition { (par i < 2 : cell[i]) || collector }
+}
+
+assert Collected deadlock free
+"""
+
+
+def test_where_times_want_another_order_that_run_is_told() -> None:
+    """Each cell writes every two milliseconds, so that none can be served three times before the other is."""
+    answer = answer_to(TURNS)
+    assert (answer.outcome, answer.replayed) == ("refuted", True)
+    assert answer.counterexample is not None
+    told = [step for step in answer.counterexample.steps if step.kind == "communication"]
+    assert len(told) == 6
+    for earlier, later in ((0, 1), (2, 3), (4, 5)):
+        assert told[earlier].channel != told[later].channel
+    assert all(party.span is not None for step in told for party in step.parties)
+
+
+def test_a_replay_says_when_what_happens(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    program, trace = tmp_path / "turns.csp", tmp_path / "trace.json"
+    program.write_text(TURNS)
+    main(["verify", str(program), "--no-cache", "--quiet", "--trace-out", str(trace)])
+    capsys.readouterr()
+    assert main(["run", str(program), "--replay", str(trace)]) == 0
+    told = [line.split() for line in capsys.readouterr().err.splitlines() if "number" in line]
+    assert [(instant, unit) for _, instant, unit, *_ in told] == [
+        (instant, unit) for instant, unit in (("0", "s"), ("2", "ms"), ("4", "ms")) for _ in range(2)
+    ]
+
+
+NEVER_WAITS = """process Chatters {
+  out a, b : bool
+
+  communication { var n : int = 0 }
+
+  composition { mu (a ! true ; (if n == 100 then wait 1 ms else b ! true)) }
+}
+
+process Alternates {
+  out a, b : bool
+
+  communication { var n : int = 0 }
+
+  composition { mu (a ! true ; (if n == 100 then wait 1 ms else ORDER)) }
+}
+
+assert Chatters refines Alternates
+"""
+
+
+def test_a_process_that_never_waits_is_broken_off() -> None:
+    assert refuted(NEVER_WAITS.replace("ORDER", "(a ! true ; b ! true)"))
+    assert answer_to(NEVER_WAITS.replace("ORDER", "b ! true")).outcome == "proved"
+
+
+AT_ONCE = """process Starts {
+  in  go   : bool
+  out told : bool
+
+  communication { var b : bool = false }
+
+  composition { told ! true ; (go ? b -> told ! false [] told ! b -> skip) ; stop }
+}
+
+process Ignores {
+  in  go   : bool
+  out told : bool
+
+  composition { told ! true ; told ! false ; stop }
+}
+
+assert Starts refines Ignores
+"""
+
+
+def test_the_environment_may_act_just_before_a_process_looks() -> None:
+    """The alternative comes at once after the first output, and can always take the second one."""
+    assert refuted(AT_ONCE)
+
+
+DRIFTS = """process Feeds {
+  out food : int
+
+  composition { mu (food ! 1 ; wait EVERY) }
+}
+
+process Eats {
+  in food : int
+
+  communication { var v : int = 0  var starved : bool = false }
+
+  composition { wait 1 ms ; mu ((food ? v -> wait 10 ms []> skip -> starved := true)) until starved }
+}
+
+process Both {
+  communication {
+    feeds : Feeds
+    eats  : Eats
+
+    feeds.food -> buffer 1 -> eats.food
+  }
+
+  composition { feeds || eats }
+}
+
+assert Both terminates
+"""
+
+
+def test_what_goes_on_for_ever_does_so_in_its_times() -> None:
+    """Where one loop is a little slower than the other, the two go round in step ten times, and then come to a halt."""
+    for every, is_for_ever in (("10 ms", True), ("10100 us", False)):
+        answer = answer_to(DRIFTS.replace("EVERY", every))
+        assert answer.replayed
+        assert answer.counterexample is not None
+        assert bool(answer.counterexample.cycle) == is_for_ever
+
+
+RAISES = """exception Broken
+
+process Raises {
+  out a : bool
+  out b : bool
+
+  composition { a ! true ; raise Broken }
+}
+
+process Goes {
+  out a : bool
+  out b : bool
+
+  composition { SPECIFICATION }
+}
+
+assert Raises refines Goes
+"""
+
+
+def test_a_program_that_ends_by_an_exception_has_done_what_it_did_before() -> None:
+    assert refuted(RAISES.replace("SPECIFICATION", "b ! true"))
+    assert answer_to(RAISES.replace("SPECIFICATION", "a ! true")).outcome == "proved"
+
+
+def test_a_program_that_ends_offers_nothing_more() -> None:
+    text = RAISES.replace("refines Goes", "refines Goes in failures").replace(" ; raise Broken", "")
+    assert refuted(text.replace("SPECIFICATION", "a ! true ; b ! true"))
+    assert answer_to(text.replace("SPECIFICATION", "a ! true")).outcome == "proved"
+
+
+NEVER_LATE = """process Follows {
+  in  x : double @ 1 ms
+  out o : bool
+
+  communication { var now : double = 0 }
+
+  composition { (mu (x ? now ; o ! true ; wait PAUSE)) catch Timeout -> stop }
+}
+
+process Tells {
+  out o : bool
+
+  composition { mu (o ! true) }
+}
+
+assert Follows refines Tells in failures hide x
+"""
+
+
+@pytest.mark.parametrize(("pause", "is_late"), [("0 ms", False), ("2 ms", True)])
+def test_a_sample_that_is_taken_is_none_that_was_missed(pause: str, is_late: bool) -> None:
+    assert refuted(NEVER_LATE.replace("PAUSE", pause)) == is_late
+
+
+LOGGED = """submodel Law {
+  in  e : double
+  out u : double
+
+  u = 3 * e
+}
+
+process Loop {
+  in  e     : double @ 1 ms
+  out trace : double
+
+  communication {
+    law : Law
+    var y : double = 0
+
+    e     -> law.e
+    law.u -> y
+  }
+
+  composition { mu (law ; trace ! y) }
+}
+
+process Logger {
+  in trace : double
+
+  communication { var y : double = 0 }
+
+  composition { mu (trace ? y ; wait 20 ms) }
+}
+
+process Logged {
+  in e : double @ 1 ms
+
+  communication {
+    loop   : Loop
+    logger : Logger
+
+    e          -> loop.e
+    loop.trace -> overwrite 4 -> logger.trace
+  }
+
+  composition { loop ||> logger }
+}
+
+assert Logged terminates
+"""
+
+
+def test_loops_of_different_rates_go_on_for_ever() -> None:
+    """The cycle that is found has one round of each; twenty of the first take as long as one of the other."""
+    assert refuted(LOGGED)
+
+
+def test_who_is_stuck_does_not_end() -> None:
+    """Without priorities and times the second process may be left alone; a program that comes to a halt has not ended either."""
+    for delay, comes_too_late in (("wait 5 ms", False), ("wait 15 ms", True)):
+        text = RACE.replace("DELAY", delay).replace("assert Both deadlock free", "assert Both terminates")
+        assert refuted(text) == comes_too_late

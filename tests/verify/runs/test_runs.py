@@ -1,0 +1,54 @@
+"""Replays know all runs of a program and no others: seen from real runs, and from all schedules of small programs."""
+
+from __future__ import annotations
+
+from collections import Counter
+from random import Random
+
+from cspdiag import pipeline
+from cspdiag.base import SourceFile
+from cspdiag.proofs.verdict import Limits
+from cspdiag.verify.confirm import Verifier
+from tests.properties.drawing import draw_programs
+from tests.verify.runs.real_runs import followed
+from tests.verify.runs.schedules import TooManyError, endings, small_program
+
+
+def read(path: str) -> SourceFile:
+    raise FileNotFoundError(path)
+
+
+def test_what_a_program_has_done_it_can_be_led_to_do_again() -> None:
+    """Random programs in their environments, with samples, time-outs, priorities, interrupts and exceptions."""
+    seen = Counter[bool]()
+
+    def look(text: str) -> None:
+        network = pipeline.build(SourceFile(name="random.csp", text=text), read).network
+        assert network is not None
+        entries, run = followed(network, until=60_000_000, most=40)
+        assert run.succeeded, (run.divergence, text)
+        seen[len(entries) == 40] += 1
+
+    for start in range(100, 102):
+        draw_programs(look, 6, start, shrink=False)
+    assert seen[True] > 6
+
+
+def test_refuted_is_what_some_schedule_comes_to() -> None:
+    """The answer for small closed programs, and what an interpreter finds that tries all their schedules in exact times."""
+    seen = Counter[tuple[str, bool]]()
+    for number in (*range(30), 412, 860):
+        text = small_program(Random(number))
+        asked = pipeline.ask(SourceFile(name="case.csp", text=text), read)
+        network = asked.network("All")
+        assert network is not None
+        answer = Verifier(asked, read).answer(asked.questions[0], Limits(20.0))
+        try:
+            reached = "deadlock" in endings(network, 1000)
+        except TooManyError:
+            continue
+        assert reached or answer.outcome != "refuted", text
+        assert not reached or answer.outcome == "refuted", (answer.reason, text)
+        seen[answer.outcome, reached] += 1
+    assert seen["refuted", True] > 15
+    assert sum(count for (_, reached), count in seen.items() if not reached) > 3
