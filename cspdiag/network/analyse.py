@@ -6,9 +6,11 @@ Inside out: relations, kinds, periods. Outside in: what each port meets in its c
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cached_property
 
 from cspdiag.base import Report
 from cspdiag.model.program import Program, Value
+from cspdiag.network.checks.agreement import Agreement
 from cspdiag.network.checks.assignment import Flow, check_assignment
 from cspdiag.network.checks.buttons import check_releases
 from cspdiag.network.checks.composition import check_progress, check_runs
@@ -50,6 +52,7 @@ class Analysis:
         self.rates: dict[Shape, Rates] = {}
         self.contexts = Contexts(self.rates, report)
         self.flows: dict[Shape, Flow] = {}
+        self._agreement = Agreement()
         self._sizes: dict[Shape, int] = {}
         self._roots: list[tuple[Shape, Surroundings]] = []
         self._root_arguments: list[tuple[Shape, tuple[ast.Argument, ...]]] = []
@@ -101,9 +104,10 @@ class Analysis:
         for placed in self._inside_out_in_context():
             waiting.process(placed)
             check_guards(placed, self.report)
-            check_progress(placed, waiting, self.report)
-            check_releases(placed, self.report)
+            check_progress(placed, waiting, self.report, self._agreement)
+            check_releases(placed, self._agreement)
             self._check_samples(placed)
+        self._agreement.report(self.report)
         if not self.report.has_errors and any(
             kind == "sampled" for placed in self.contexts.placed for kind, _ in placed.facts.values()
         ):
@@ -182,8 +186,14 @@ class Analysis:
         is_specification = isinstance(shape.definition, ast.ProcessDefinition) and self.definitions.is_specification(
             shape.definition
         )
-        check_usage(shape, uses, self.report, is_specification=is_specification)
-        self.flows[shape] = check_assignment(shape, uses, self.flows, self.report)
+        check_usage(shape, uses, self.report, self._agreement, named=self._named, is_specification=is_specification)
+        self.flows[shape] = check_assignment(shape, uses, self.flows, self.report, self._agreement)
+
+    @cached_property
+    def _named(self) -> frozenset[ast.Node]:
+        """The variables and channels that are named in the text."""
+        symbols = self.program.bindings.values()
+        return frozenset(symbol for symbol in symbols if isinstance(symbol, ast.Variable | ast.Channel))
 
     def _check_samples(self, placed: Placed) -> None:
         """A submodel whose sample period is unknown must not need it, unless nothing is known about the nets either."""

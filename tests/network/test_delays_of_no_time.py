@@ -115,6 +115,14 @@ def test_one_instance_that_waits_is_enough(given: str, is_refused: bool) -> None
     assert ("E0612" in found) is is_refused
 
 
+@pytest.mark.parametrize(("given", "is_refused"), [(["part[1].d"], False), (["part[0].d", "part[1].d"], True)])
+def test_a_setting_of_one_instance_leaves_those_that_wait(given: list[str], is_refused: bool) -> None:
+    text = PROGRAM.format(part="(o ! n ; mu wait d)", arguments="1 ms", body="skip")
+    source = SourceFile(name="case.csp", text=text)
+    built = pipeline.build(source, lambda _: source, settings=dict.fromkeys(given, "0 ms"))
+    assert ("E0612" in {d.code for d in built.checked.report.diagnostics}) is is_refused
+
+
 def test_a_setting_decides_as_the_text_does() -> None:
     text = PROGRAM.format(part="o ! n", arguments="1 ms", body="mu wait longest")
     source = SourceFile(name="case.csp", text=text)

@@ -13,6 +13,7 @@ from typing import TypeAlias, assert_never
 
 from cspdiag.base import Report, Span
 from cspdiag.base.record import node
+from cspdiag.network.checks.agreement import Agreement
 from cspdiag.network.diagnostics.runs import ReadBeforeWrite, Unreachable
 from cspdiag.network.ir.actions import (
     Action,
@@ -62,15 +63,17 @@ class Flow:
     ends: bool
 
 
-def check_assignment(shape: Shape, uses: UsesByKey, inside: Mapping[Shape, Flow], report: Report) -> Flow:
-    """Report reads before writes and unreachable parts of a shape; ``inside`` has the flows of its process instances."""
+def check_assignment(
+    shape: Shape, uses: UsesByKey, inside: Mapping[Shape, Flow], report: Report, agreement: Agreement
+) -> Flow:
+    """Report reads before writes, and find unreachable parts of a shape; ``inside`` has the flows of its process instances."""
     inputs = {key for port, _, key in shape.port_elements() if port.direction == "in"}
     outputs = frozenset(key for port, _, key in shape.port_elements() if port.direction == "out")
     if shape.is_submodel or shape.is_external:
         return Flow(reads=dict.fromkeys(inputs, frozenset()), writes=outputs, ends=True)
     if shape.body is None or shape.incomplete:
         return Flow(reads={}, writes=outputs, ends=True)
-    walk = _Walk(shape, uses, inside, inputs, outputs, report)
+    walk = _Walk(shape, uses, inside, inputs, outputs, report, agreement)
     ends = walk.action(shape.body)
     return Flow(reads=_Reads(walk.reads), writes=frozenset(walk.written & outputs) if ends else outputs, ends=ends)
 
@@ -119,6 +122,7 @@ class _Walk:
         inputs: set[Key],
         outputs: frozenset[Key],
         report: Report,
+        agreement: Agreement,
     ) -> None:
         self.shape = shape
         self.uses = uses
@@ -126,6 +130,7 @@ class _Walk:
         self.inputs = inputs
         self.outputs = outputs
         self.report = report
+        self.agreement = agreement
         self.reads: dict[Key, list[_Chain]] = {}
         self.written: set[Key] = set()
         self._trail: list[Key] = []
@@ -189,9 +194,10 @@ class _Walk:
 
     def _sequence(self, steps: tuple[Action, ...]) -> bool:
         for position, step in enumerate(steps):
+            self.agreement.refuted(Unreachable, step.span)
             if not self.action(step):
                 if position + 1 < len(steps):
-                    self.report.add(Unreachable(span=steps[position + 1].span, endless=step.span))
+                    self.agreement.found(Unreachable(span=steps[position + 1].span, endless=step.span))
                 return False
         return True
 

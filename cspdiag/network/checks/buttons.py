@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator
 
-from cspdiag.base import Report
 from cspdiag.model.types import BoolType
+from cspdiag.network.checks.agreement import Agreement
 from cspdiag.network.checks.usage import expressions_in
 from cspdiag.network.diagnostics.alternatives import ReleaseNotToldApart
 from cspdiag.network.infer.contexts import Placed
@@ -16,8 +16,8 @@ from cspdiag.network.relations import end_key, variables_read
 from cspdiag.network.shapes import Key, attached_key
 
 
-def check_releases(placed: Placed, report: Report) -> None:
-    """Warn of guards on `bool` events of which nobody looks at the value; where the event is read elsewhere too, that may be the release."""
+def check_releases(placed: Placed, agreement: Agreement) -> None:
+    """Find guards on `bool` events of which nobody looks at the value; where the event is read elsewhere too, that may be the release."""
     shape = placed.shape
     if shape.body is None or shape.incomplete:
         return
@@ -31,9 +31,11 @@ def check_releases(placed: Placed, report: Report) -> None:
         assert isinstance(branch.event, InputEvent)
         key, variable = end_key(branch.event.source), branch.event.target.channel
         if variable not in looked_at and reads[key] == 1:
-            report.add(
+            agreement.found(
                 ReleaseNotToldApart(span=branch.event.span, port=key, variable=variable, is_interrupt=is_interrupt)
             )
+        else:
+            agreement.refuted(ReleaseNotToldApart, branch.event.span)
 
 
 def _guards(body: Action) -> Iterator[tuple[Branch, bool]]:

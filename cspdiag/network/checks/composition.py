@@ -6,8 +6,10 @@ from collections.abc import Iterator
 
 from cspdiag.base import Report, Span
 from cspdiag.model.types import UnknownType
+from cspdiag.network.checks.agreement import Agreement
 from cspdiag.network.diagnostics.alternatives import BranchNeverChosen, SamePortTwice, TimeOutNeverElapses
 from cspdiag.network.diagnostics.runs import EndlessLoop, InstanceNeverRun, NoComposition, RunTwiceAtOnce
+from cspdiag.network.elaborate.constant_value import constant_value
 from cspdiag.network.infer.contexts import Placed
 from cspdiag.network.infer.ends import all_actions
 from cspdiag.network.infer.possible import overtaken
@@ -65,31 +67,40 @@ def _excuse(shape: Shape, instance: InstanceShape) -> None:
             shape.channels[key].excused = True
 
 
-def check_progress(placed: Placed, waiting: Waiting, report: Report) -> None:
-    """Loops in which no time can pass, and branches that can never be chosen."""
+def check_progress(placed: Placed, waiting: Waiting, report: Report, agreement: Agreement) -> None:
+    """Report loops in which no time can pass, and find branches that can never be chosen."""
     shape = placed.shape
     if shape.body is None or shape.incomplete:
         return
     for action in all_actions(shape.body):
         match action:
             case Repeat():
-                _check_loop(placed, waiting, action, action.until, report)
+                _check_loop(placed, waiting, action, action.until, report, agreement)
             case WhileLoop():
-                _check_loop(placed, waiting, action, action.condition, report)
+                _check_loop(placed, waiting, action, action.condition, report, agreement)
             case Choice():
-                _check_branches(placed, action, report)
-                _check_time_outs(placed, action, report)
+                _check_branches(placed, action, report, agreement)
+                _check_time_outs(placed, action, agreement)
             case InterruptOn():
-                _never_holds(action.branch, report)
+                _never_holds(action.branch, agreement)
             case _:
                 pass
 
 
 def _check_loop(
-    placed: Placed, waiting: Waiting, loop: Repeat | WhileLoop, condition: Expression | None, report: Report
+    placed: Placed,
+    waiting: Waiting,
+    loop: Repeat | WhileLoop,
+    condition: Expression | None,
+    report: Report,
+    agreement: Agreement,
 ) -> None:
-    """A loop that may never wait is endless when nothing inside changes its condition."""
+    """A loop that may never wait is endless when nothing inside changes its condition.
+
+    Where that comes of the values of parameters, it is refused only if all instances are given such values.
+    """
     if waiting.action(placed, loop.body):
+        agreement.refuted(EndlessLoop, loop.span)
         return
     if condition is not None:
         if isinstance(loop, WhileLoop) and isinstance(condition, LiteralValue) and condition.value is False:
@@ -101,8 +112,12 @@ def _check_loop(
         looked_at = {value.channel for value in variables_read(condition)}
         if looked_at & _written_in(placed.shape, loop.body) or any(is_open(placed, key) for key in looked_at):
             return
-    delay = next((span for span, duration in _delays(loop.body) if is_over_at_once(placed, duration)), None)
-    report.add(EndlessLoop(span=loop.span, conditional=condition is not None, delay=delay))
+    delays = [one for one in _delays(loop.body) if is_over_at_once(placed, one[1])]
+    endless = EndlessLoop(span=loop.span, conditional=condition is not None, delay=delays[0][0] if delays else None)
+    if any(constant_value(duration, lambda _: None) is None for _, duration in delays):
+        agreement.found(endless)
+    else:
+        report.add(endless)
 
 
 def _delays(body: Action) -> Iterator[tuple[Span, Expression]]:
@@ -141,16 +156,17 @@ def _written_in(shape: Shape, body: Action) -> set[Key]:
     return written
 
 
-def _check_branches(placed: Placed, choice: Choice, report: Report) -> None:
+def _check_branches(placed: Placed, choice: Choice, report: Report, agreement: Agreement) -> None:
     """Behind a guard that is always ready, a prioritized alternative never goes on."""
     always: Branch | None = None
     seen: dict[tuple[str, Key], Branch] = {}
     for branch in choice.branches:
-        if _never_holds(branch, report):
+        if _never_holds(branch, agreement):
             continue
         if always is not None and choice.prioritized:
-            report.add(BranchNeverChosen(span=branch.event.span, earlier=always.event.span))
+            agreement.found(BranchNeverChosen(span=branch.event.span, earlier=always.event.span))
             continue
+        agreement.refuted(BranchNeverChosen, branch.event.span)
         end = _end_of(branch.event)
         if end is not None and branch.condition is None:
             if end in seen:
@@ -162,15 +178,19 @@ def _check_branches(placed: Placed, choice: Choice, report: Report) -> None:
             always = branch
 
 
-def _check_time_outs(placed: Placed, choice: Choice, report: Report) -> None:
+def _check_time_outs(placed: Placed, choice: Choice, agreement: Agreement) -> None:
     """A time-out beside samples, a shorter one or a branch that is always ready must come before them to be chosen at all."""
-    for found in overtaken(placed, choice):
-        is_behind = choice.prioritized and found.by.span.start < found.branch.span.start
+    late = {found.place: found for found in overtaken(placed, choice)}
+    for place, branch in enumerate(choice.branches):
+        found = late.get(place)
+        if found is None:
+            agreement.refuted(TimeOutNeverElapses, branch.event.span)
+            continue
         # Behind one that is always ready nothing has a turn, and that is said already.
-        if found.period or not is_behind:
-            report.add(
+        if found.period or not found.has_priority:
+            agreement.found(
                 TimeOutNeverElapses(
-                    span=found.branch.event.span,
+                    span=branch.event.span,
                     waits=found.waits,
                     port=found.port,
                     period=found.period,
@@ -179,11 +199,14 @@ def _check_time_outs(placed: Placed, choice: Choice, report: Report) -> None:
             )
 
 
-def _never_holds(branch: Branch, report: Report) -> bool:
+def _never_holds(branch: Branch, agreement: Agreement) -> bool:
     condition = branch.condition
-    if isinstance(condition, LiteralValue) and condition.value is False and condition.span is not None:
-        report.add(BranchNeverChosen(span=condition.span, earlier=None))
+    if condition is None or condition.span is None:
+        return False
+    if isinstance(condition, LiteralValue) and condition.value is False:
+        agreement.found(BranchNeverChosen(span=condition.span, earlier=None))
         return True
+    agreement.refuted(BranchNeverChosen, condition.span)
     return False
 
 

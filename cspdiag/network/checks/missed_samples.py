@@ -215,10 +215,10 @@ class _Sequence:
         was_tolerated = self.findings.tolerated
         self.findings.tolerated = was_tolerated or not is_certain
         parts = []
-        for branch in branches:
+        for place, branch in enumerate(branches):
             instead = {}
             for key, sample in samples.items():
-                is_first = action.prioritized and branch.span.start < sample.span.start
+                is_first = action.prioritized and place < sample
                 is_last = action.prioritized and not is_first
                 instead[key, 0] = self._instead_of(key, branch, waits=is_waiting, is_first=is_first, is_last=is_last)
             parts.append(self._branch(branch, until if branch in events else NOTHING, instead))
@@ -238,14 +238,14 @@ class _Sequence:
         key = end_key(branch.event.source)
         return key if self._is_event(key) else None
 
-    def _samples(self, branches: Iterable[Branch]) -> dict[Key, Branch]:
-        """The sampled inputs that guards wait for."""
+    def _samples(self, branches: Iterable[Branch]) -> dict[Key, int]:
+        """The sampled inputs that guards wait for, with the places of these."""
         guarded = {
-            end_key(branch.event.source): branch
-            for branch in branches
+            end_key(branch.event.source): place
+            for place, branch in enumerate(branches)
             if isinstance(branch.event, InputEvent | ReadyEvent)
         }
-        return {key: branch for key, branch in guarded.items() if self._period(key)}
+        return {key: place for key, place in guarded.items() if self._period(key)}
 
     def _time_out(self, branch: Branch) -> Gap | None:
         assert isinstance(branch.event, AfterEvent)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Set
 
 from cspdiag.base import Report
+from cspdiag.network.checks.agreement import Agreement
 from cspdiag.network.diagnostics.channels import ChannelReadAsVariable
 from cspdiag.network.diagnostics.usage import PortUnused, VariableUnused
 from cspdiag.network.infer.ends import all_actions
@@ -27,10 +28,19 @@ from cspdiag.network.shapes import Shape, attached_key
 from cspdiag.syntax import ast
 
 
-def check_usage(shape: Shape, uses: UsesByKey, report: Report, *, is_specification: bool) -> None:
-    """Warn of ports and variables of a process that nobody uses; refuse conditions on channels that keep no value.
+def check_usage(
+    shape: Shape,
+    uses: UsesByKey,
+    report: Report,
+    agreement: Agreement,
+    *,
+    named: Set[ast.Node],
+    is_specification: bool,
+) -> None:
+    """Find ports and variables of a process that nobody uses; refuse conditions on channels that keep no value.
 
-    A port that a specification does not use is one at which it allows nothing.
+    A port that a specification does not use is one at which it allows nothing. ``named`` are the declarations that are named anywhere,
+    be it in a part that is repeated no times in this shape.
     """
     if shape.body is None or shape.incomplete:
         return
@@ -38,14 +48,23 @@ def check_usage(shape: Shape, uses: UsesByKey, report: Report, *, is_specificati
     if shape.has_refused_relationship:
         return
     for port, _, key in shape.port_elements():
-        if not is_specification and key not in uses and key not in shape.port_spans:
-            report.add(PortUnused(span=port.span, port=key, process=shape.name, direction=port.direction))
+        if is_specification:
+            continue
+        if key in uses or key in shape.port_spans:
+            agreement.refuted(PortUnused, port.span, key)
+        else:
+            unused = PortUnused(span=port.span, port=key, process=shape.name, direction=port.direction)
+            agreement.found(unused, key)
     connected = {attached_key(a) for instance in shape.instances.values() for a in instance.attachments.values()}
     for channel in shape.channels.values():
         use = uses.get(channel.name)
-        is_declared = not isinstance(channel.declaration, ast.Connection)
-        if is_declared and use is None and channel.name not in connected:
-            report.add(VariableUnused(span=channel.span, name=channel.name))
+        if isinstance(channel.declaration, ast.Connection):
+            continue
+        is_one_of_several = bool(channel.replicators)
+        if use is None and channel.name not in connected and (is_one_of_several or channel.declaration not in named):
+            agreement.found(VariableUnused(span=channel.span, name=channel.name), channel.name)
+        else:
+            agreement.refuted(VariableUnused, channel.span, channel.name)
 
 
 def _check_values(shape: Shape, body: Action, report: Report) -> None:

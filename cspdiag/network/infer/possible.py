@@ -17,13 +17,18 @@ from cspdiag.network.shapes import Key
 
 @record
 class Overtaken:
-    """A time-out of ``waits`` nanoseconds, and the guard ``by`` that is ready within ``period`` of them: a sample of ``port``, another time-out, or at once."""
+    """A time-out of ``waits`` nanoseconds, and the guard ``by`` that is ready within ``period`` of them: a sample of ``port``, another time-out, or at once.
 
-    branch: Branch
+    ``place`` is that of the branch in its alternative: those of a replicated one all stand at one place of the text.
+    """
+
+    place: int
     waits: int
     by: Branch
     port: Key | None
     period: int
+    has_priority: bool
+    """Whether ``by`` stands before it in a prioritized alternative."""
 
 
 def decided(placed: Placed, condition: Expression | None) -> bool | None:
@@ -36,19 +41,19 @@ def decided(placed: Placed, condition: Expression | None) -> bool | None:
 
 def overtaken(placed: Placed, choice: Choice) -> Iterator[Overtaken]:
     """The time-outs beside samples of an input, another time-out, or a branch that is always ready, which come before them."""
-    soonest: tuple[int, Branch, Key | None] | None = None
-    for branch in choice.branches:
+    soonest: tuple[int, int, Key | None] | None = None
+    for place, branch in enumerate(choice.branches):
         found = _ready_within(placed, branch) if decided(placed, branch.condition) else None
         if found is not None and (soonest is None or found[0] < soonest[0]):
-            soonest = found[0], branch, found[1]
+            soonest = found[0], place, found[1]
     if soonest is None:
         return
-    period, other, port = soonest
-    for branch in choice.branches:
+    period, first, port = soonest
+    for place, branch in enumerate(choice.branches):
         waits = known_duration(placed, branch.event.duration) if isinstance(branch.event, AfterEvent) else 0
-        is_behind = choice.prioritized and other.span.start < branch.span.start
-        if branch is not other and (waits > period or (period and waits == period and is_behind)):
-            yield Overtaken(branch, waits, other, port, period)
+        is_behind = choice.prioritized and first < place
+        if place != first and (waits > period or (period and waits == period and is_behind)):
+            yield Overtaken(place, waits, choice.branches[first], port, period, is_behind)
 
 
 def _ready_within(placed: Placed, branch: Branch) -> tuple[int, Key | None] | None:
@@ -66,11 +71,11 @@ def _ready_within(placed: Placed, branch: Branch) -> tuple[int, Key | None] | No
 
 def possible_branches(placed: Placed, choice: Choice) -> tuple[Branch, ...]:
     """The branches that can be chosen."""
-    late = {found.branch.span for found in overtaken(placed, choice)}
+    late = {found.place for found in overtaken(placed, choice)}
     possible: list[Branch] = []
-    for branch in choice.branches:
+    for place, branch in enumerate(choice.branches):
         holds = decided(placed, branch.condition)
-        if holds is False or branch.span in late:
+        if holds is False or place in late:
             continue
         possible.append(branch)
         if holds and choice.prioritized and is_always_ready(placed, branch.event):

@@ -156,6 +156,8 @@ LOOPS = [
     ("(mu (x ? v ; wait 11 ms)) interrupt after 60 ms -> skip", None),
     ("(mu (x ? v ; wait 11 ms)) interrupt after 1 s -> skip", "each turn of the loop waits 11 ms"),
     ("mu (x ? v ; (wait 20 ms interrupt x ? w -> skip))", None),
+    ("mu (prialt k < 2 : after (2 - k) * 20 ms -> x ? v)", "between two reads of `x`, which comes every 10 ms"),
+    ("mu (prialt k < 2 : after (2 - k) * 4 ms -> x ? v)", None),
     ("mu (mu x ? v interrupt x ? w -> wait 15 ms)", "this waits 30 ms"),
     ("stop ; mu (x ? v ; wait 30 ms)", None),
 ]
