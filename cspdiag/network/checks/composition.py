@@ -35,6 +35,7 @@ from cspdiag.network.ir.expression_walk import walk
 from cspdiag.network.ir.expressions import Expression, LiteralValue
 from cspdiag.network.relations import UsesByKey, end_key, run_key, variables_read
 from cspdiag.network.shapes import InstanceShape, Key, Shape, attached_key
+from cspdiag.network.syntax_walk import nodes
 from cspdiag.syntax import ast
 
 
@@ -52,11 +53,20 @@ def check_runs(shape: Shape, uses: UsesByKey, report: Report) -> None:
     for instance in shape.instances.values():
         use = uses.get(run_key(instance.name))
         if instance.name not in run and not shape.incomplete:
-            report.add(InstanceNeverRun(span=instance.span, instance=instance.name, process=shape.name))
+            is_named = _is_named_in_composition(shape, instance)
+            never = InstanceNeverRun(span=instance.span, instance=instance.name, process=shape.name, is_named=is_named)
+            report.add(never)
             _excuse(shape, instance)
         elif use is not None and use.parallel_writes is not None:
             first, second = use.parallel_writes
             report.add(RunTwiceAtOnce(span=second.span, instance=instance.name, first=first.span))
+
+
+def _is_named_in_composition(shape: Shape, instance: InstanceShape) -> bool:
+    assert isinstance(shape.definition, ast.ProcessDefinition)
+    name = instance.declaration.name.text
+    steps = nodes(shape.definition.composition)
+    return any(isinstance(step, ast.Run) and step.instance.name.text == name for step in steps)
 
 
 def _excuse(shape: Shape, instance: InstanceShape) -> None:

@@ -30,13 +30,19 @@ class InstanceNeverRun(Diagnostic):
 
     instance: str
     process: str
+    is_named: bool
+    """Whether the composition names it where a replicator never comes to it."""
 
     @property
     def message(self) -> str:
+        if self.is_named:
+            return f"`{self.instance}` never runs: no turn of the replicators in the composition of `{self.process}` runs it"
         return f"`{self.instance}` never runs: the composition of `{self.process}` does not name it"
 
     @property
     def help(self) -> str | None:
+        if self.is_named:
+            return "let the replicators run every instance that is declared, or declare an array of as many as they run"
         return f"put `{self.instance}` where it belongs in the composition, or leave the instance away"
 
 
