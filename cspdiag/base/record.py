@@ -1,24 +1,30 @@
 """Immutable records that cost nothing to define.
 
 ``dataclasses`` compiles three functions for every frozen class: 0.4 ms each, 80 ms over the classes of this package,
-most of the time that ``cspdiag check`` may take. ``record`` and ``node`` declare fields in the same way and look the same
-to a type checker, but share their methods.
+most of the time that ``cspdiag check`` may take. ``record`` and ``node`` declare fields in the same way and look the
+same to a type checker, but share their methods. Plain data is a record; only the runtime, which stands alone, has
+dataclasses for it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
-from types import FunctionType
-from typing import Any, TypeAlias, TypeVar, dataclass_transform, overload
+from operator import attrgetter
+from types import FunctionType, MappingProxyType
+from typing import Any, Final, TypeAlias, TypeVar, dataclass_transform, overload
 
 T = TypeVar("T")
 Constructor: TypeAlias = "Callable[..., None]"
 
+EMPTY: Final[Mapping[Any, Any]] = MappingProxyType({})
+"""The default of a field that is a mapping."""
+
+_PLACE = frozenset({"span"})
+
 
 class _Shared:
     __record_fields__: tuple[str, ...] = ()
-    __record_compared__: tuple[str, ...] = ()
 
     def __setattr__(self, name: str, value: object) -> None:
         raise AttributeError(f"{type(self).__name__}.{name} cannot be set: records do not change")
@@ -43,16 +49,23 @@ def _construct(self: Any) -> None:
     _keep(locals())
 
 
+def _construct_and_complete(self: Any) -> None:
+    _keep(locals())
+    self.__post_init__()
+
+
 def _constructor(cls: type, positional: tuple[str, ...], by_name: tuple[str, ...]) -> Constructor:
     """``_construct`` with the fields as its parameters, so that the interpreter itself checks each call.
 
-    Its instructions do not depend on its parameters, so that nothing has to be compiled.
+    As in a dataclass, ``__post_init__`` is called if there is one. The instructions of ``_construct`` do not depend on
+    its parameters, so that nothing has to be compiled.
     """
     defaults = {name: getattr(cls, name) for name in positional + by_name if hasattr(cls, name)}
     optional = tuple(name for name in positional if name in defaults)
     if positional[len(positional) - len(optional) :] != optional:
         raise TypeError(f"{cls.__name__} has fields without a default after fields with one")
-    code = _construct.__code__.replace(
+    template = _construct_and_complete if hasattr(cls, "__post_init__") else _construct
+    code = template.__code__.replace(
         co_varnames=("self", *positional, *by_name),
         co_nlocals=1 + len(positional) + len(by_name),
         co_argcount=1 + len(positional),
@@ -65,12 +78,8 @@ def _constructor(cls: type, positional: tuple[str, ...], by_name: tuple[str, ...
 
 
 def _equal(self: Any, other: object) -> bool:
-    compared: tuple[str, ...] = self.__record_compared__
-    if self is other:
-        return True
-    if type(self) is not type(other):
-        return False
-    return all(getattr(self, name) == getattr(other, name) for name in compared)
+    values: Callable[[Any], Any] = self.__record_values__
+    return type(self) is type(other) and values(self) == values(other)
 
 
 def _hash(self: Any) -> int:
@@ -78,10 +87,17 @@ def _hash(self: Any) -> int:
     kept: dict[str, Any] = self.__dict__
     known: int | None = kept.get("__record_hash__")
     if known is None:
-        known = kept["__record_hash__"] = hash(
-            (type(self), *(getattr(self, name) for name in self.__record_compared__))
-        )
+        known = kept["__record_hash__"] = hash(self.__record_values__(self))
     return known
+
+
+def _less(self: Any, other: Any) -> Any:
+    values: Callable[[Any], Any] = self.__record_values__
+    return values(self) < values(other) if type(self) is type(other) else NotImplemented
+
+
+def _no_values(_: object) -> tuple[()]:
+    return ()
 
 
 def _prepare(cls: Any, kw_only: bool) -> None:
@@ -94,8 +110,6 @@ def _prepare(cls: Any, kw_only: bool) -> None:
     if not kw_only:
         positional += own
     cls.__record_fields__ = names
-    uncompared: frozenset[str] = getattr(cls, "uncompared", frozenset())
-    cls.__record_compared__ = tuple(name for name in names if name != "span" and name not in uncompared)
     cls.__match_args__ = positional  # type: ignore[misc]
     if "__init__" not in vars(cls):
         by_name = names if not positional else tuple(name for name in names if name not in positional)
@@ -119,20 +133,34 @@ def node(cls: type[T]) -> type[T]:
 @overload
 def record(cls: type[T]) -> type[T]: ...
 @overload
-def record(*, kw_only: bool) -> Callable[[type[T]], type[T]]: ...
+def record(*, kw_only: bool = False, eq: bool = True, order: bool = False) -> Callable[[type[T]], type[T]]: ...
 @dataclass_transform(frozen_default=True)
-def record(cls: type[T] | None = None, *, kw_only: bool = False) -> type[T] | Callable[[type[T]], type[T]]:
-    """A record that compares and hashes by value, its ``span`` (and the fields named in ``uncompared``) left out.
+def record(
+    cls: type[T] | None = None, *, kw_only: bool = False, eq: bool = True, order: bool = False
+) -> type[T] | Callable[[type[T]], type[T]]:
+    """A record that compares and hashes by value, without the fields named in ``uncompared``: its ``span``, unless it
+    says otherwise.
 
-    With ``kw_only`` its own fields are given by name; fields without a default may then follow fields with one. A call
-    with missing, unknown or too many fields, or with one that is given twice, raises TypeError.
+    With ``kw_only`` its own fields are given by name; fields without a default may then follow fields with one. With
+    ``order`` records can be sorted; without ``eq`` they compare by identity. A call with missing, unknown or too many
+    fields, or with one that is given twice, raises TypeError.
     """
     if cls is None:
-        return partial(record, kw_only=kw_only)
+        return partial(record, kw_only=kw_only, eq=eq, order=order)
     _prepare(cls, kw_only)
-    cls.__eq__ = _equal  # type: ignore[method-assign]
-    cls.__hash__ = _hash  # type: ignore[method-assign]
+    if eq:
+        _compare_by_value(cls, order)
     return cls
+
+
+def _compare_by_value(cls: Any, order: bool) -> None:
+    uncompared: frozenset[str] = getattr(cls, "uncompared", _PLACE)
+    compared = [name for name in cls.__record_fields__ if name not in uncompared]
+    cls.__record_values__ = attrgetter(*compared) if compared else staticmethod(_no_values)
+    cls.__eq__ = _equal
+    cls.__hash__ = _hash
+    if order:
+        cls.__lt__ = _less
 
 
 def field_names(item: object) -> tuple[str, ...]:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 
 from cspdiag.base import Diagnostic
+from cspdiag.base.record import record
 from cspdiag.draw.communication.symbols import INKS
 from cspdiag.draw.elements.marks import Mark, MarkKind
 from cspdiag.draw.scene.geometry import Point, Rectangle
@@ -118,7 +118,7 @@ def badge(mark: Mark, centre: Point) -> Group:
     return Group(f"badge {mark.kind}", (Box(place, ink, Ink.PAPER, BADGE, 1.5), label), title=mark.note)
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Note:
     """A line below a picture: a badge, a word in the ink of the badge, a sentence, and a place in the text."""
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+
+from cspdiag.base.record import record
 
 KINDS_OF_LABELS = ("labels", "types", "ports", "periods", "kinds", "legend")
 """Words that hide all labels of a sort: names of arrows, types, local names of ports, sample periods, kinds of channels; and the legend."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Hidden:
     """Labels by name (``leftmax``), and sorts of labels."""
 

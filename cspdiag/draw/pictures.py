@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from cspdiag.base import Diagnostic, Span
+from cspdiag.base.record import record
 from cspdiag.draw.communication.diagram import draw_communication
 from cspdiag.draw.composition.diagram import draw_composition
 from cspdiag.draw.elements.communication import Drawn, communication_diagram
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 Which: TypeAlias = Literal["communication", "composition", "both"]
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Wish:
     """How something is to be drawn; ``depth`` 2 shows the inside of the instances."""
 

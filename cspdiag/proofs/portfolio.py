@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from typing import TypeAlias
 
+from cspdiag.base.record import replaced
 from cspdiag.proofs.question import Question
 from cspdiag.proofs.sat.solver import MISSING
 from cspdiag.proofs.search.candidates import MOST_STATES, refute_by_candidate
@@ -83,7 +83,7 @@ def _asked(method: Method, question: Question, limits: Limits) -> Verdict:
 def _noted(verdict: Verdict, unknown: Sequence[Unknown]) -> Verdict:
     """The verdict, with a note if it had to be found without the solver."""
     if isinstance(verdict, Proved) and any(before.reason == MISSING for before in unknown):
-        return replace(verdict, reason=f"{verdict.reason}; {MISSING}")
+        return replaced(verdict, reason=f"{verdict.reason}; {MISSING}")
     return verdict
 
 
@@ -111,7 +111,7 @@ def _share(limits: Limits, methods: int) -> Limits:
 def _together(unknown: Sequence[Unknown]) -> Unknown:
     """Why no method knows; the candidate of the last that has one."""
     last = next((verdict for verdict in reversed(unknown) if verdict.candidate is not None), unknown[-1])
-    return replace(last, reason="; ".join(f"{verdict.method}: {verdict.reason}" for verdict in unknown))
+    return replaced(last, reason="; ".join(f"{verdict.method}: {verdict.reason}" for verdict in unknown))
 
 
 def _shortened(question: Question, verdict: Verdict, limits: Limits) -> Verdict:
@@ -124,7 +124,7 @@ def _shortened(question: Question, verdict: Verdict, limits: Limits) -> Verdict:
         question, Limits(min(SHORTENING_SECONDS, limits.remaining), limits.memory, time.process_time)
     )
     if isinstance(shorter, Refuted) and len(shorter.trace) < len(verdict.trace):
-        return replace(verdict, trace=shorter.trace, stuck=shorter.stuck)
+        return replaced(verdict, trace=shorter.trace, stuck=shorter.stuck)
     return verdict
 
 

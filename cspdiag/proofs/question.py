@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
+from cspdiag.base.record import record
 from cspdiag.proofs.rules.waiting import Waiting, waiting_states
 from cspdiag.proofs.sat.traps import Traps
 from cspdiag.proofs.search.pairs import Structure
 from cspdiag.proofs.transitions.systems.system import System
 
 
-@dataclass(frozen=True)
+@record
 class Question:
     """Whether a system is free from deadlock (``together``: all components wait), or from knots. ``structure`` may be given if it is known."""
 

@@ -7,10 +7,12 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
 
+from cspdiag.base.record import record
+
 Method: TypeAlias = Literal["rules", "sat", "invariants", "stubborn", "minimization", "breadth-first", "spin"]
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Move:
     """One step of a trace: the event (an index, or INTERNAL) and the state that each component that takes part goes to."""
 
@@ -18,7 +20,7 @@ class Move:
     moves: tuple[tuple[int, int], ...]
 
 
-@dataclass(frozen=True)
+@record
 class Proved:
     """The property holds. ``reason`` is a sentence for people: which rule, how many states."""
 
@@ -27,7 +29,7 @@ class Proved:
     states: int | None = None
 
 
-@dataclass(frozen=True)
+@record
 class Refuted:
     """The property fails: ``trace`` leads from the initial state to where it does, the shortest found.
 
@@ -43,7 +45,7 @@ class Refuted:
     reason: str = ""
 
 
-@dataclass(frozen=True)
+@record
 class Unknown:
     """Neither. ``candidate`` is a state of every component that could not be excluded, with the components suspected to be stuck."""
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import replace
 from itertools import islice
 from typing import TYPE_CHECKING, TypeAlias
 
 from cspdiag import pipeline
+from cspdiag.base.record import replaced
 from cspdiag.proofs.answers.answer import Answer
 from cspdiag.proofs.answers.prove import answered, not_replayed, prove
 from cspdiag.proofs.answers.question import Property, Question
@@ -88,7 +88,7 @@ class Verifier:
                 answer = self._answered(question, limits)
         except LimitError as stop:
             answer = Answer(question, "unknown", self._method, str(stop), 0.0)
-        return replace(answer, seconds=time.monotonic() - began)
+        return replaced(answer, seconds=time.monotonic() - began)
 
     def _answered(self, question: Question, limits: Limits) -> Answer:
         if question.claim == "schedulable":
@@ -131,7 +131,7 @@ class Verifier:
             if answer.counterexample is None:
                 continue
             other = of_the_whole(answer.counterexample, self._systems.of(question.process))
-            answer = self._confirmed(replace(answer, counterexample=other), rest)
+            answer = self._confirmed(replaced(answer, counterexample=other), rest)
             if answer.outcome == "refuted":
                 return self._advised(answer, limits)
         return self._kept_from_its_end(question, limits) if question.claim == "terminates" else None
@@ -143,12 +143,12 @@ class Verifier:
             if limits.remaining <= 0:
                 break
             rest = Limits(limits.remaining, limits.memory)
-            answer = self._confirmed(prove(replace(question, claim=claim), self._systems.of, rest, self._method), rest)
+            answer = self._confirmed(prove(replaced(question, claim=claim), self._systems.of, rest, self._method), rest)
             if answer.outcome != "refuted" or answer.counterexample is None:
                 continue
             found = answer.counterexample
-            told = replace(found, failure="no termination") if claim == "livelock free" else found
-            return replace(answer, question=question, counterexample=told)
+            told = replaced(found, failure="no termination") if claim == "livelock free" else found
+            return replaced(answer, question=question, counterexample=told)
         return None
 
     def _asked_spin(self, question: Question, limits: Limits) -> Answer:
@@ -185,7 +185,7 @@ class Verifier:
             if result.other:
                 system = self._systems.of(answer.question.process)
                 other = retold(found, system, result.other, result.standing, network)
-                trace = read_trace(trace_of(replace(answer, counterexample=other), {}))
+                trace = read_trace(trace_of(replaced(answer, counterexample=other), {}))
                 again = replay(network, files, trace, judge, limits)
                 found, result = (other, again) if again.succeeded else (found, result)
         except (BodyError, target_errors()) as problem:
@@ -196,8 +196,8 @@ class Verifier:
             return not_replayed(answer, in_words(result.divergence, network.top))
         found = with_values(found, result, network)
         found = with_rounds(found, ((added.before, added.told) for added in result.added))
-        found = replace(found, reason=result.judgement or found.reason)
-        return replace(answer, replayed=True, counterexample=found)
+        found = replaced(found, reason=result.judgement or found.reason)
+        return replaced(answer, replayed=True, counterexample=found)
 
     def _advised(self, answer: Answer, limits: Limits) -> Answer:
         """A refutation with changes of the text after which the property was proved, as far as the time suffices to look for them."""
@@ -207,7 +207,7 @@ class Verifier:
 
         deadlock = Deadlock(self._asked, answer.question, answer.counterexample, self._settings or {})
         try:
-            return replace(answer, suggestions=helpful(deadlock, self._read, limits))
+            return replaced(answer, suggestions=helpful(deadlock, self._read, limits))
         except LimitError:
             return answer
 

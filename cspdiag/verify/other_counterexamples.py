@@ -7,10 +7,10 @@ in the way so is left out first.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import replace
 from functools import partial
 from typing import TypeAlias
 
+from cspdiag.base.record import replaced
 from cspdiag.proofs.counterexamples.counterexample import Counterexample, Step
 from cspdiag.proofs.transitions.systems.restricted import is_time_out, prompt, without
 from cspdiag.proofs.transitions.systems.system import Event, System
@@ -57,9 +57,9 @@ def of_the_whole(found: Counterexample, whole: System) -> Counterexample:
         if step.kind != "time":
             return step
         own = [party for party in step.parties if _is_owner(step.channel, party.name, owners, prefix)]
-        return replace(step, parties=tuple(own) or step.parties[:1])
+        return replaced(step, parties=tuple(own) or step.parties[:1])
 
-    return replace(found, steps=tuple(map(told, found.steps)), cycle=tuple(map(told, found.cycle)))
+    return replaced(found, steps=tuple(map(told, found.steps)), cycle=tuple(map(told, found.cycle)))
 
 
 def _is_owner(channel: str, name: str, owners: set[tuple[str, str]], prefix: str) -> bool:

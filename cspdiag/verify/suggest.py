@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
 from itertools import islice
 
 from cspdiag import pipeline
 from cspdiag.base import Report, SourceFile
-from cspdiag.base.record import replaced
+from cspdiag.base.record import record, replaced
 from cspdiag.network.lower.program import SelectionError
 from cspdiag.proofs.answers.answer import Answer
 from cspdiag.proofs.answers.prove import prove
@@ -33,7 +32,7 @@ SMALLER = range(3, 9)
 """Values of constants that make a program small; a circle of two is no example for larger ones."""
 
 
-@dataclass(frozen=True)
+@record
 class Deadlock:
     """A program, with settings, of which something was asked, and how it gets stuck."""
 
@@ -58,7 +57,7 @@ def helpful(deadlock: Deadlock, read: pipeline.Reader, within: Limits) -> tuple[
     helping = list(_proved(smaller, read, limits))
     limits = Limits(min(SECONDS, within.remaining))
     return tuple(
-        suggestion if _helps(suggestion, deadlock, read, limits) else replace(suggestion, proved_with=proved_with)
+        suggestion if _helps(suggestion, deadlock, read, limits) else replaced(suggestion, proved_with=proved_with)
         for suggestion in helping
     )
 

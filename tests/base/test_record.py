@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import pickle
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -11,6 +12,7 @@ from typing import ClassVar
 
 import pytest
 
+import cspdiag
 from cspdiag.base.record import field_names, is_record, node, record, replaced
 
 
@@ -25,7 +27,7 @@ class Port:
 class Arrow(Port):
     """Begins with the fields of ``Port``, which may be given by position."""
 
-    uncompared: ClassVar[frozenset[str]] = frozenset({"drawn"})
+    uncompared: ClassVar[frozenset[str]] = frozenset({"span", "drawn"})
 
     kind: str = "channel"
     span: int
@@ -216,3 +218,82 @@ Port("u").name = "y"
     )
     lines = [int(line.split(":")[1]) for line in run.stdout.splitlines() if ": error:" in line]
     assert lines == list(range(22, 30)), run.stdout + run.stderr
+
+
+def test_the_place_is_part_of_the_value_where_the_record_says_so():
+    @record
+    class Stop:
+        span: int
+
+        uncompared: ClassVar[frozenset[str]] = frozenset()
+
+    assert Stop(1) != Stop(2)
+    assert len({Stop(1), Stop(1), Stop(2)}) == 2
+
+
+def test_records_without_fields_are_equal():
+    @record
+    class Skip:
+        pass
+
+    @record
+    class Stop:
+        pass
+
+    assert Skip() == Skip()
+    assert Skip() != Stop()
+    assert len({Skip(), Skip(), Stop()}) == 2
+
+
+def test_records_with_an_order_are_sorted_by_their_fields():
+    @record(order=True)
+    class Range:
+        low: int
+        high: int
+
+    assert sorted([Range(2, 3), Range(1, 9), Range(1, 2)]) == [Range(1, 2), Range(1, 9), Range(2, 3)]
+    with pytest.raises(TypeError, match="not supported"):
+        sorted([Range(1, 2), 3])
+
+
+def test_records_may_compare_by_identity_and_be_given_by_position():
+    @record(eq=False)
+    class Jump:
+        target: int
+
+    assert Jump(1) != Jump(1)
+    assert Jump(1).target == 1
+
+
+def test_fields_that_follow_from_others_are_completed_and_checked():
+    @record
+    class Task:
+        work: int
+        step: int = -1
+
+        def __post_init__(self) -> None:
+            if self.work < 0:
+                raise ValueError("negative")
+            if self.step < 0:
+                object.__setattr__(self, "step", self.work)
+
+    assert Task(3) == Task(3, 3)
+    assert replaced(Task(3), work=5) == Task(5, 3)
+    with pytest.raises(ValueError, match="negative"):
+        Task(-1)
+
+
+def test_plain_data_is_a_record_everywhere_but_in_the_runtime_which_stands_alone():
+    """What keeps a list of temporaries while it prints is no plain data."""
+    package = Path(cspdiag.__file__).parent
+    found = {
+        str(path.relative_to(package))
+        for path in package.rglob("*.py")
+        if re.search(r"^@dataclass\(.*frozen=True", path.read_text(), re.MULTILINE)
+    }
+    printers = {
+        "codegen/c/text/expressions.py",
+        "codegen/python/fast/expressions.py",
+        "codegen/python/plain/expressions.py",
+    }
+    assert {path for path in found if not path.startswith("runtime/")} == printers

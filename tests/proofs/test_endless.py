@@ -78,9 +78,9 @@ def test_a_walk_with_those_that_moved_last_finds_the_cycle_of_a_pipeline_at_once
 
 def compose_hidden(system: System) -> System:
     """The system with its external events hidden."""
-    from dataclasses import replace
+    from cspdiag.base.record import replaced
 
-    return replace(system, events=tuple(replace(event, kind="communication") for event in system.events))
+    return replaced(system, events=tuple(replaced(event, kind="communication") for event in system.events))
 
 
 def straight(name: str, *events: str, ends: bool = True) -> Machine:

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import pytest
 
+from cspdiag.base.record import replaced
 from cspdiag.proofs.reduce import minimization, parallel_machines
 from cspdiag.proofs.reduce.branching_bisimulation import Machine, minimized
 from cspdiag.proofs.reduce.parallel_machines import Pairs, part_of, without_the_restless
@@ -72,8 +71,8 @@ def test_a_cycle_of_internal_steps_is_not_a_state_that_stands_still() -> None:
 
 def test_a_chain_of_places_is_a_counter() -> None:
     system = known.compose(known.cycle(f"place{at}", f"pass{at}", f"pass{at + 1}") for at in range(7))
-    shared = replace(system, events=tuple(
-        replace(event, parties=(*event.parties, 99)) if event.channel in ("pass0", "pass7") else event
+    shared = replaced(system, events=tuple(
+        replaced(event, parties=(*event.parties, 99)) if event.channel in ("pass0", "pass7") else event
         for event in system.events
     ))  # fmt: skip
     pairs = Pairs(Limits())

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from cspdiag.analyses.margins.linear import Linearization, NotLinearError, Number, Simplification
+from cspdiag.base.record import record
 from cspdiag.model.types import ArrayType, RealType, StructType, Type
 from cspdiag.network.ir.equations import ExternalCall
 from cspdiag.network.ir.network import SubmodelClass
@@ -23,7 +23,7 @@ ROUNDS = 2
 """Samples after which whole numbers and truth values are taken as settled."""
 
 
-@dataclass(frozen=True)
+@record
 class LinearLaw:
     """Over the numbers within states and inputs, in that order: ``next`` (a row for each state that steps), ``rates`` (a row for each
     state that has a derivative, per second) and ``outputs`` (a row for each number within an output).

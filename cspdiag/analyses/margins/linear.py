@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, assert_never
+from typing import TYPE_CHECKING, Any, ClassVar, assert_never
 
 from cspdiag.base.errors import CspdiagError
+from cspdiag.base.record import record
 from cspdiag.model.constants import arithmetic
 from cspdiag.model.types import IntType, RealType, StructType
 from cspdiag.network.ir.expressions import (
@@ -49,7 +49,7 @@ class NotLinearError(CspdiagError):
         self.span = span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Number:
     """A value and its derivative with respect to every state and input, a vector."""
 
@@ -57,9 +57,11 @@ class Number:
     slope: Slope
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Simplification:
     """What was not smooth, how it was taken, where it stands, and what (by the nonzero entries) it depends on."""
+
+    uncompared: ClassVar[frozenset[str]] = frozenset()
 
     what: str
     span: Span | None

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 from cspdiag.analyses.margins.law import Leaf
 from cspdiag.analyses.margins.linear import NotLinearError, Simplification
@@ -12,6 +11,7 @@ from cspdiag.analyses.margins.margin import Margins, margins
 from cspdiag.analyses.margins.open_loop import Cut, OpenLoop, minimal
 from cspdiag.analyses.margins.system import Loops
 from cspdiag.base import Span
+from cspdiag.base.record import record
 from cspdiag.network.ir.network import Environment, Network
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ MOTIONS = (0.1, 1.0, 10.0)
 """Speeds, in their units, at which a plant is looked at that does not answer at rest."""
 
 
-@dataclass(frozen=True)
+@record
 class AnalysedLoop:
     """One loop: where it is cut, as a system, its margins, and the states that were not at their initial values when it was linearized."""
 
@@ -42,16 +42,18 @@ class AnalysedLoop:
         return state_space(self.opened)
 
 
-@dataclass(frozen=True)
+@record
 class Refusal:
     """A law that has no margins, why, and the place of what stands in the way."""
+
+    uncompared: ClassVar[frozenset[str]] = frozenset()
 
     law: str
     reason: str
     span: Span | None
 
 
-@dataclass(frozen=True)
+@record
 class LoopReport:
     """All loops through one environment."""
 

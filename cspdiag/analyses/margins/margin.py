@@ -7,10 +7,10 @@ Workman, Digital Control of Dynamic Systems, 1998).
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from cspdiag.analyses.margins.open_loop import OpenLoop, minimal
+from cspdiag.base.record import record
 
 if TYPE_CHECKING:
     import numpy
@@ -22,7 +22,7 @@ GRID = 800
 """Frequencies at which a loop is looked at, up to half the sample frequency."""
 
 
-@dataclass(frozen=True)
+@record
 class Margins:
     """Of one loop; infinite where nothing limits them. The loop is stable as long as
 
@@ -83,7 +83,7 @@ def margins(loop: OpenLoop) -> Margins:
     return Margins(is_stable, radius, gain, lowest, phase, delay, modulus, crossover, phase_crossover, drifts)
 
 
-@dataclass(frozen=True)
+@record
 class Response:
     """The open loop over frequency in rad/s, feedback counted as negative."""
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from cspdiag.analyses.margins.law import Leaf
+from cspdiag.base.record import record
 
 if TYPE_CHECKING:
     import numpy
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     Matrix = numpy.ndarray[tuple[int, ...], numpy.dtype[numpy.float64]]
 
 
-@dataclass(frozen=True)
+@record
 class Cut:
     """Where a loop is opened: a law, by its path, and a number within one of its outputs."""
 
@@ -27,7 +27,7 @@ class Cut:
         return f"{self.law.partition('.')[2]}.{port}{''.join(f'[{k}]' for k in way)}"
 
 
-@dataclass(frozen=True)
+@record
 class OpenLoop:
     """x' = A x + B v, y = C x + D v, once every ``period`` seconds; y is what the law computes where v was written the last time.
 

@@ -7,11 +7,11 @@ is looked at, and the loop opened in it.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import Literal
 
 from cspdiag.analyses.margins.margin import margins, stability
 from cspdiag.analyses.margins.open_loop import OpenLoop
+from cspdiag.base.record import record
 from cspdiag.network.ir.expressions import LiteralValue
 from cspdiag.network.ir.network import Network, ProcessClass
 
@@ -24,7 +24,7 @@ DIGITS = 4
 """The answer has as many."""
 
 
-@dataclass(frozen=True)
+@record
 class Wanted:
     """What must be left: so many degrees, a factor of gain, seconds of delay, or merely stability."""
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
+from cspdiag.base.record import record
 from cspdiag.network.elaborate.constant_value import constant_value
 from cspdiag.network.ir.actions import (
     Action,
@@ -32,7 +32,7 @@ Branching = tuple[str, int]
 """A step down the composition: ``parallel``, ``loop`` or ``other``, and which part."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Copy:
     """A process reads a channel into one of its variables: paths of both nets, as far as they are the process's own ends."""
 

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import ClassVar
 
 from cspdiag.analyses.timing.flow.graph import Missing
 from cspdiag.analyses.timing.task import Task
 from cspdiag.base import Span
+from cspdiag.base.record import record
 from cspdiag.model.constants.durations import rounded
 
 
-@dataclass(frozen=True)
+@record
 class LoopTiming:
     """One sampled loop; times are nanoseconds from the nominal release, the tick.
 
@@ -18,6 +19,8 @@ class LoopTiming:
     ``start`` are None where there is no bound. ``outputs`` are the sampled outputs of the program that it writes; ``latency`` from the sample to the
     outputs, the shortest and the longest, None without outputs. ``leaves`` are the paths of the laws and processes that take part.
     """
+
+    uncompared: ClassVar[frozenset[str]] = frozenset()
 
     name: str
     thread: str
@@ -56,7 +59,7 @@ class LoopTiming:
         return None if self.latency is None else self.latency[1] - self.latency[0]
 
 
-@dataclass(frozen=True)
+@record
 class Chain:
     """From an input of the program through loops to an output.
 
@@ -71,9 +74,11 @@ class Chain:
     age: int
 
 
-@dataclass(frozen=True)
+@record
 class Refusal:
     """Something that has no bound, why, where, and what helps."""
+
+    uncompared: ClassVar[frozenset[str]] = frozenset()
 
     subject: str
     reason: str
@@ -81,7 +86,7 @@ class Refusal:
     help: str
 
 
-@dataclass(frozen=True)
+@record
 class Witness:
     """A sample of a thread that is late when every law takes its longest time; instants in nanoseconds from the start of the program. ``end`` is when it is ready,
     None where it has not even been taken when the next one comes.
@@ -92,7 +97,7 @@ class Witness:
     end: int | None
 
 
-@dataclass(frozen=True)
+@record
 class TimingReport:
     """The timing of a whole program. ``advice`` lists the threads from the most to the least urgent, where another order of priorities
     would, as was proved, meet all deadlines and the present one is not known to; ``is_edf_feasible`` tells whether earliest deadline first would, None where that is not known; ``tasks`` is what was analysed;

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from cspdiag.base.record import record
 
 ONCE = 2**60
 """The period of what happens at most once, in nanoseconds: longer than any program runs."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Task:
     """Recurring work; all times are integer nanoseconds (any integer unit does).
 

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
+from cspdiag.base.record import record
 from cspdiag.codegen.python.plain.docs import sentence
 from cspdiag.codegen.python.plain.environments import port_key
 from cspdiag.codegen.python.plain.external import ExternalModules, installed_modules
@@ -15,7 +14,7 @@ from cspdiag.model.constants.durations import duration
 from cspdiag.network.ir.network import ExternalPort, Network
 
 
-@dataclass(frozen=True)
+@record
 class PortRow:
     """A row of the table of ports."""
 
@@ -26,7 +25,7 @@ class PortRow:
     doc: str
 
 
-@dataclass(frozen=True)
+@record
 class Project:
     """What the templates of the frame lay out."""
 

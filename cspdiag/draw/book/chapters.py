@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
 from typing import TypeAlias
 
 from cspdiag.base import Span
+from cspdiag.base.record import record
 from cspdiag.draw.book.highlight import Piece, highlighted
 from cspdiag.draw.elements.communication import Drawn
 from cspdiag.draw.elements.diagram import FlowKind
@@ -52,7 +52,7 @@ _MET: Mapping[FlowKind, str] = {
 }
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class PortRow:
     """A row of the table of ports."""
 
@@ -64,7 +64,7 @@ class PortRow:
     doc: str
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class ParameterRow:
     """A row of the table of parameters."""
 
@@ -74,7 +74,7 @@ class ParameterRow:
     doc: str
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Figure:
     """A drawing with its caption."""
 
@@ -82,7 +82,7 @@ class Figure:
     svg: str
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Chapter:
     """A definition; ``parts`` and ``used_by`` name other chapters."""
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cache
 from re import Match
 
+from cspdiag.base.record import record
 from cspdiag.model.symbols import TYPE_NAMES
 from cspdiag.syntax.parse.lexer import WORDS_OF_THEIR_PLACE, Scanner
 from cspdiag.syntax.parse.tables import load
@@ -14,7 +14,7 @@ from cspdiag.syntax.parse.tables import load
 _KINDS = {"QUANTITY": "number", "DURATION": "number", "NUMBER": "number", "STRING": "string"}
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Piece:
     """A piece of a line; ``kind`` is ``keyword``, ``type``, ``number``, ``string``, ``comment``, ``doc``, or nothing."""
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from typing import assert_never
 
 from cspdiag.base import Diagnostic
+from cspdiag.base.record import replaced
 from cspdiag.draw.annotations import BADGE, SMALLEST_ROW, badge, badge_width, has_badge, heading, messages
 from cspdiag.draw.communication import symbols
 from cspdiag.draw.communication.graph import BADGE_GAP, Caption, CommunicationGraph, communication_graph
@@ -78,7 +78,7 @@ def _with_row(layout: Layout, apart: Sequence[Node]) -> Layout:
             x, y = 0.0, y + node.height + ROW_GAP / 2
         nodes[node.id] = Rectangle(x, y, node.width, node.height)
         x += node.width + ROW_GAP
-    return replace(layout, nodes=nodes)
+    return replaced(layout, nodes=nodes)
 
 
 def _title(diagram: CommunicationDiagram) -> tuple[Run, ...]:
@@ -179,7 +179,7 @@ class _Drawing:
         caption = self.made.captions.get(f"{name}#label")
         place = self.layout.labels.get(f"{name}#label")
         if caption is not None and place is not None:
-            inked = replace(caption, lines=tuple(_inked(line, mark) for line in caption.lines))
+            inked = replaced(caption, lines=tuple(_inked(line, mark) for line in caption.lines))
             items += _lines(inked, place, Anchor.START)
         kind = " ".join(("channel", *arrow.kinds)) if not arrow.by_composition else "communication"
         return Group(kind, tuple(items), name, _with_note(arrow_tooltip(arrow), mark))

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import assert_never
 
+from cspdiag.base.record import record, replaced
 from cspdiag.draw.annotations import BADGE, badge_width, has_badge
 from cspdiag.draw.elements.diagram import (
     Arrow,
@@ -43,7 +44,7 @@ BADGE_HEIGHT = 2 * BADGE + HEADROOM
 """Of labels with a badge: unlike letters it fills all of its room."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Caption:
     """A text to be set where the layout has left room for it: a line for each tuple of runs."""
 
@@ -224,7 +225,7 @@ class _Level:
         self.made.arrows[name] = arrow
         caption = self._arrow_caption(arrow)
         if caption.lines or not self._goes_with_value(arrow):
-            caption = replace(caption, mark=self._badged(name))
+            caption = replaced(caption, mark=self._badged(name))
         label = self._label(f"{name}#label", caption) if caption.width > 0 else None
         sources = tuple(dict.fromkeys(self._end(end, ">") for end in arrow.sources))
         sinks = tuple(dict.fromkeys(self._end(end, "<") for end in arrow.sinks))

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
 
+from cspdiag.base.record import record
 from cspdiag.draw.annotations import BADGE, badge, badge_width
 from cspdiag.draw.communication.symbols import STACK, inside, outline
 from cspdiag.draw.elements.marks import Mark
@@ -29,7 +29,7 @@ MOST_LINES = 4
 """A longer text ends in an ellipsis; its tooltip has all of it."""
 
 
-@dataclass(frozen=True)
+@record
 class Block:
     """Items in a room that begins at (0, 0).
 
@@ -64,7 +64,7 @@ def placed(block: Block, x: float, y: float) -> tuple[Item, ...]:
     return tuple(moved(item, x, y) for item in block.items)
 
 
-@dataclass(frozen=True)
+@record
 class Look:
     """How an element is outlined and filled."""
 
@@ -140,7 +140,7 @@ def parenthesis(at: Point, dx: float, dy: float) -> Ellipse:
     return Ellipse(Rectangle(centre.x - radius, centre.y - radius, PARENTHESIS, PARENTHESIS), Ink.PAPER, Ink.LINE)
 
 
-@dataclass(frozen=True)
+@record
 class FrameStyle:
     """What is said about a frame: its class, its key, its tooltip, and what stands in its upper left corner."""
 

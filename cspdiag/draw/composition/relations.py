@@ -7,8 +7,8 @@ Where a line ends at a group it carries the circle of a parenthesis.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
 
+from cspdiag.base.record import record, replaced
 from cspdiag.draw.annotations import BADGE, badge_width
 from cspdiag.draw.composition.blocks import (
     CORNER,
@@ -49,7 +49,7 @@ _CORNER = 5
 _MU = 30
 
 
-@dataclass(frozen=True)
+@record
 class _Placed:
     block: Block
     x: float
@@ -182,12 +182,12 @@ def vertical(blocks: Sequence[Block], operator: Operator, prioritized: bool) -> 
         y = part.bottom + BELOW + HEAD * prioritized + block.gap + after.get(number, 0)
     if x:
         # The line to the next column goes round the upper edge.
-        parts = [replace(part, y=part.y + _TURN) for part in parts]
+        parts = [replaced(part, y=part.y + _TURN) for part in parts]
         relations = [moved(relation, 0, _TURN) for relation in relations]
     whole = _whole(parts, relations, 0)
     height = whole.height + (_TURN if x else 0)
     axis = height / 2
-    return replace(whole, height=height, entry=Point(0, axis), exit=Point(whole.width, axis))
+    return replaced(whole, height=height, entry=Point(0, axis), exit=Point(whole.width, axis))
 
 
 def _vertical_relation(upper: _Placed, lower: _Placed, spine: float, operator: Operator, prioritized: bool) -> Group:
@@ -250,7 +250,7 @@ def guarded(guard: Block, process: Block) -> Block:
     second = _Placed(process, guard.width + AHEAD - 4 + process.gap, axis - process.entry.y)
     relation = _join("relation guarded", (first.exit, second.entry), guard, process, Head.OPEN_ARROW)
     whole = _whole([first, second], [relation], axis)
-    return replace(whole, spine=guard.spine, top=first.y, bottom=first.bottom)
+    return replaced(whole, spine=guard.spine, top=first.y, bottom=first.bottom)
 
 
 def loop(body: Block, element: Loop, mark: Mark | None, tooltip: str) -> Block:
@@ -325,12 +325,12 @@ def choice(conditions: Sequence[Block], processes: Sequence[Block], otherwise: B
         points = (Point(width / 2, tests[-1].bottom), Point(width / 2, part.entry.y), part.entry)
         words = above(["else"], Point(width / 2 + 8, part.entry.y))
         line = _join("relation else", points, conditions[-1], otherwise, Head.OPEN_ARROW)
-        relations.append(replace(line, items=(*line.items, *words)))
+        relations.append(replaced(line, items=(*line.items, *words)))
         parts.append(part)
     return _whole(parts, relations, parts[0].entry.y)
 
 
-@dataclass(frozen=True)
+@record
 class Watch:
     """A handler that is placed: what it waits for, the process that then runs, and whether that is for an exception."""
 

@@ -6,9 +6,9 @@ A reader is notched and a writer pointed, as inputs and outputs are in SDL (ITU-
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from typing import assert_never
 
+from cspdiag.base.record import record
 from cspdiag.draw.communication import symbols
 from cspdiag.draw.composition.blocks import LINE, SIZE, Block, Look, badges, centred, group, lines_of, look
 from cspdiag.draw.composition.tooltips import step_tooltip
@@ -100,7 +100,7 @@ def warning_sign(centre: Point, *, exclaims: bool, stroke: Ink = Ink.LINE) -> li
     return [outline, bar, Ellipse(Rectangle(x - 1, y + 3.4, 2, 2), stroke, None)]
 
 
-@dataclass(frozen=True)
+@record
 class _Form:
     """An outline; ``inset`` is what is missing of it on its axis at the left and the right, ``sign`` stands before the text."""
 
@@ -109,7 +109,7 @@ class _Form:
     sign: _Sign | None = None
 
 
-@dataclass(frozen=True)
+@record
 class _Owner:
     """What a shape is drawn for: class, key, tooltip, mark, and where a click leads."""
 

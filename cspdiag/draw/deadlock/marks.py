@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import takewhile
+from typing import ClassVar
 
 from cspdiag.base import Span
+from cspdiag.base.record import record
 from cspdiag.draw.elements.communication import communication_diagram
 from cspdiag.draw.elements.diagram import CommunicationDiagram
 from cspdiag.draw.elements.facts import Facts
@@ -20,7 +21,7 @@ MOST_NUMBERS = 10
 """More processes than these are not numbered at one element."""
 
 
-@dataclass(frozen=True)
+@record
 class Waiting:
     """A process that can never go on.
 
@@ -28,6 +29,8 @@ class Waiting:
     line, ``channels`` are the full names of the channels, ``ports`` those of its own ports that are connected to them. ``span`` is exactly where it
     waits, if that is known.
     """
+
+    uncompared: ClassVar[frozenset[str]] = frozenset()
 
     path: str
     words: str

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 
+from cspdiag.base.record import record
 from cspdiag.draw.annotations import NOTE_SIZE, badge, heading, wrapped
 from cspdiag.draw.communication.diagram import draw_communication
 from cspdiag.draw.composition.diagram import draw_composition
@@ -31,7 +31,7 @@ _NAME_SIZE = 13.0
 _PLACE_SIZE = 11.0
 
 
-@dataclass(frozen=True)
+@record
 class Deadlock:
     """Who waits when nothing goes on.
 

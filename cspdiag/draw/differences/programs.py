@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 
-from cspdiag.base.record import replaced
+from cspdiag.base.record import record, replaced
 from cspdiag.draw.differences.change import Change, compare
 from cspdiag.draw.differences.parts import KINDS, definition_parts, diagram_parts
 from cspdiag.draw.differences.renames import pairs, renamed, vertex_renames, with_matched_arrows
@@ -23,7 +22,7 @@ ALIKE = 0.6
 """The part of two definitions that has to be equal for one to be the other under a new name."""
 
 
-@dataclass(frozen=True)
+@record
 class Pair:
     """A definition with a diagram in both versions; None where it is new or gone.
 
@@ -38,12 +37,12 @@ class Pair:
     changes: tuple[Change, ...]
 
 
-@dataclass(frozen=True)
+@record
 class Difference:
     """All changes in the order of the text, and the diagrams that changed."""
 
     changes: tuple[Change, ...] = ()
-    diagrams: tuple[Pair, ...] = field(default=())
+    diagrams: tuple[Pair, ...] = ()
 
 
 def differences(before: Program, after: Program) -> Difference:

@@ -9,6 +9,7 @@ from itertools import takewhile
 from typing import Literal, TypeAlias, cast
 
 from cspdiag.base import Span
+from cspdiag.base.record import record
 from cspdiag.draw.elements.composition import (
     OPERATORS,
     Activity,
@@ -42,7 +43,7 @@ _Pair: TypeAlias = tuple[Part | None, Part | None]
 _NO_NAMES: Mapping[str, str] = {}
 
 
-@dataclass(frozen=True)
+@record
 class StepChange:
     """One difference, at the element ``key`` of the common diagram.
 
@@ -68,7 +69,7 @@ class StepChange:
                 return f"{self.subject} {self.before} → {self.after}"
 
 
-@dataclass(frozen=True)
+@record
 class Compared:
     """``diagram`` has also what is there no more; ``marks`` are by the keys of its elements."""
 

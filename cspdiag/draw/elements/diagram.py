@@ -30,7 +30,7 @@ class Element:
     doc: str | None = None
     spans: tuple[Span, ...] = ()
 
-    uncompared = frozenset({"spans"})
+    uncompared = frozenset({"span", "spans"})
 
 
 @record(kw_only=True)

@@ -7,10 +7,10 @@ included. Lengths are in pixels, places are absolute.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 from enum import Enum
 
 from cspdiag.base.errors import CspdiagError
+from cspdiag.base.record import EMPTY, record
 from cspdiag.draw.scene.geometry import Point, Rectangle
 
 
@@ -49,7 +49,7 @@ class Direction(Enum):
     DOWN = "DOWN"
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Label:
     """A text of known size that gets room of its own."""
 
@@ -58,7 +58,7 @@ class Label:
     height: float
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Port:
     """A place at the border of a node where edges end; its label stands inside the node, beside it.
 
@@ -70,7 +70,7 @@ class Port:
     label: Label | None = None
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Padding:
     """The room between the border of a node and its children."""
 
@@ -80,7 +80,7 @@ class Padding:
     left: float = 12
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Node:
     """A box of at least ``width`` and ``height``; it grows for its ports, their labels, its title and its children.
 
@@ -100,7 +100,7 @@ class Node:
     layer: Layer = Layer.ANY
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Edge:
     """A line from ports or nodes to others, by their identifiers; several at an end make a joined line.
 
@@ -115,7 +115,7 @@ class Edge:
     """Edges of a higher priority are kept shorter and straighter."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Graph:
     """Nodes and edges to be placed; the order in which they are given is kept where that costs little."""
 
@@ -128,7 +128,7 @@ class Graph:
     """Between boxes one after the other."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Section:
     """A part of an edge without forks: a line through ``points``, at right angles.
 
@@ -141,7 +141,7 @@ class Section:
     target: str | None
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Route:
     """Where an edge runs. Sections from one port may share their first part; ``junctions`` are where they fork or join."""
 
@@ -149,19 +149,19 @@ class Route:
     junctions: tuple[Point, ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Layout:
     """Absolute places by identifier; the drawing reaches from (0, 0) to ``width`` and ``height``."""
 
     width: float
     height: float
     nodes: Mapping[str, Rectangle]
-    ports: Mapping[str, Point] = field(default_factory=dict)
+    ports: Mapping[str, Point] = EMPTY
     """The points on the border where edges end."""
-    sides: Mapping[str, Side] = field(default_factory=dict)
+    sides: Mapping[str, Side] = EMPTY
     """The sides of their nodes at which the ports came to stand."""
-    labels: Mapping[str, Rectangle] = field(default_factory=dict)
-    routes: Mapping[str, Route] = field(default_factory=dict)
+    labels: Mapping[str, Rectangle] = EMPTY
+    routes: Mapping[str, Route] = EMPTY
 
 
 class LayoutError(CspdiagError):

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from cspdiag.base.record import record
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Point:
     """A place in a drawing."""
 
@@ -17,7 +17,7 @@ class Point:
         return Point(self.x + dx, self.y + dy)
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Rectangle:
     """An upright rectangle by its upper left corner."""
 

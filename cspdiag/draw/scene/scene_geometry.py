@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import replace
 from math import ceil
 
+from cspdiag.base.record import replaced
 from cspdiag.draw.scene.geometry import Point, Rectangle, around
 from cspdiag.draw.scene.shapes import (
     Anchor,
@@ -80,21 +80,21 @@ def moved(item: Item, dx: float, dy: float) -> Item:
     """The same item, ``dx`` to the right and ``dy`` below."""
     match item:
         case Box() | Ellipse():
-            return replace(item, place=item.place.moved(dx, dy))
+            return replaced(item, place=item.place.moved(dx, dy))
         case Text():
-            return replace(item, at=item.at.moved(dx, dy))
+            return replaced(item, at=item.at.moved(dx, dy))
         case Line():
-            return replace(item, points=tuple(point.moved(dx, dy) for point in item.points))
+            return replaced(item, points=tuple(point.moved(dx, dy) for point in item.points))
         case Curve():
-            return replace(item, commands=tuple(_moved_command(command, dx, dy) for command in item.commands))
+            return replaced(item, commands=tuple(_moved_command(command, dx, dy) for command in item.commands))
         case Group():
-            return replace(item, items=tuple(moved(each, dx, dy) for each in item.items))
+            return replaced(item, items=tuple(moved(each, dx, dy) for each in item.items))
 
 
 def _moved_command(command: Command, dx: float, dy: float) -> Command:
     match command:
         case MoveTo() | LineTo():
-            return replace(command, to=command.to.moved(dx, dy))
+            return replaced(command, to=command.to.moved(dx, dy))
         case CubicTo():
             return CubicTo(command.first.moved(dx, dy), command.second.moved(dx, dy), command.to.moved(dx, dy))
         case Close():
@@ -124,10 +124,10 @@ def beside(scenes: Sequence[Scene], *, gap: float = 0) -> Scene:
 
 
 def _joined(scenes: Sequence[Scene], place: Callable[[Scene, Scene], tuple[float, float]]) -> Scene:
-    done = replace(scenes[0], items=(), width=0, height=0)
+    done = replaced(scenes[0], items=(), width=0, height=0)
     for scene in scenes:
         dx, dy = place(done, scene)
-        done = replace(
+        done = replaced(
             done,
             items=(*done.items, *(moved(each, dx, dy) for each in scene.items)),
             width=max(done.width, dx + scene.width),

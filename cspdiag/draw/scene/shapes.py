@@ -6,9 +6,9 @@ above what comes earlier. Items are given in absolute places.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from enum import Enum
 
+from cspdiag.base.record import record
 from cspdiag.draw.scene.geometry import Point, Rectangle
 
 
@@ -89,7 +89,7 @@ class Head(Enum):
     """A stroke across the line."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Run:
     """A piece of text of one look."""
 
@@ -98,7 +98,7 @@ class Run:
     ink: Ink = Ink.TEXT
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Text:
     """Words on one line; ``at`` is on the baseline."""
 
@@ -108,7 +108,7 @@ class Text:
     anchor: Anchor = Anchor.START
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Box:
     """A rectangle; ``radius`` rounds its corners."""
 
@@ -120,7 +120,7 @@ class Box:
     dash: Dash = Dash.SOLID
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Ellipse:
     """An ellipse that fills ``place``."""
 
@@ -131,7 +131,7 @@ class Ellipse:
     dash: Dash = Dash.SOLID
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Line:
     """A line through points, or an outline where it is ``closed``; ``corner`` is the radius of its bends.
 
@@ -149,21 +149,21 @@ class Line:
     fill: Ink | None = None
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class MoveTo:
     """Begins a part of a curve."""
 
     to: Point
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class LineTo:
     """Goes straight."""
 
     to: Point
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class CubicTo:
     """Follows a cubic Bézier curve."""
 
@@ -172,7 +172,7 @@ class CubicTo:
     to: Point
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Close:
     """Goes straight to where the part began."""
 
@@ -180,7 +180,7 @@ class Close:
 Command = MoveTo | LineTo | CubicTo | Close
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Curve:
     """Any outline or line."""
 
@@ -191,7 +191,7 @@ class Curve:
     dash: Dash = Dash.SOLID
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Group:
     """What belongs together, such as a process with its ports.
 
@@ -210,7 +210,7 @@ Shape = Box | Ellipse | Line | Curve
 Item = Shape | Text | Group
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Scene:
     """A whole drawing; ``title`` and ``description`` are for those who cannot see it."""
 
@@ -219,5 +219,5 @@ class Scene:
     items: tuple[Item, ...]
     title: str = ""
     description: str = ""
-    name: str = field(default="")
+    name: str = ""
     """Begins all identifiers, so that several drawings can stand in one page."""

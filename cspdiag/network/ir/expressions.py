@@ -29,7 +29,7 @@ class LiteralValue(Typed):
     value: Value
     name: str | None = None
 
-    uncompared: ClassVar[frozenset[str]] = frozenset({"name"})
+    uncompared: ClassVar[frozenset[str]] = frozenset({"span", "name"})
 
 
 @record(kw_only=True)
@@ -42,7 +42,7 @@ class ParameterValue(Typed):
     name: str
     range: tuple[int, int] | None = None
 
-    uncompared: ClassVar[frozenset[str]] = frozenset({"range"})
+    uncompared: ClassVar[frozenset[str]] = frozenset({"span", "range"})
 
 
 @record(kw_only=True)

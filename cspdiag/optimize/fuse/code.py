@@ -7,11 +7,10 @@ decision where to go on. What only computes is one instruction, however large; o
 from __future__ import annotations
 
 from collections.abc import Container
-from dataclasses import dataclass
 from typing import TypeAlias
 
 from cspdiag.base import Span
-from cspdiag.base.record import replaced
+from cspdiag.base.record import record, replaced
 from cspdiag.network.ir.actions import (
     Action,
     AssignValue,
@@ -58,14 +57,14 @@ class NotStaticError(Exception):
         super().__init__(reason if span is None else f"{reason} ({span})")
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Compute:
     """Anything without waiting."""
 
     action: Action
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Communicate:
     """Reads or writes, begun all at once."""
 
@@ -74,7 +73,7 @@ class Communicate:
     span: Span
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Delay:
     """Waits for a time; None: for ever."""
 
@@ -82,7 +81,7 @@ class Delay:
     span: Span
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Select:
     """An alternative; branch n goes on at ``bodies[n]``."""
 
@@ -90,7 +89,7 @@ class Select:
     bodies: tuple[int, ...]
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Decide:
     """Goes on with the next instruction where the condition holds, else at ``otherwise``."""
 
@@ -99,14 +98,14 @@ class Decide:
     span: Span
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Jump:
     """Goes on elsewhere."""
 
     to: int
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Start:
     """A parallel, whose branches begin at these instructions; then it goes on at ``after``."""
 
@@ -115,7 +114,7 @@ class Start:
     after: int
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Raise:
     """Raises an exception in a process, None for the outermost."""
 
@@ -123,14 +122,14 @@ class Raise:
     process: ProcessScope | None
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Close:
     """A process has ended; ``scope`` is it, without what it did."""
 
     scope: ProcessScope
 
 
-@dataclass(frozen=True, eq=False)
+@record(eq=False)
 class Finish:
     """The end of a branch, or of the program."""
 
@@ -138,7 +137,7 @@ class Finish:
 Instruction: TypeAlias = Compute | Communicate | Delay | Select | Decide | Jump | Start | Raise | Close | Finish
 
 
-@dataclass(frozen=True)
+@record
 class Handler:
     """A ``catch`` around an instruction."""
 
@@ -146,7 +145,7 @@ class Handler:
     handler: int
 
 
-@dataclass(frozen=True)
+@record
 class Scope:
     """A process around an instruction, without what it does."""
 

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import TypeAlias
 
+from cspdiag.base.record import record
 from cspdiag.network.ir.actions import ChannelEnd, End, PortEnd, ProcessScope
 from cspdiag.network.ir.expressions import Expression, LiteralValue
 from cspdiag.network.ir.network import ExternalPort, ProcessClass
@@ -41,14 +41,14 @@ LONGEST = 1000
 """Turns of tasks that are followed at most; a schedule that is longer would not be worth its memory."""
 
 
-@dataclass(frozen=True)
+@record
 class Ends:
     """The program ends, by an exception if ``failure`` is not None."""
 
     failure: Raise | None
 
 
-@dataclass(frozen=True)
+@record
 class Loops:
     """The program is in a state for the second time; it was in it at instant ``since``, when ``position`` things had happened."""
 
@@ -56,7 +56,7 @@ class Loops:
     since: int
 
 
-@dataclass(frozen=True)
+@record
 class Asks:
     """What follows depends on a condition."""
 

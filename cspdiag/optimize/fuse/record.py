@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TypeAlias
 
 from cspdiag.base import Span
-from cspdiag.base.record import replaced
+from cspdiag.base.record import record, replaced
 from cspdiag.model.types import Type
 from cspdiag.network.ir.actions import (
     Action,
@@ -28,7 +27,7 @@ from cspdiag.optimize.fuse.media import Offer
 MOST_INSTRUCTIONS = 30_000
 
 
-@dataclass(frozen=True)
+@record
 class Step:
     """Something that is done at an instant; ``fresh``: it takes a sample that came at this instant, and so waits for it."""
 
@@ -37,7 +36,7 @@ class Step:
     fresh: bool = False
 
 
-@dataclass(frozen=True)
+@record
 class Turn:
     """A condition that is looked at, with the outcome that is followed."""
 

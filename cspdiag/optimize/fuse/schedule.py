@@ -7,8 +7,8 @@ program ends.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 
+from cspdiag.base.record import record, replaced
 from cspdiag.model.types import Type
 from cspdiag.network.ir.actions import (
     Action,
@@ -32,7 +32,7 @@ from cspdiag.optimize.fuse.record import Happening, Step, Turn
 MOST_DECISIONS = 60
 
 
-@dataclass(frozen=True)
+@record
 class Path:
     """What happens from the start. ``exits`` has, by the position of a ``Turn``, what happens there instead, from the turn on.
 
@@ -100,7 +100,7 @@ def _explored(code: Code, ports: Sequence[ExternalPort], counting: frozenset[str
         assert isinstance(turn, Turn)
         raise NotStaticError("what it does next depends on a value", turn.condition.span)
     main.exits[position] = other
-    return replace(main, made={**main.made, **other.made})
+    return replaced(main, made={**main.made, **other.made})
 
 
 def with_loop_early(path: Path) -> Path:
@@ -112,7 +112,7 @@ def with_loop_early(path: Path) -> Path:
     start, end = outcome.position, len(path.happenings)
     while start > 0:
         last = path.happenings[end - 1]
-        if isinstance(last, Turn) or replace(path.happenings[start - 1], time=last.time) != last:
+        if isinstance(last, Turn) or replaced(path.happenings[start - 1], time=last.time) != last:
             break
         if last.time != path.happenings[start - 1].time + period:
             break
@@ -122,7 +122,7 @@ def with_loop_early(path: Path) -> Path:
     since = path.happenings[start].time
     exits = {position: other for position, other in path.exits.items() if position < end}
     loops = Loops(start, since)
-    return replace(path, happenings=path.happenings[:end], outcome=loops, exits=exits, now=since + period)
+    return replaced(path, happenings=path.happenings[:end], outcome=loops, exits=exits, now=since + period)
 
 
 def with_loop_begun(path: Path) -> Path:
@@ -136,7 +136,7 @@ def with_loop_begun(path: Path) -> Path:
     for position, other in path.exits.items():
         if position >= outcome.position:
             exits[position + offset] = _moved(other, position, happenings[: position + offset + 1], later)
-    return replace(path, happenings=happenings, outcome=Loops(count, path.now), exits=exits, now=path.now + later)
+    return replaced(path, happenings=happenings, outcome=Loops(count, path.now), exits=exits, now=path.now + later)
 
 
 def _moved(path: Path, turn: int, before: tuple[Happening, ...], later: int) -> Path:
@@ -148,11 +148,11 @@ def _moved(path: Path, turn: int, before: tuple[Happening, ...], later: int) -> 
         for position, other in path.exits.items()
         if position > turn
     }
-    return replace(path, happenings=happenings, exits=exits, now=path.now + later)
+    return replaced(path, happenings=happenings, exits=exits, now=path.now + later)
 
 
 def _later(happenings: tuple[Happening, ...], time: int) -> tuple[Happening, ...]:
-    return tuple(replace(happening, time=happening.time + time) for happening in happenings)
+    return tuple(replaced(happening, time=happening.time + time) for happening in happenings)
 
 
 def counting_variables(entry: ProcessClass) -> frozenset[str]:

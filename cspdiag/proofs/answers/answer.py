@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 from cspdiag.base import Diagnostic
+from cspdiag.base.record import record
 from cspdiag.proofs.answers.question import Question
 from cspdiag.proofs.counterexamples.counterexample import Counterexample
 from cspdiag.proofs.counterexamples.suggestion import Suggestion
@@ -15,7 +15,7 @@ from cspdiag.proofs.verdict import Method
 Outcome: TypeAlias = Literal["proved", "refuted", "unknown"]
 
 
-@dataclass(frozen=True)
+@record
 class Answer:
     """A verdict on a question, with what people need to believe it.
 

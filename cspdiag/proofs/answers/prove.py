@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import time
-from dataclasses import replace
 from typing import Protocol
 
+from cspdiag.base.record import replaced
 from cspdiag.proofs.answers.answer import Answer
 from cspdiag.proofs.answers.question import Question
 from cspdiag.proofs.counterexamples.counterexample import Counterexample, Failure, counterexample
@@ -38,7 +38,7 @@ def prove(question: Question, systems: Systems, limits: Limits, method: Method |
         answer = Answer(question, "unknown", method, str(limit), 0.0)
     except MemoryError:
         answer = Answer(question, "unknown", method, "the memory of this machine is used up", 0.0)
-    return replace(answer, seconds=time.monotonic() - began, abstractions=(*left_open, *answer.abstractions))
+    return replaced(answer, seconds=time.monotonic() - began, abstractions=(*left_open, *answer.abstractions))
 
 
 def _asked(question: Question, systems: Systems) -> tuple[System, System | None]:
@@ -132,7 +132,7 @@ def _weakly_proved(question: Question, specification: System, proved: Proved) ->
 def answered(question: Question, system: System, verdict: Verdict, failure: Failure, seconds: float) -> Answer:
     """The verdict on a question that somebody else has given."""
     answer = _verdict(question, system, verdict, failure)
-    return replace(answer, seconds=seconds, abstractions=system.abstractions)
+    return replaced(answer, seconds=seconds, abstractions=system.abstractions)
 
 
 def _verdict(question: Question, system: System, verdict: Verdict, failure: Failure) -> Answer:
@@ -172,7 +172,7 @@ def not_replayed(answer: Answer, divergence: str) -> Answer:
     reason = f"a counterexample was found{believed}, but the program does not follow it: {divergence}"
     if left_open:
         reason += f" (left open in the proof: {left_open})"
-    return replace(answer, outcome="unknown", reason=reason, counterexample=None, candidate=_supposed(found))
+    return replaced(answer, outcome="unknown", reason=reason, counterexample=None, candidate=_supposed(found))
 
 
 def _supposed(found: Counterexample) -> tuple[str, ...]:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from typing import ClassVar, Literal, TypeAlias
 
 from cspdiag.base import Span
+from cspdiag.base.record import record
 from cspdiag.model.program import Program
 from cspdiag.syntax import ast
 
@@ -16,7 +16,7 @@ EXPECTED: tuple[Property, ...] = ("deadlock free", "livelock free")
 """What a process is expected to be without being asked."""
 
 
-@dataclass(frozen=True)
+@record
 class Question:
     """A property that a process may have.
 
@@ -24,6 +24,8 @@ class Question:
     chooses itself what comes there) belong to ``refines``. ``span`` is
     the assertion, or the name of the process where nothing was asserted.
     """
+
+    uncompared: ClassVar[frozenset[str]] = frozenset()
 
     process: str
     claim: Property

@@ -7,9 +7,9 @@ To exchange connections changes the order in which an instance takes its resourc
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 from cspdiag.base import Report, Span
+from cspdiag.base.record import record
 from cspdiag.model.constants.evaluate import evaluate
 from cspdiag.model.program import Program
 from cspdiag.network.ir.actions import ChannelEnd, PortEnd
@@ -57,7 +57,7 @@ def _with_buffer(node: ast.Connection | ast.Channel) -> Suggestion:
     return Suggestion(words, node.span, changed)
 
 
-@dataclass(frozen=True)
+@record
 class _Pair:
     """Two ports of an instance, in a process of the text, that lead to processes of one definition."""
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
-from typing import Literal, TypeAlias
+from typing import ClassVar, Literal, TypeAlias
 
 from cspdiag.base import Span
+from cspdiag.base.record import record, replaced
 from cspdiag.proofs.transitions.systems.system import INTERNAL, EventKind, Place, System
 from cspdiag.proofs.verdict import Move, Refuted
 
@@ -21,9 +21,11 @@ def is_shown(kind: str, parties: int) -> bool:
     return kind not in SILENT or (kind == "ready" and parties > 1)
 
 
-@dataclass(frozen=True)
+@record
 class Party:
     """A process that takes part in a step: what it did before, and where the text says so. ``name`` is that below the outermost process, ``role`` as in ``Event.roles``."""
+
+    uncompared: ClassVar[frozenset[str]] = frozenset()
 
     name: str
     path: str
@@ -32,7 +34,7 @@ class Party:
     role: str = ""
 
 
-@dataclass(frozen=True)
+@record
 class Step:
     """Something that happens; ``channel`` is the hierarchical name as in traces. ``added``: the proof left it open, and the program did it."""
 
@@ -48,12 +50,14 @@ class Step:
         return is_shown(self.kind, len(self.parties))
 
 
-@dataclass(frozen=True)
+@record
 class Waiting:
     """A process that never goes on, what it waits for (also by the hierarchical names of channels), and the processes, by name, that would have to come.
 
     ``ended`` are those of them that have ended.
     """
+
+    uncompared: ClassVar[frozenset[str]] = frozenset()
 
     name: str
     path: str
@@ -64,7 +68,7 @@ class Waiting:
     ended: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True)
+@record
 class Counterexample:
     """How a property fails.
 
@@ -112,7 +116,7 @@ class _Teller:
             else:
                 event = self._system.events[move.event]
                 roles = (event.role(component) for component, _ in move.moves)
-                parties = tuple(replace(party, role=role) for party, role in zip(parties, roles, strict=True))
+                parties = tuple(replaced(party, role=role) for party, role in zip(parties, roles, strict=True))
                 yield Step(event.kind, event.channel, event.value, parties)
             for component, after in move.moves:
                 state[component] = after

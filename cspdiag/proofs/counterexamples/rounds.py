@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
 
+from cspdiag.base.record import record, replaced
 from cspdiag.proofs.counterexamples.counterexample import Counterexample, Party, Step
 
 LONGEST = 24
 """A round of more steps is not found."""
 
 
-@dataclass(frozen=True)
+@record
 class Repeated:
     """Steps that follow each other so many times."""
 
@@ -36,7 +36,7 @@ def with_rounds(found: Counterexample, added: Iterable[tuple[int, Step]]) -> Cou
         steps.append(step)
         known |= {(step.kind, step.channel, party.name): party for party in step.parties}
     steps += (_placed(one, known) for one in inserted.get(len(found.steps), ()))
-    return replace(found, steps=tuple(steps))
+    return replaced(found, steps=tuple(steps))
 
 
 def _placed(step: Step, known: Mapping[tuple[str, str, str], Party]) -> Step:
@@ -44,8 +44,8 @@ def _placed(step: Step, known: Mapping[tuple[str, str, str], Party]) -> Step:
     parties = []
     for party in step.parties:
         same = known.get((step.kind, step.channel, party.name))
-        parties.append(party if same is None else replace(party, words=same.words, span=same.span))
-    return replace(step, parties=tuple(parties), added=True)
+        parties.append(party if same is None else replaced(party, words=same.words, span=same.span))
+    return replaced(step, parties=tuple(parties), added=True)
 
 
 def repeated(steps: Sequence[Step]) -> Iterator[Repeated]:

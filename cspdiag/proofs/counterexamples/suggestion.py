@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
 from difflib import unified_diff
+from typing import ClassVar
 
 from cspdiag.base import Span
+from cspdiag.base.record import record, replaced
 
 
-@dataclass(frozen=True)
+@record
 class Suggestion:
     """A change: ``words`` say what to do, ``replacement`` is the new text of ``span``.
 
     ``proved_with`` is a setting of a constant, as ``seats=2``, where the property was proved for a smaller program only.
     """
+
+    uncompared: ClassVar[frozenset[str]] = frozenset()
 
     words: str
     span: Span
@@ -38,7 +41,7 @@ class Suggestion:
         first = _common(before, after)
         last = _common(before[first:][::-1], after[first:][::-1])
         span = Span(self.span.source, sum(map(len, before[:first])), sum(map(len, before[: len(before) - last])))
-        return replace(self, span=span, replacement="".join(after[first : len(after) - last]))
+        return replaced(self, span=span, replacement="".join(after[first : len(after) - last]))
 
 
 def _is_changed_line(line: str) -> bool:

@@ -7,12 +7,12 @@ outside; then all reachable states, from which those without a step to one that 
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
+from cspdiag.base.record import record
 from cspdiag.proofs.reduce.reduction import can_livelock, is_large, seen_from_outside
 from cspdiag.proofs.search.breadth_first import CHUNK, Exploration, explore, trace_to
 from cspdiag.proofs.search.closed_sets import ClosedSets
@@ -30,7 +30,7 @@ State: TypeAlias = tuple[int, ...]
 Way: TypeAlias = tuple[Move, State]
 
 
-@dataclass(frozen=True)
+@record
 class Endless:
     """A run that never ends: ``trace`` from the initial state, then ``cycle`` again and again."""
 
@@ -40,7 +40,7 @@ class Endless:
     states: int | None = None
 
 
-@dataclass(frozen=True)
+@record
 class Finite:
     """No run has infinitely many of the events in a row; ``states`` were looked at, or none if the loops of the components excluded it."""
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 
+from cspdiag.base.record import replaced
 from cspdiag.proofs.portfolio import prove_deadlock_free
 from cspdiag.proofs.properties.cycles import Finite, endless_run
 from cspdiag.proofs.transitions.systems.system import System
@@ -29,7 +29,7 @@ def terminates(
     verdict = deadlock_free(system, limits)
     if not isinstance(verdict, Proved):
         return verdict
-    return replace(verdict, reason=f"{_reason(found)}, and no deadlock: {verdict.reason}")
+    return replaced(verdict, reason=f"{_reason(found)}, and no deadlock: {verdict.reason}")
 
 
 def _reason(found: Finite) -> str:

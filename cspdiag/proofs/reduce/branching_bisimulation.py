@@ -9,10 +9,10 @@ an internal loop, so that a livelock never becomes a state that stands still.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import TypeAlias
 
 from cspdiag.base.graphs import strong_components
+from cspdiag.base.record import record
 from cspdiag.proofs.transitions.systems.system import INTERNAL, Edge
 from cspdiag.proofs.verdict import Limits
 
@@ -22,7 +22,7 @@ _LOOP = -1
 """Stands for the block itself in a signature: an internal loop."""
 
 
-@dataclass(frozen=True)
+@record
 class Machine:
     """States with their edges, and whether all processes in it have ended in each. The first is the initial one."""
 

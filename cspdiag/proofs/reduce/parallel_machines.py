@@ -7,9 +7,9 @@ looked up before it is made.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable
-from dataclasses import dataclass
 from typing import TypeAlias
 
+from cspdiag.base.record import record
 from cspdiag.proofs.reduce.branching_bisimulation import Machine, minimized
 from cspdiag.proofs.transitions.systems.system import INTERNAL, Component, Edge
 from cspdiag.proofs.verdict import Limits
@@ -26,7 +26,7 @@ Renamed: TypeAlias = dict[int, int]
 """The numbers of a machine's events in the machine of a pair; INTERNAL for those that become internal."""
 
 
-@dataclass(frozen=True)
+@record
 class Part:
     """A machine, and which event of the system each of its events is, also of those that it never offers."""
 

@@ -7,10 +7,10 @@ reduction", 2011). Identical pairs are made once.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator
-from dataclasses import replace
 from heapq import heapify, heappop, heappush
 from math import prod
 
+from cspdiag.base.record import replaced
 from cspdiag.proofs.reduce.parallel_machines import Pairs, Part, TooLargeError, part_of
 from cspdiag.proofs.transitions.systems.system import INTERNAL, Component, System
 from cspdiag.proofs.verdict import Limits
@@ -34,7 +34,7 @@ def seen_from_outside(system: System, kept: Collection[int], limits: Limits) -> 
     number = {event: at for at, event in enumerate(sorted(kept))}
     owner = {event: at for at, part in enumerate(parts) for event in part.events}
     components = tuple(_component(part, at, number) for at, part in enumerate(parts))
-    events = tuple(replace(system.events[event], parties=(owner[event],)) for event in sorted(kept))
+    events = tuple(replaced(system.events[event], parties=(owner[event],)) for event in sorted(kept))
     return System(components, events)
 
 

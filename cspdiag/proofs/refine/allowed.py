@@ -6,8 +6,8 @@ Proofs leave values open, and then a process seems to do what its specification 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 
+from cspdiag.base.record import record
 from cspdiag.proofs.refine.labels import END, Label, Labels
 from cspdiag.proofs.refine.normal_form import State, Walk, smallest
 from cspdiag.proofs.refine.words import done_too_much, ended_too_soon, refused_too_much
@@ -15,7 +15,7 @@ from cspdiag.proofs.transitions.systems.system import System
 from cspdiag.proofs.verdict import Limits
 
 
-@dataclass(frozen=True)
+@record
 class Rest:
     """How a run stands in the end: whether all has ``ended``, and otherwise what it ``offers``; None where it still goes on by itself, so that it refuses nothing."""
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TypeAlias
 
+from cspdiag.base.record import record
 from cspdiag.proofs.transitions.systems.system import Event, System, with_value
 
 Label: TypeAlias = tuple[str, str | None]
@@ -16,7 +16,7 @@ END: Label = ("", None)
 """The end of all processes."""
 
 
-@dataclass(frozen=True)
+@record
 class Labels:
     """The labels of a process's events as its specification tells them apart; those of ``hidden`` ports have none."""
 

@@ -7,9 +7,9 @@ sets of labels that a state which takes no internal step offers.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator
-from dataclasses import dataclass
 from typing import TypeAlias
 
+from cspdiag.base.record import record
 from cspdiag.proofs.refine.labels import END, Label, covers
 from cspdiag.proofs.search.closed_sets import ClosedSets
 from cspdiag.proofs.transitions.systems.system import INTERNAL, System
@@ -21,7 +21,7 @@ _BYTES_PER_STATE = 400
 """A tuple of some tens of small numbers, in a set."""
 
 
-@dataclass(frozen=True)
+@record
 class Node:
     """What a specification allows after some traces. ``after`` says where each label leads; a label that is missing is not allowed. ``offered`` are all labels that may come next."""
 

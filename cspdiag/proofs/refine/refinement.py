@@ -9,10 +9,10 @@ seen, count as internal: only a state that waits for nothing else can refuse.
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import replace
 
 import numpy as np
 
+from cspdiag.base.record import replaced
 from cspdiag.proofs.properties.livelock import livelock_free
 from cspdiag.proofs.reduce.reduction import is_large, seen_from_outside
 from cspdiag.proofs.refine.labels import END, Label, Labels, is_open
@@ -67,7 +67,7 @@ def _refines(
 def _up_to_missed_samples(system: System) -> System:
     """The process, which after a missed sample that nobody catches neither ends nor rests: what is said of it is said of its runs up to there."""
     components = tuple(
-        replace(
+        replaced(
             component,
             edges=tuple(
                 ((INTERNAL, state),) if state in component.failed else edges
@@ -79,7 +79,7 @@ def _up_to_missed_samples(system: System) -> System:
         else component
         for component in system.components
     )
-    return replace(system, components=components)
+    return replaced(system, components=components)
 
 
 def _undecided(nodes: tuple[Node, ...], labels: Labels) -> str | None:
@@ -152,7 +152,7 @@ def _followed(system: System, seen: dict[int, Label], nodes: tuple[Node, ...]) -
     watcher = len(system.components)
     edges = tuple(tuple((event, node.after.get(label, len(nodes))) for event, label in seen.items()) for node in nodes)
     events = tuple(
-        replace(event, parties=(*event.parties, watcher)) if number in seen else event
+        replaced(event, parties=(*event.parties, watcher)) if number in seen else event
         for number, event in enumerate(system.events)
     )
     component = Component("specification", (*edges, ()), process=False)

@@ -9,15 +9,15 @@ deadlock (Welch, Justo and Willcock, 1993) and that of circles of I/O-SEQ ones w
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TypeAlias
 
+from cspdiag.base.record import record
 from cspdiag.proofs.search.pairs import Shape, Structure
 from cspdiag.proofs.transitions.systems.system import INTERNAL
 from cspdiag.proofs.verdict import Limits, Move
 
 
-@dataclass(frozen=True)
+@record
 class Run:
     """The run until it comes round or ends: what was taken, to where it has been ``period`` steps before, or to where nothing is possible.
 

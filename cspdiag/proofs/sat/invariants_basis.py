@@ -8,11 +8,11 @@ shape. The solutions are the P-invariants of the network (Murata, "Petri nets: p
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 from math import gcd, lcm
 from typing import TypeAlias
 
+from cspdiag.base.record import record
 from cspdiag.proofs.sat.invariants_problem import Weights
 from cspdiag.proofs.search.pairs import Shape, Structure
 from cspdiag.proofs.transitions.systems.system import INTERNAL
@@ -27,7 +27,7 @@ Counts: TypeAlias = dict[int, int]
 ONE = Fraction(1)
 
 
-@dataclass(frozen=True)
+@record
 class _Paths:
     """Of a shape: a path from the initial state to every other one, and what differs where an edge closes a circle."""
 

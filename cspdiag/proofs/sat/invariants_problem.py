@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TypeAlias
 
+from cspdiag.base.record import record
 from cspdiag.proofs.search.pairs import Structure
 from cspdiag.proofs.transitions.systems.system import INTERNAL
 
@@ -13,7 +13,7 @@ Weights: TypeAlias = dict[int, dict[int, int]]
 """For components the weights of their states; an absent one is 0."""
 
 
-@dataclass(frozen=True)
+@record
 class Problem:
     """Places are numbered; ``first[i]`` maps the states of component ``i`` to their places.
 

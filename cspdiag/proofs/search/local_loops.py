@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import replace
 
 from cspdiag.base.graphs import strong_components
+from cspdiag.base.record import replaced
 from cspdiag.proofs.transitions.systems.system import INTERNAL, Component, Edge, System
 
 
@@ -29,20 +29,20 @@ def looping_part(system: System, events: Iterable[int]) -> System | None:
         kept = left
     if not any(any(component.edges) for component in components):
         return None
-    return replace(system, components=components)
+    return replaced(system, components=components)
 
 
 def _looping(component: Component, events: set[int]) -> Component:
     """The component with only the edges with these events that lie on cycles of such edges."""
     edges: list[list[Edge]] = [[edge for edge in offered if edge[0] in events] for offered in component.edges]
     if not any(edges):
-        return component if not any(component.edges) else replace(component, edges=((),) * len(edges))
+        return component if not any(component.edges) else replaced(component, edges=((),) * len(edges))
     part: dict[int, int] = {}
     for number, members in enumerate(
         strong_components(range(len(edges)), lambda state: [target for _, target in edges[state]])
     ):
         part.update(dict.fromkeys(members, number))
-    return replace(
+    return replaced(
         component,
         edges=tuple(
             tuple(edge for edge in offered if part[edge[1]] == part[state]) for state, offered in enumerate(edges)

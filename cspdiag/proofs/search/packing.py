@@ -7,7 +7,6 @@ so whole layers of states take a step at once (vectors of numpy). A word keeps i
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
 from math import prod
@@ -16,6 +15,7 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from cspdiag.base.record import record
 from cspdiag.proofs.transitions.systems.system import INTERNAL, Component, System
 
 Words: TypeAlias = list[npt.NDArray[np.int64]]
@@ -29,7 +29,7 @@ MOST_PATTERNS = 8
 """An event with more combinations of edges than this is looked up in tables, party by party, instead of compared."""
 
 
-@dataclass(frozen=True)
+@record
 class Field:
     """Where the state of a component is: ``word``, and the bits of ``mask`` after a shift to the right."""
 
@@ -42,7 +42,7 @@ class Field:
         return (words[self.word] >> self.shift) & self.mask
 
 
-@dataclass(frozen=True)
+@record
 class Pattern:
     """A step that is possible where ``mask`` leaves ``value`` of some words, and adds ``delta`` to them."""
 
@@ -66,7 +66,7 @@ class Pattern:
         return result
 
 
-@dataclass(frozen=True)
+@record
 class Lookup:
     """A step that is possible where each party's table says so, and adds what each party's table says."""
 

@@ -9,11 +9,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Iterable
-from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
 from typing import Any, NamedTuple, TypeAlias, TypeVar
 
+from cspdiag.base.record import record
 from cspdiag.proofs.search.merging import representatives
 from cspdiag.proofs.transitions.systems.system import INTERNAL, Component, Edge, System
 from cspdiag.proofs.verdict import Limits
@@ -30,7 +30,7 @@ LARGEST_MEETING = 4
 """Every two parties of an event with so many are a pair; of a larger one only its first party with each of the others."""
 
 
-@dataclass(frozen=True)
+@record
 class Shape:
     """A component with its events numbered from 0 in the order in which they are met.
 

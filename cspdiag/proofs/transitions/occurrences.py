@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import replace
 from functools import cached_property
 from typing import Literal, TypeAlias
 
 from cspdiag.base import Span
+from cspdiag.base.record import replaced
 from cspdiag.model.types import Type
 from cspdiag.network.ir.actions import ChannelEnd, PortEnd
 from cspdiag.network.ir.expressions import Expression
@@ -261,5 +261,5 @@ def _given(kind: Type, apart: Apart, *, free: bool) -> tuple[Known, ...]:
     if limits_of(kind) is None:
         return GIVEN
     every = with_examples(told, kind)
-    ranges = (replace(entry, copied=True) for entry in every if isinstance(entry, Range))
+    ranges = (replaced(entry, copied=True) for entry in every if isinstance(entry, Range))
     return (*(entry for entry in every if not isinstance(entry, Range)), *ranges)

@@ -8,14 +8,14 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from typing import TypeAlias
 
+from cspdiag.base.record import record
 from cspdiag.model.types import IntType, TimeType, Type
 from cspdiag.network.dump.expression import value_text
 
 
-@dataclass(frozen=True, order=True, slots=True)
+@record(order=True)
 class Range:
     """One of at least two whole numbers, from ``low`` to ``high``, both among them; ``copied`` if it is what the environment gave, handed on."""
 

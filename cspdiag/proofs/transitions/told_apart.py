@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias
+
+from cspdiag.base.record import record
 
 if TYPE_CHECKING:
     from cspdiag.network.ir.expressions import Value
 
 
-@dataclass(frozen=True)
+@record
 class Apart:
     """How the values at a port are told apart.
 
@@ -27,7 +28,7 @@ ToldApart: TypeAlias = Mapping[str, Apart]
 """By port; those of the others matter only where conditions depend on them."""
 
 
-@dataclass(frozen=True)
+@record
 class AsSpecification:
     """A process is taken as a specification; ``free`` are inputs that only it has: what comes there is its own choice."""
 

@@ -7,10 +7,10 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from itertools import product
 from typing import Any, Final, Literal, TypeAlias
 
+from cspdiag.base.record import record
 from cspdiag.model.constants import arithmetic
 from cspdiag.model.types import BoolType, EnumType, IntType, RealType, StructType, Type
 from cspdiag.network.ir.expression_walk import walk
@@ -46,7 +46,7 @@ class Unknown:
 UNKNOWN: Final = Unknown()
 
 
-@dataclass(frozen=True, order=True, slots=True)
+@record(order=True)
 class Given:
     """A value of an input that was handed on, and of which nothing else is known: the ``one`` that stands for each, ``another``, or ``any`` that a specification chooses."""
 

@@ -11,13 +11,13 @@ import time
 from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
-from dataclasses import dataclass
 from functools import cache, cached_property
 from hashlib import sha256
 from pathlib import Path
 
 from cspdiag.base.caches import cache_folder
 from cspdiag.base.errors import CspdiagError
+from cspdiag.base.record import record
 
 REQUIRED = ("-std=c99", "-ffp-contract=off")
 """Whatever else is asked for: the values of a program are defined to the last bit."""
@@ -35,7 +35,7 @@ class CompilerError(CspdiagError):
     """There is no C compiler, or it has refused a file; the message is for people."""
 
 
-@dataclass(frozen=True)
+@record
 class Compiler:
     """A C compiler: the command and how its version describes itself."""
 
@@ -68,7 +68,7 @@ def _version(command: tuple[str, ...]) -> str:
     return told.stdout.partition("\n")[0]
 
 
-@dataclass(frozen=True)
+@record
 class Build:
     """A program to be built from ``files`` (texts by path); ``sources`` are the paths that are compiled and linked."""
 

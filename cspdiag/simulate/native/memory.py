@@ -6,8 +6,8 @@ import json
 import re
 from collections.abc import Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
 
+from cspdiag.base.record import record
 from cspdiag.codegen.c.package.sizes import PREFIX, SizeQuestions, Sizes
 from cspdiag.network.ir.network import Network
 from cspdiag.simulate.native.build import Build, CompilerError
@@ -16,7 +16,7 @@ _PROBE = "sizes_probe.c"
 _INDIRECT = "__indirect_call"
 
 
-@dataclass(frozen=True)
+@record
 class FunctionFacts:
     """What a compiler says of a function: the bytes of its frame and whom it calls; None for what it does not say."""
 
@@ -24,7 +24,7 @@ class FunctionFacts:
     calls: tuple[str, ...] | None
 
 
-@dataclass(frozen=True)
+@record
 class FileFacts:
     """What a compiler makes of one file: bytes of variables by name, and its functions by name."""
 
@@ -32,7 +32,7 @@ class FileFacts:
     functions: Mapping[str, FunctionFacts]
 
 
-@dataclass(frozen=True)
+@record
 class MemoryReport:
     """Bytes of a program: ``data`` are all its variables, ``stack`` the deepest that it goes.
 

@@ -6,10 +6,10 @@ import os
 import signal
 import subprocess
 from collections.abc import Callable
-from dataclasses import dataclass
 from io import BufferedIOBase
 from typing import TYPE_CHECKING, Literal
 
+from cspdiag.base.record import record
 from cspdiag.codegen.c.package.refusals import refuse_devices
 from cspdiag.network.ir.network import Environment, Network
 from cspdiag.pipeline import Reader, generate
@@ -31,7 +31,7 @@ Observed = Literal["all", "ports", "none"]
 """Which communications are told: recording a few is much faster than recording all."""
 
 
-@dataclass(frozen=True)
+@record
 class NativeRun:
     """A native program that runs: the later of what its records and looks at it tell."""
 

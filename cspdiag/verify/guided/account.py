@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
 
+from cspdiag.base.record import record, replaced
 from cspdiag.model.types import BoolType, EnumType, IntType, RealType, TimeType, Type
 from cspdiag.network.ir.network import Network
 from cspdiag.proofs.counterexamples.counterexample import (
@@ -25,7 +25,7 @@ from cspdiag.verify.runs.values import types_of, written
 _UNSEEN = SILENT | {"exception"}
 
 
-@dataclass(frozen=True)
+@record
 class _Match:
     """An event that tells what happened, with the components that stand for the actors."""
 
@@ -42,7 +42,7 @@ def retold(
     teller = _Teller(system, network.top)
     steps = tuple(teller.step(happened, _text(happened, types)) for happened in run)
     waiting = tuple(map(teller.waiting, standing))
-    return replace(found, steps=steps, cycle=(), waiting=waiting, ring=ring(waiting))
+    return replaced(found, steps=steps, cycle=(), waiting=waiting, ring=ring(waiting))
 
 
 def _text(happened: Happened, types: Mapping[str, Type]) -> str | None:
@@ -171,7 +171,7 @@ class _Teller:
     def _taken(self, value: str | None, best: _Match, same: Sequence[_Match]) -> Step:
         """The step; from now on the components are where it leads, whatever the value."""
         event = self._system.events[best.event]
-        parties = tuple(replace(self._party(number, best.event), role=event.role(number)) for number in event.parties)
+        parties = tuple(replaced(self._party(number, best.event), role=event.role(number)) for number in event.parties)
         events = {match.event for match in same}
         for number in event.parties:
             after = frozenset(

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 from typing import TypeAlias
 
+from cspdiag.base.record import record
 from cspdiag.runtime.composition import Branches
 from cspdiag.runtime.kernel.scheduler import Task
 from cspdiag.verify.guided.script import Actor, Standing
@@ -24,7 +24,7 @@ _PART = ": "
 """In the names of events that pass no channel: the end of a parallel, a delay."""
 
 
-@dataclass(frozen=True)
+@record
 class Goal:
     """What a run is to come to; ``outside`` are the channels of the environment, ``visible`` those that a specification sees.
 

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
+from cspdiag.base.record import record
 from cspdiag.runtime.deadlock import DeadlockReport
 from cspdiag.verify.guided.script import Happened, Standing
 
 
-@dataclass(frozen=True)
+@record
 class GuidedRun:
     """How a run went: ``done`` entries of its script, ``actions`` of processes, and why it has not reached its goal, None if it has.
 

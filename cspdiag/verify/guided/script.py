@@ -7,6 +7,7 @@ from collections.abc import Container, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from cspdiag.base.record import record
 from cspdiag.verify.runs.task_names import Key
 
 LATER = 1 << 60
@@ -35,7 +36,7 @@ class Passed:
         return self.channel or self.action
 
 
-@dataclass(frozen=True)
+@record
 class Actor:
     """A task that took part in something: its process, and what a counterexample may call it."""
 
@@ -43,7 +44,7 @@ class Actor:
     names: tuple[str, ...]
 
 
-@dataclass(frozen=True)
+@record
 class Happened:
     """Something that tasks did in a run: ``communication``, or as ``Passed``; who writes is the first of the actors.
 
@@ -56,7 +57,7 @@ class Happened:
     value: Any = None
 
 
-@dataclass(frozen=True)
+@record
 class Standing:
     """A task that waits for ever, and the channels at which it does."""
 

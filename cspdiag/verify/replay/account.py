@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
 from typing import Any
 
+from cspdiag.base.record import replaced
 from cspdiag.model.types import Type
 from cspdiag.network.dump.expression import value_text
 from cspdiag.network.ir.network import Network
@@ -35,12 +35,12 @@ def with_values(found: Counterexample, replay: Replay, network: Network) -> Coun
     values = {channel: iter(told) for channel, told in happened.items() if len(told) == times[channel]}
     steps = [_told(_offered(step, replay.offered.get(number)), values, types) for number, step in enumerate(every)]
     unlike = {steps[number].channel for number in differing(steps, replay.communications, types_of(network))}
-    steps = [replace(step, value=None) if step.channel in unlike else step for step in steps]
-    return replace(found, steps=tuple(steps[: len(found.steps)]), cycle=tuple(steps[len(found.steps) :]))
+    steps = [replaced(step, value=None) if step.channel in unlike else step for step in steps]
+    return replaced(found, steps=tuple(steps[: len(found.steps)]), cycle=tuple(steps[len(found.steps) :]))
 
 
 def _offered(step: Step, text: str | None) -> Step:
-    return step if text is None or len(text) > LONGEST else replace(step, value=text)
+    return step if text is None or len(text) > LONGEST else replaced(step, value=text)
 
 
 def _told(step: Step, values: Mapping[str, Iterator[Any]], types: Mapping[str, Type]) -> Step:
@@ -49,5 +49,5 @@ def _told(step: Step, values: Mapping[str, Iterator[Any]], types: Mapping[str, T
     value = next(values[step.channel])
     text = value_text(value, types[step.channel])
     if len(text) <= LONGEST:
-        return replace(step, value=text)
-    return step if agrees(value, types[step.channel], step.value) else replace(step, value=None)
+        return replaced(step, value=text)
+    return step if agrees(value, types[step.channel], step.value) else replaced(step, value=None)

@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict
 from collections.abc import Iterator
-from dataclasses import replace
 from typing import Any
 
+from cspdiag.base.record import replaced
 from cspdiag.network.ir.network import Network
 from cspdiag.proofs.verdict import LimitError, Limits
 from cspdiag.runtime.composition import end_all, task_for
@@ -327,7 +327,7 @@ class Attempt:
         if run.succeeded and self._judge is not None:
             found = self._judge(run.communications, self._rest_of(run))
             divergence, judgement = (_ALLOWED, "") if found is None else (None, found)
-        return replace(
+        return replaced(
             result,
             divergence=divergence,
             communications=result.communications if self._trace.cycle else run.communications,

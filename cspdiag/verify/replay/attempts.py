@@ -7,8 +7,8 @@ runs, with its priorities and in exact times (``guided``).
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 
+from cspdiag.base.record import replaced
 from cspdiag.network.ir.network import Network
 from cspdiag.proofs.verdict import Limits
 from cspdiag.simulate.run.package import LoadedPackage
@@ -49,8 +49,8 @@ def replay(
         if not (result.succeeded or result.other or trace.exact):
             result = max(attempts.best(Rounds(network, trace)), result, key=_distance)
         if not (result.succeeded or result.other) and trace.failure in {"deadlock", "no termination"}:
-            run = guided.at_random(replace(trace, failure="deadlock", cycle=()))
-            return result if run is None else replace(result, other=run.happened, standing=run.standing)
+            run = guided.at_random(replaced(trace, failure="deadlock", cycle=()))
+            return result if run is None else replaced(result, other=run.happened, standing=run.standing)
         return result
     finally:
         guided.close()
@@ -110,4 +110,4 @@ class _Attempts:
         run = self._guided.follow(conductor.passed, self._trace, attempt.cycle, ends=attempt.ends, further=further)
         led = attempt.led(run, result)
         unlike = difference(self._trace, led.communications, self._types) if led.succeeded else None
-        return led if unlike is None else replace(led, steps=unlike[0], divergence=unlike[1])
+        return led if unlike is None else replaced(led, steps=unlike[0], divergence=unlike[1])

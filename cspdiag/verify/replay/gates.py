@@ -8,8 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Generator
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
+from cspdiag.base.record import record
 from cspdiag.runtime.channels.selector import Selector
 from cspdiag.runtime.kernel.exceptions import Cancelled
 from cspdiag.runtime.kernel.scheduler import Party, Task, Waits, scheduler
@@ -23,7 +24,7 @@ __package__ = Process.__module__.rpartition(".")[0]
 Action = Literal["read", "write", "ready", "wait", "after", "skip"]
 
 
-@dataclass(frozen=True)
+@record
 class Option:
     """Something that a process at a gate can go on with; ``index`` tells options of one gate apart.
 
@@ -31,11 +32,13 @@ class Option:
     nanoseconds, belongs to ``wait`` and ``after``, ``value`` to ``write``.
     """
 
+    uncompared: ClassVar[frozenset[str]] = frozenset({"value"})
+
     action: Action
     channel: str = ""
     index: int = 0
     duration: int = 0
-    value: Any = field(default=None, compare=False)
+    value: Any = None
 
 
 class Gate:

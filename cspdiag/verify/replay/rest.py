@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Container, Iterable
-from dataclasses import dataclass
 
+from cspdiag.base.record import record
 from cspdiag.verify.replay.gates import Gate, Interruption, Option
 
 _BY_ITSELF = frozenset({"skip", "wait", "after"})
 
 
-@dataclass(frozen=True)
+@record
 class Resting:
     """``offers`` are options at ports of the outermost process; ``goes_on``: some process can get on by itself, or two with each other."""
 

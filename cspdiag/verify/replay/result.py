@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
+from cspdiag.base.record import EMPTY, record
 from cspdiag.runtime.deadlock import DeadlockReport
 from cspdiag.verify.guided.script import Happened, Standing
 from cspdiag.verify.replay.rest import Resting
@@ -15,7 +15,7 @@ Judge: TypeAlias = Callable[[Sequence[tuple[str, Any]], Resting | None], str | N
 """Says what is wrong with a run, from its communications and how the processes stand then; None if nothing is."""
 
 
-@dataclass(frozen=True)
+@record
 class Replay:
     """How far the program followed a trace.
 
@@ -32,7 +32,7 @@ class Replay:
     """What the judge has found wrong."""
     added: tuple[Added, ...] = ()
     """Rounds of loops that the trace does not have."""
-    offered: Mapping[int, str] = field(default_factory=dict)
+    offered: Mapping[int, str] = EMPTY
     """What the environment offered, by the number of the step."""
     other: tuple[Happened, ...] = ()
     """What the program did instead, where it has come to a standstill in another way."""

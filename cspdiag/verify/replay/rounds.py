@@ -7,10 +7,10 @@ pass. Where a specification sees that, the judge of the whole run says in the en
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
+from cspdiag.base.record import record
 from cspdiag.model.constants.durations import duration
 from cspdiag.network.ir.network import Network
 from cspdiag.proofs.counterexamples.counterexample import Party, Step
@@ -31,7 +31,7 @@ _LEAVING = frozenset({"exception", "failure", "end"})
 _PREFERRED = ("read", "ready", "write", "wait", "skip", "after")
 
 
-@dataclass(frozen=True)
+@record
 class Added:
     """A step that the trace does not have, and the number of the one that it comes before."""
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 from cspdiag.base.errors import CspdiagError
+from cspdiag.base.record import record
 from cspdiag.proofs.counterexamples.counterexample import is_shown
 
 FORMAT = "cspdiag trace 1"
@@ -22,7 +22,7 @@ class DivergenceError(CspdiagError):
     """The program does not follow the trace; the message says where."""
 
 
-@dataclass(frozen=True)
+@record
 class TraceStep:
     """What is to happen next; ``parties`` are the processes that take part: their names, and the paths of the instances that they belong to."""
 
@@ -40,7 +40,7 @@ class TraceStep:
         return is_shown(self.kind, len(self.parties))
 
 
-@dataclass(frozen=True)
+@record
 class Trace:
     """A counterexample of ``process``, compiled with ``settings``.
 

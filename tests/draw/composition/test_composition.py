@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -11,6 +10,7 @@ from hypothesis import strategies as st
 
 from cspdiag import pipeline
 from cspdiag.base import Report, SourceFile
+from cspdiag.base.record import replaced
 from cspdiag.base.sources import read_source
 from cspdiag.draw.composition.blocks import MOST_LINES, PARENTHESIS
 from cspdiag.draw.composition.diagram import draw_composition
@@ -94,9 +94,9 @@ def test_a_moved_process_is_noticed_by_the_measuring(away: tuple[float, float]) 
             return item
         if item.id == "step-1.2.2":
             return moved(item, *away)
-        return replace(item, items=tuple(damaged(each) for each in item.items))
+        return replaced(item, items=tuple(damaged(each) for each in item.items))
 
-    assert faults(replace(scene, items=tuple(damaged(each) for each in scene.items)))
+    assert faults(replaced(scene, items=tuple(damaged(each) for each in scene.items)))
 
 
 def test_every_element_is_drawn_once_under_its_key() -> None:

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import pytest
 
+from cspdiag.base.record import replaced
 from cspdiag.proofs.search import stubborn
 from cspdiag.proofs.search.stuck_sets import Offers
 from cspdiag.proofs.transitions.systems.system import INTERNAL, Component, System
@@ -84,7 +83,7 @@ def test_a_search_that_reaches_a_limit_says_so() -> None:
 
 def test_where_a_failure_may_end_what_is_stuck_the_question_is_left_open() -> None:
     ring = known.beside_a_loop(known.philosophers(4))
-    failing = replace(ring, events=(*ring.events[:-1], replace(ring.events[-1], kind="failure")))
+    failing = replaced(ring, events=(*ring.events[:-1], replaced(ring.events[-1], kind="failure")))
     verdict = stubborn.knot_free(failing, Limits())
     assert isinstance(verdict, Unknown)
     assert "a missed sample or a fault" in verdict.reason

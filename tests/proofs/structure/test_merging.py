@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import pytest
 
+from cspdiag.base.record import replaced
 from cspdiag.proofs.portfolio import prove_deadlock_free, prove_knot_free
 from cspdiag.proofs.rules.runs import moves_of, the_run
 from cspdiag.proofs.search.merging import representatives
@@ -33,7 +32,7 @@ def split(system: System) -> System:
                 else:
                     doubled += [(event, after), (event + count, after)]
             states.append(tuple(doubled))
-        components.append(replace(component, edges=tuple(states)))
+        components.append(replaced(component, edges=tuple(states)))
     return System(tuple(components), system.events * 2)
 
 

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import pytest
 
 from cspdiag import pipeline
 from cspdiag.base import SourceFile
+from cspdiag.base.record import replaced
 from cspdiag.base.sources import read_source
 from cspdiag.proofs.counterexamples.counterexample import counterexample
 from cspdiag.proofs.search import breadth_first
@@ -54,10 +53,10 @@ def test_a_trace_that_the_program_does_not_do_is_noticed(table: tuple[pipeline.A
     steps = {
         "shortened": tuple(trace.steps[:-1]),
         "exchanged": (second, first, *others),
-        "unknown channel": (first, replace(second, channel="SymmetricTable.nothing"), *others),
+        "unknown channel": (first, replaced(second, channel="SymmetricTable.nothing"), *others),
         "extended": (*trace.steps, second),
     }[changed]
-    result = replayed(network, replace(trace, steps=steps), read_source)
+    result = replayed(network, replaced(trace, steps=steps), read_source)
     assert not result.succeeded
     assert result.steps < len(trace.steps) + 1
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from math import inf
 from typing import TypeAlias
 
 from cspdiag.analyses.timing.flow.ends import Ends
+from cspdiag.base.record import record
 from cspdiag.model.types import IntType, TimeType
 from cspdiag.network.ir.actions import (
     Action,
@@ -50,7 +50,7 @@ MOST_ROUNDS = 1_000
 _NEGATED = {"<": ">=", "<=": ">", ">": "<=", ">=": "<", "==": "!=", "!=": "=="}
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Loop:
     """A loop of a process, by its path; ``before`` gives what is known when it begins."""
 

@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
 
 from cspdiag.analyses.timing.flow.behaviours import Behaviour
 from cspdiag.analyses.timing.flow.paths import Job
 from cspdiag.analyses.timing.flow.starts import round_period
 from cspdiag.analyses.timing.result import Refusal
 from cspdiag.analyses.timing.task import ONCE
+from cspdiag.base.record import record, replaced
 
 LARGEST_NUMBER_OF_COMMUNICATIONS = 1_000
 """On one channel in one period, before the search for what they begin is given up."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Demand:
     """Recurring work of a thread at a level of priority. ``origin`` is the thread whose samples cause it, -1 for none; ``late`` tells that it comes
     only when that one has communicated. ``behind`` is how much later than at its period a job may come besides, since something was kept for it. For ``held`` the thread
@@ -40,7 +40,7 @@ class Demand:
     """Other threads whose work this may be instead."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class _Begun:
     """Communications that a thread makes, ``count`` in a period; ``hops`` threads came before it."""
 
@@ -252,7 +252,7 @@ def merged(alternatives: Iterable[Sequence[Demand]]) -> list[Demand]:
 
 def _larger(one: Demand, other: Demand) -> Demand:
     shared = one.shared | other.shared | ({other.thread} if other.thread != one.thread else set())
-    return replace(
+    return replaced(
         one, origin=one.origin if one.origin == other.origin or not one.late else -1, shared=shared, work=max(one.work, other.work), step=max(one.step, other.step), delays=max(one.delays, other.delays),
         behind=max(one.behind, other.behind), held=max(one.held, other.held), meets=max(one.meets, other.meets),
     )  # fmt: skip

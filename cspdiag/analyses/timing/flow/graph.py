@@ -8,9 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import ClassVar, Literal
 
 from cspdiag.base import Span
+from cspdiag.base.record import record
 
 Key = tuple[str, str, int]
 """An end of a sampled input: its net, the process that keeps its books, and which of its ends."""
@@ -18,7 +19,7 @@ Key = tuple[str, str, int]
 WaitKind = Literal["sample", "event", "delay", "partner", "join"]
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Offer:
     """What a waiting thread goes on with.
 
@@ -28,6 +29,8 @@ class Offer:
     ``is_certain`` unless it is there only where a condition holds, or abandons what waits. ``opens`` are the inputs, with their periods, that branches which
     are abandoned may have followed.
     """
+
+    uncompared: ClassVar[frozenset[str]] = frozenset()
 
     kind: WaitKind
     target: int
@@ -47,7 +50,7 @@ class Offer:
         return self.channel, self.writes
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Move:
     """Values pass from some channels and variables to others, by the paths of their nets."""
 
@@ -112,7 +115,7 @@ class Place:
         return min(known, default=None)
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Circle:
     """A loop of a thread: each round begins anew at the place ``again`` and passes others from there on, up to ``end``.
     ``ends`` says whether it surely comes to its end if nothing in it waits for ever.
@@ -169,9 +172,11 @@ class Thread:
         return any(offer.kind == "sample" for place in self.places for offer in place.offers)
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Missing:
     """A law or process that does not say its worst-case execution time; ``span`` is its definition."""
+
+    uncompared: ClassVar[frozenset[str]] = frozenset()
 
     leaf: str
     definition: str

@@ -8,7 +8,6 @@ before it waits for the next. What is otherwise is a ``Gap``: nothing is proved 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 
 from cspdiag.analyses.timing.flow.books import (
     NOTHING,
@@ -27,6 +26,7 @@ from cspdiag.analyses.timing.flow.graph import Offer, Place, Thread
 from cspdiag.analyses.timing.flow.paths import Job, Node, Path, either
 from cspdiag.base import Span
 from cspdiag.base.graphs import strong_components
+from cspdiag.base.record import record
 
 State = tuple[int, Books]
 Step = tuple[State, int, bool, Offer | None, bool]
@@ -44,7 +44,7 @@ class UnboundedError(Exception):
         self.span = span
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Gap:
     """A place at which samples of some inputs, with their periods, may come unseen while a thread waits there.
 

@@ -11,6 +11,7 @@ from cspdiag.analyses.timing.flow.demands import begun_by
 from cspdiag.analyses.timing.flow.ends import capacities
 from cspdiag.analyses.timing.flow.graph import Move
 from cspdiag.analyses.timing.flow.paths import Job
+from cspdiag.base.record import record
 from cspdiag.network.ir.network import ChannelKind, Network
 
 Spot = tuple[int, int]
@@ -32,7 +33,7 @@ class Stage:
     """By thread, the jobs that these are part of."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Hop:
     """From a spot to another one: in the same sample, or to a sample of the stage ``to``. ``waits`` is the time from the sample until that one has the value, at
     most; in the same sample only what it may lie in a channel.

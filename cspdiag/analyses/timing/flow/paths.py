@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 from cspdiag.analyses.timing.flow.books import Books
 from cspdiag.analyses.timing.flow.graph import Offer
+from cspdiag.base.record import record
 
 End = tuple[str, bool]
 """A side of a channel: its path, and whether it is that of the writer."""
@@ -60,7 +61,7 @@ class Path:
             yield from ((channel, writes, count) for (channel, writes), count in counts.items())
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Job:
     """What a thread does when a wait is over: where it waited, for what, and the path from there.
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Mapping
-from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
 
@@ -11,6 +10,7 @@ from cspdiag.analyses.timing.flow.counting import Counting, Values, without
 from cspdiag.analyses.timing.flow.ends import Ends
 from cspdiag.analyses.timing.flow.graph import Missing, Move, Offer, Place, Thread
 from cspdiag.analyses.timing.result import Refusal
+from cspdiag.base.record import record, replaced
 from cspdiag.network.ir.actions import Action, Branch, Event, PortEnd, Step
 from cspdiag.network.ir.declared import Declared
 from cspdiag.network.ir.expressions import Expression, VariableValue
@@ -18,7 +18,7 @@ from cspdiag.network.ir.network import Connection, Network, ProcessClass, Submod
 from cspdiag.network.ir.walk import parts
 
 
-@dataclass(frozen=True)
+@record
 class Context:
     """Where an action stands: its thread and process, what ends it early, and the stated time that replaces those inside.
 
@@ -36,7 +36,7 @@ class Context:
 
     def changed(self, *by: Action | Event) -> Context:
         """After something may have been done in part."""
-        return replace(self, before=cache(lambda: without(self.before(), *by)))
+        return replaced(self, before=cache(lambda: without(self.before(), *by)))
 
 
 class Places:
@@ -76,7 +76,7 @@ class Places:
             return following
         waits = self.place(context, where)
         place = context.thread.places[waits]
-        place.offers = [replace(offer, target=self.resumed(context, where, offer.target)) for offer in offers]
+        place.offers = [replaced(offer, target=self.resumed(context, where, offer.target)) for offer in offers]
         self.interruptible(place, context)
         return waits
 
@@ -93,7 +93,7 @@ class Places:
     def interruptible(self, place: Place, context: Context) -> None:
         """Adds what may end a wait from around it: interrupts, and a sample that was missed."""
         missed = [(offer, self.handler(context, "Timeout")) for offer in place.offers if offer.kind == "sample"]
-        place.offers += [replace(offer, target=target) for offer, target in missed if target is not None]
+        place.offers += [replaced(offer, target=target) for offer, target in missed if target is not None]
         place.offers += context.interrupts
 
     def handler(self, context: Context, exception: str) -> int | None:

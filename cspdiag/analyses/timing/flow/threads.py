@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
 from functools import cache, partial
 from typing import assert_never
 
@@ -14,6 +13,7 @@ from cspdiag.analyses.timing.flow.graph import Circle, Move, Offer, Thread
 from cspdiag.analyses.timing.flow.looping import Looping
 from cspdiag.analyses.timing.flow.places import Context, Places, variables_in
 from cspdiag.analyses.timing.result import Refusal
+from cspdiag.base.record import replaced
 from cspdiag.network.ir.actions import (
     Action,
     AfterEvent,
@@ -81,7 +81,7 @@ class Threads(Places):
         entry = self.classes[self.instances[path].class_name]
         assert isinstance(entry, ProcessClass)
         initial = cache(lambda: self.counting.initial(path, entry) if context.is_first else {})
-        inner = replace(context, path=path, before=initial)
+        inner = replaced(context, path=path, before=initial)
         if entry.external is not None:
             return self._written_by_hand(path, entry, inner, following)
         if entry.body is None:
@@ -96,7 +96,7 @@ class Threads(Places):
         stated = entry.wcet
         if stated is None or context.stated is not None:
             return self._action(entry.body, inner, following)
-        inner = replace(inner, stated=stated)
+        inner = replaced(inner, stated=stated)
         began = self.place(inner, entry, cost=stated, leaf=path)
         context.thread.places[began].successors = [self._action(entry.body, inner, following)]
         return began
@@ -160,7 +160,7 @@ class Threads(Places):
                 end = PortEnd(connection.port, connection.index, attached.end)
                 reads += self.ends.reading(path, end, 0, where, owner=context.path)
         for offer in sorted(reads, key=lambda offer: ("partner", "event", "sample").index(offer.kind)):
-            present = self.waiting(context, where, [replace(offer, target=present)], present)
+            present = self.waiting(context, where, [replaced(offer, target=present)], present)
         return present
 
     def _action(self, action: Action, context: Context, following: int) -> int:
@@ -195,7 +195,7 @@ class Threads(Places):
                 found = cache(lambda: self.counting.before_each(context.path, action.steps, context.before()))
                 for k, step in reversed(list(enumerate(action.steps))):
                     before = partial(lambda k: found()[k], k)
-                    following = self._action(step, replace(context, before=before), following)
+                    following = self._action(step, replaced(context, before=before), following)
                 return following
             case ParallelSteps():
                 return self._parallel(action, context, following)
@@ -215,7 +215,7 @@ class Threads(Places):
                 return decides
             case CatchException():
                 handler = self._action(action.handler, context.changed(action.body), following)
-                inner = replace(context, handlers=(*context.handlers, (action.exception, handler)))
+                inner = replaced(context, handlers=(*context.handlers, (action.exception, handler)))
                 begun = self._action(action.body, inner, following)
                 if action.exception != "Fault":
                     return begun
@@ -228,8 +228,8 @@ class Threads(Places):
                 if not offers:
                     # A guard that never waits abandons the body wherever that would wait first.
                     offers = [Offer("delay", self._guarded(action.branch, outside, following), action.span)]
-                offers = [replace(offer, is_certain=False) for offer in offers]
-                inner = replace(context, interrupts=(*context.interrupts, *offers))
+                offers = [replaced(offer, is_certain=False) for offer in offers]
+                inner = replaced(context, interrupts=(*context.interrupts, *offers))
                 return self._action(action.body, inner, following)
             case Group():
                 return self._action(action.body, context, following)
@@ -255,11 +255,11 @@ class Threads(Places):
             self._runs[owner] = Counter(
                 part.instance for part in parts(self.classes[owner]) if isinstance(part, RunInstance)
             )
-        return context if self._runs[owner][action.instance] == 1 else replace(context, is_first=False)
+        return context if self._runs[owner][action.instance] == 1 else replaced(context, is_first=False)
 
     def _loop(self, action: Repeat | WhileLoop, context: Context, following: int) -> int:
         again = self.place(context, action)
-        circles = replace(context.changed(action.body), is_first=False)
+        circles = replaced(context.changed(action.body), is_first=False)
         body = self._action(action.body, circles, again)
         ends = cache(partial(self.counting.ends, Loop(context.path, action, context.before)))
         context.thread.circles.append(Circle(again, len(context.thread.places), ends))
@@ -279,13 +279,13 @@ class Threads(Places):
         """Turn by turn, so that it is known what all of them take; very many as a loop that ends some day."""
         if action.turns > MOST_ROUNDS:
             again = self.place(context, action)
-            turn = replace(context.changed(action.body), is_first=False)
+            turn = replaced(context.changed(action.body), is_first=False)
             body = self._action(action.body, turn, again)
             context.thread.circles.append(Circle(again, len(context.thread.places), lambda: True))
             context.thread.places[again].successors = [body, following]
             return body
         turns = SequentialSteps(span=action.span, steps=(action.body,) * action.turns)
-        return self._action(turns, replace(context, is_first=False), following)
+        return self._action(turns, replaced(context, is_first=False), following)
 
     def _choice(self, action: Choice, context: Context, following: int) -> int:
         branches = [branch for branch in action.branches if self.may_hold(branch, context)]
@@ -345,7 +345,7 @@ class Threads(Places):
             return []
         offers = self._offers(branch, context, self._guarded(branch, context, following))
         certain = self.must_hold(branch, context)
-        return [replace(offer, is_certain=certain) for offer in offers]
+        return [replaced(offer, is_certain=certain) for offer in offers]
 
     def _offers(self, branch: Branch, context: Context, target: int) -> list[Offer]:
         event = branch.event
@@ -370,7 +370,7 @@ class Threads(Places):
             inner = self._abandoned_by_others(action, context)
             for step, rank in zip(reversed(action.steps), reversed(ranks), strict=True):
                 switches = self.place(context, step, successors=[following], breaks=True)
-                following = self._action(step, replace(inner, priority=rank), switches)
+                following = self._action(step, replaced(inner, priority=rank), switches)
             inside = [offer for place in context.thread.places[known:] for offer in place.offers]
             opens = frozenset((offer.key, offer.period) for offer in inside if offer.kind == "sample")
             return self.place(context, action, successors=[following], opens=opens)
@@ -390,7 +390,7 @@ class Threads(Places):
         # The books of processes that are abandoned are closed.
         opens = frozenset(end for thread in below for end in thread.samples() if end[0][1] == context.path)
         abandons = [Offer("join", handler, action.span) for _, handler in context.handlers]
-        abandons = [replace(offer, opens=opens) for offer in (*abandons, *context.interrupts)]
+        abandons = [replaced(offer, opens=opens) for offer in (*abandons, *context.interrupts)]
         context.thread.places[joins].offers = [Offer("join", following, action.span), *abandons]
         return joins
 
@@ -399,7 +399,7 @@ class Threads(Places):
         raised = {"Fault", "Timeout", *self._raised_in(action, context.path)}
         handlers = [handler for name, handler in context.handlers if name in raised]
         abandons = [Offer("delay", handler, action.span, is_certain=False) for handler in handlers]
-        return replace(context, interrupts=(*context.interrupts, *abandons))
+        return replaced(context, interrupts=(*context.interrupts, *abandons))
 
     def _raised_in(self, action: Action, path: str) -> Iterator[str]:
         for part in parts(action):

@@ -8,10 +8,10 @@ Period optimization for hard real-time distributed automotive systems, 2007).
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
 
 from cspdiag.analyses.timing.flow.passing import Passing, Spot, Stage
 from cspdiag.analyses.timing.result import Chain
+from cspdiag.base.record import record, replaced
 
 LARGEST_NUMBER_OF_WAYS = 10_000
 """Ways from loop to loop that are followed; of programs with more of them some chains are left out."""
@@ -20,7 +20,7 @@ Latency = Callable[[str, int, int], "tuple[int, int] | None"]
 """Of an output, by its net, the age and the delay of what a loop of a period and a response writes to it; None if it is none."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class _Way:
     """A value on its way: the stages in which it was, each with what it passed there, their names, and the time until the next one has taken it up."""
 
@@ -116,7 +116,7 @@ def _further(passing: Passing, way: _Way, here: Mapping[Spot, int]) -> Iterator[
                 entries.setdefault(hop.to, set()).add(hop.spot)
                 longest[hop.to] = max(longest.get(hop.to, 0), waited + hop.waits)
     for to in sorted(entries):
-        yield replace(way, time=way.time + longest[to]), to, frozenset(entries[to])
+        yield replaced(way, time=way.time + longest[to]), to, frozenset(entries[to])
 
 
 def _name(passing: Passing, loop: str, here: Iterable[Spot]) -> str:

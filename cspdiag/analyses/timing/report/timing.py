@@ -26,6 +26,7 @@ from cspdiag.analyses.timing.tasks.assignment import feasible_order
 from cspdiag.analyses.timing.tasks.response import Response, response_time, response_times
 from cspdiag.analyses.timing.tasks.witness import find_witness, is_overloaded
 from cspdiag.base import Span
+from cspdiag.base.record import replaced
 from cspdiag.network.ir.network import Network
 
 LARGEST_NUMBER_OF_ROUNDS = 50
@@ -270,7 +271,7 @@ class _Analysis:
             group is not None
             and not beside
             and len(alone) == 1
-            and replace(self._as_task(alone[0]), name=task.name) == task
+            and replaced(self._as_task(alone[0]), name=task.name) == task
         ):
             if group not in self._together:
                 parts = self.surroundings.together(group)
@@ -280,7 +281,7 @@ class _Analysis:
         others = [self._as_task(part) for part in self.surroundings.beside(number, loop.together.replaced)]
         if any(part.held or part.meets for part in beside):
             # It comes back to the queue when others have come to it, and to partners that are less urgent.
-            task = replace(task, final=0, priority=max(task.priority, self.waited[number][1]))
+            task = replaced(task, final=0, priority=max(task.priority, self.waited[number][1]))
         below = max((other.step for other in others if other.priority > task.priority), default=0)
         return response_time(task, [*others, *(self._as_own(part, below) for part in merged([beside]))])
 
@@ -347,7 +348,7 @@ class _Analysis:
         """
         task = self._as_task(part)
         held = part.held + part.delays * below + part.meets * self.waited[part.thread][0]
-        return replace(task, work=task.work + held, final=0 if held else task.final, priority=-1)
+        return replaced(task, work=task.work + held, final=0 if held else task.final, priority=-1)
 
     def _beside_own(self, loop: _Loop) -> list[Demand]:
         """What else the loop's own thread may want to do while the loop does."""

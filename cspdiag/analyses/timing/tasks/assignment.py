@@ -7,10 +7,10 @@ deadline there may have it, whatever the order of the others.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 from cspdiag.analyses.timing.task import Task
 from cspdiag.analyses.timing.tasks.response import response_time
+from cspdiag.base.record import replaced
 
 
 def feasible_order(tasks: Sequence[Task]) -> list[int] | None:
@@ -31,7 +31,7 @@ def feasible_order(tasks: Sequence[Task]) -> list[int] | None:
 
 
 def _fits_lowest(tasks: Sequence[Task], candidate: int, above: Sequence[int], below: Sequence[int]) -> bool:
-    others = [replace(tasks[k], priority=0) for k in above if k != candidate]
-    others += [replace(tasks[k], priority=2) for k in below]
-    worst = response_time(replace(tasks[candidate], priority=1), others).worst
+    others = [replaced(tasks[k], priority=0) for k in above if k != candidate]
+    others += [replaced(tasks[k], priority=2) for k in below]
+    worst = response_time(replaced(tasks[candidate], priority=1), others).worst
     return worst is not None and worst <= tasks[candidate].deadline

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import Literal
 
+from cspdiag.base.record import record
 from cspdiag.network.ir.network import Network, ProcessClass
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Measured:
     """The longest step of a law, of a process with its own laws, or of a thread with everything that is flattened into it, in nanoseconds."""
 

@@ -11,18 +11,18 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 from itertools import accumulate
 from operator import itemgetter
 
 from cspdiag.analyses.timing.task import Task
+from cspdiag.base.record import record
 
 LARGEST_NUMBER_OF_JOBS = 100_000
 """A busy period with more jobs of one task is given up."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Response:
     """The bound for one task: ``worst`` response, latest ``start`` of a job's last step, both from the nominal release; ``blocking`` by
     less urgent steps. ``worst`` and ``start`` are None where the level is overloaded, so that there is no bound.

@@ -8,15 +8,15 @@ from __future__ import annotations
 
 import heapq
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import lcm
 
 from cspdiag.analyses.timing.task import Task
+from cspdiag.base.record import record
 
 LARGEST_NUMBER_OF_JOBS = 20_000
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Slice:
     """A step of a job that runs: the index of its task, when the job was released, and from when to when it ran, in nanoseconds."""
 
@@ -27,7 +27,7 @@ class Slice:
     is_last: bool
 
 
-@dataclass(frozen=True)
+@record
 class Schedule:
     """What ran in ``length`` nanoseconds; ``is_whole`` unless the hyperperiod is longer, or had too many jobs to look at."""
 

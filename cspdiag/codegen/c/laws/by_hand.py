@@ -6,8 +6,8 @@ Values are copied between ports and members as they are in memory: a member of a
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
+from cspdiag.base.record import record
 from cspdiag.codegen.c.laws.external import source_paths
 from cspdiag.codegen.c.laws.laws import body_name, law_members
 from cspdiag.codegen.c.text.code import INDENT, broken
@@ -23,7 +23,7 @@ from cspdiag.network.ir.walk import parts
 FILE = "types_by_hand.c"
 
 
-@dataclass(frozen=True)
+@record
 class _Member:
     """A member that a struct by hand has to have; ``where`` says what it is the port of."""
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
+from cspdiag.base.record import record
 from cspdiag.codegen.c.text.code import INDENT, Code, statement
 from cspdiag.codegen.c.text.expressions import Printer
 from cspdiag.codegen.shared.equations import Equation
@@ -17,7 +17,7 @@ Check = Callable[[str], list[str]]
 """From the place of a statement to what looks for a fault behind it, without indentation."""
 
 
-@dataclass(frozen=True)
+@record
 class EquationWriter:
     """Prints assignments. ``place`` says where something stands in the text; ``external`` gives the lvalue of a nested body in C."""
 

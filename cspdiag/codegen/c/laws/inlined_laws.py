@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
+from cspdiag.base.record import record
 from cspdiag.codegen.c.laws.equations import Check, EquationWriter
 from cspdiag.codegen.c.laws.integration import LOCALS, Integration
 from cspdiag.codegen.c.laws.laws import body_name
@@ -21,7 +22,7 @@ from cspdiag.network.ir.faults import may_fault
 from cspdiag.network.ir.network import ProcessClass
 
 
-@dataclass(frozen=True)
+@record
 class InlinedLaw:
     """One run of a law: functions to stand before the step function, and the statements (a block of their own)."""
 
@@ -79,7 +80,7 @@ def reset_states(states: tuple[str, ...], class_: ProcessClass, printer: Printer
     return rows
 
 
-@dataclass(frozen=True)
+@record
 class _Run:
     action: RunLaw
     class_: ProcessClass

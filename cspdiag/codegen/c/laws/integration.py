@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 
+from cspdiag.base.record import record
 from cspdiag.codegen.c.laws.equations import EquationWriter
 from cspdiag.codegen.c.text.code import INDENT, Code, broken, statement
 from cspdiag.codegen.c.text.expressions import Printer
@@ -19,7 +19,7 @@ LOCALS = frozenset(["h", "half", "sixth", "step", "steps", "t", "time", "k1", "k
 """Names that an integration uses itself."""
 
 
-@dataclass(frozen=True)
+@record
 class Integration:
     """Writes the slopes of continuous states as a function, and the Runge-Kutta (or Euler) step that calls it.
 

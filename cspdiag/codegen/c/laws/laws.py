@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from functools import cached_property
 
+from cspdiag.base.record import record
 from cspdiag.codegen.c.laws.equations import EquationWriter
 from cspdiag.codegen.c.laws.integration import LOCALS, Integration
 from cspdiag.codegen.c.text.code import INDENT, Code, broken, cast, statement
@@ -56,7 +56,7 @@ def body_name(call: ExternalCall) -> str:
     return snake_case(call.definition)
 
 
-@dataclass(frozen=True)
+@record
 class LawFiles:
     """Writes the files of one class."""
 

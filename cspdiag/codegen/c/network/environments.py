@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 
+from cspdiag.base.record import record
 from cspdiag.codegen.c.laws.equations import EquationWriter
 from cspdiag.codegen.c.laws.integration import LOCALS, Integration
 from cspdiag.codegen.c.laws.laws import body_name
@@ -35,7 +35,7 @@ from cspdiag.network.ir.network import Environment, ExternalPort, Network, Submo
 _LOCALS = LOCALS | {"now", "present", "plant", "device", "value", "last"}
 
 
-@dataclass(frozen=True)
+@record
 class EnvironmentFiles:
     """Writes the files of one environment. Its signals are members of a static struct ``plant``."""
 

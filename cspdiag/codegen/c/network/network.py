@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
+from cspdiag.base.record import record
 from cspdiag.codegen.c.network.environments import port_groups, port_key
 from cspdiag.codegen.c.network.network_names import names_file
 from cspdiag.codegen.c.process.leaves import ports_header
@@ -53,7 +53,7 @@ def network_files(network: Network, names: PackageNames, types: CTypes) -> dict[
     return files | {"network_names.c": names_file(network, types, described)}
 
 
-@dataclass(frozen=True)
+@record
 class _NetworkFiles:
     network: Network
     names: PackageNames

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from weakref import ref
 
+from cspdiag.base.record import record
 from cspdiag.base.resources import template_folder
 from cspdiag.codegen.c.laws.by_hand import checks_file
 from cspdiag.codegen.c.laws.external import external_files
@@ -33,7 +33,7 @@ _SIMULATION = ("csp_port_$(PORT).c", "csp_signals.c", "csp_simulation.c", "csp_s
 _CONFIGURATION = "csp_config.h"
 
 
-@dataclass(frozen=True)
+@record
 class CProject:
     """What the templates of the frame lay out."""
 
@@ -51,7 +51,7 @@ class CProject:
     simulated: bool
 
 
-@dataclass(frozen=True)
+@record
 class Scenario:
     """An environment as the main of the simulation knows it."""
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping
-from dataclasses import dataclass
 
+from cspdiag.base.record import record
 from cspdiag.codegen.c.package.package import lowered_for_c
 from cspdiag.codegen.c.text.media import Access, access_of_channel
 from cspdiag.codegen.c.text.names import PackageNames
@@ -23,7 +23,7 @@ _CHANNELS: Mapping[Access, str] = {
 }
 
 
-@dataclass(frozen=True)
+@record
 class ClassSize:
     """Instances of a class: how many, and the bytes of one without the instances and channels inside it."""
 
@@ -33,7 +33,7 @@ class ClassSize:
     bytes: int
 
 
-@dataclass(frozen=True)
+@record
 class Sizes:
     """Classes of processes and control laws, and the bytes and the number of channels."""
 

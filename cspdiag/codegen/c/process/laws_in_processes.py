@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
+from cspdiag.base.record import record
 from cspdiag.codegen.c.laws.inlined_laws import reset_states, run_law, run_law_signals
 from cspdiag.codegen.c.laws.laws import law_may_fault, law_members
 from cspdiag.codegen.c.process.members import SELF
@@ -41,7 +41,7 @@ from cspdiag.network.ir.network import Connection, ConstantEnd, DiscardEnd, Subm
 EXTERNAL = ("latched", "direct")
 
 
-@dataclass(frozen=True)
+@record
 class _Read:
     source: Spelling | None
     """None where ``constant`` is read."""
@@ -49,7 +49,7 @@ class _Read:
     constant: str = ""
 
 
-@dataclass(frozen=True)
+@record
 class _Write:
     sink: Spelling
     value: str

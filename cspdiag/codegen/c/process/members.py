@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import TypeVar
 
+from cspdiag.base.record import record
 from cspdiag.codegen.c.process.port_layout import TAKEN, PortLayout, elements
 from cspdiag.codegen.c.process.signals import kept_signals, signals_of
 from cspdiag.codegen.c.process.unwritten import Unwritten
@@ -43,7 +44,7 @@ T = TypeVar("T", LocalChannel, InstanceOf)
 SELF = "self->"
 
 
-@dataclass(frozen=True)
+@record
 class Member:
     """A member of the struct: its declaration without the semicolon, and what is said of it."""
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 
+from cspdiag.base.record import record
 from cspdiag.codegen.c.process.composition import Composition
 from cspdiag.codegen.c.process.initialization import initialize_rows
 from cspdiag.codegen.c.process.leaves import leaf_header
@@ -20,7 +20,7 @@ from cspdiag.model.types import Type
 from cspdiag.network.ir.network import Network, ProcessClass, SubmodelClass
 
 
-@dataclass(frozen=True)
+@record
 class Facts:
     """What is known of the whole network."""
 
@@ -28,7 +28,7 @@ class Facts:
     unwritten: Unwritten
 
 
-@dataclass(frozen=True)
+@record
 class ProcessFiles:
     """The header and the source of one process class by name, and what has a number in it.
 

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
 
+from cspdiag.base.record import record
 from cspdiag.codegen.c.text.literals import quoted
 from cspdiag.codegen.c.text.names import Names
 from cspdiag.codegen.c.text.rows import Row, block, lines, rows
@@ -27,7 +28,7 @@ class Handler:
     """Whether a place names it, so that the kernel can get there."""
 
 
-@dataclass(frozen=True)
+@record
 class Place:
     """A state of a step function: what it waits for there, the member with the object, and the line of the program."""
 

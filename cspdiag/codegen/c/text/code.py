@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
+from cspdiag.base.record import record
 from cspdiag.codegen.c.text.literals import in_comment
 
 COMMA, CONDITIONAL, OR, AND, EQUALITY, RELATION, SUM, PRODUCT, UNARY, POSTFIX = range(10)
@@ -15,7 +14,7 @@ LINE_LENGTH = 100
 INDENT = "    "
 
 
-@dataclass(frozen=True)
+@record
 class Code:
     """An expression; ``str`` gives the text."""
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Literal, TypeAlias, assert_never
 
+from cspdiag.base.record import record
 from cspdiag.model.types import Type
 from cspdiag.network.ir.network import LocalChannel, Medium, Port
 
@@ -14,7 +14,7 @@ Access: TypeAlias = Literal[
 """``channel`` is a rendezvous of one reader and one writer without guards, ``any`` every other rendezvous."""
 
 
-@dataclass(frozen=True)
+@record
 class Spelling:
     """An end as step functions write it.
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
 
+from cspdiag.base.record import record
 from cspdiag.codegen.c.text.rows import Row, block
 
 LEAST = 3
@@ -36,7 +36,7 @@ def rolled(groups: Sequence[Sequence[str]], variable: str = "i") -> list[Row]:
     return result
 
 
-@dataclass(frozen=True)
+@record
 class _Group:
     """Statements with their numbers taken out."""
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 
+from cspdiag.base.record import record
 from cspdiag.codegen.c.text.code import INDENT, LINE_LENGTH, statement
 from cspdiag.codegen.c.text.documents import comment
 
 
-@dataclass(frozen=True)
+@record
 class Row:
     """One line: ``depth`` counts from the function's body, labels stand one less deep; ``comment`` stands above it."""
 

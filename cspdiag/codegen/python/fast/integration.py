@@ -6,10 +6,11 @@ The operations and their order are those of ``-O0``. A factor of two is a float 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import Literal
 
+from cspdiag.base.record import record
 from cspdiag.codegen.python.fast.expressions import FastPrinter
 from cspdiag.codegen.python.fast.statements import assigned
 from cspdiag.codegen.python.text.code import PRODUCT, SUM, Atom, Code, infix
@@ -20,7 +21,7 @@ from cspdiag.network.ir.equations import SubmodelEquation
 from cspdiag.network.ir.expressions import Expression
 
 
-@dataclass(frozen=True)
+@record
 class SubStep:
     """A sub-step in seconds, and for Runge-Kutta the parts of it that are wanted: names of local variables or values."""
 
@@ -29,7 +30,7 @@ class SubStep:
     sixth: Code
 
 
-@dataclass(frozen=True)
+@record
 class InlineIntegration:
     """Writes the sub-step of states that are local variables.
 

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from math import ceil
 
+from cspdiag.base.record import record
 from cspdiag.codegen.python.fast.expressions import FastPrinter
 from cspdiag.codegen.python.fast.integration import InlineIntegration, SubStep
 from cspdiag.codegen.python.fast.statements import assigned, refused_unless_finite
@@ -26,7 +27,7 @@ from cspdiag.network.ir.walk import parts
 _SECOND = 1_000_000_000
 
 
-@dataclass(frozen=True)
+@record
 class InlineLaw:
     """Writes one inlined control law.
 

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import assert_never
 
+from cspdiag.base.record import record
 from cspdiag.codegen.python.plain.expressions import Printer
 from cspdiag.codegen.python.plain.guards import GuardNames, Guards, select_arguments
 from cspdiag.codegen.python.plain.members import Members
@@ -70,7 +71,7 @@ from cspdiag.network.ir.walk import parts
 """In code: calls, of which checks of ranges are some, and divisions."""
 
 
-@dataclass(frozen=True)
+@record
 class Method:
     """A part of a composition that runs beside others and so needs a coroutine of its own."""
 

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
+from cspdiag.base.record import record
 from cspdiag.codegen.python.text.imports import Imports
 from cspdiag.codegen.python.text.literals import remark
 from cspdiag.codegen.python.text.names import PackageNames
@@ -12,7 +11,7 @@ from cspdiag.codegen.python.text.types import annotation, enum_members, field_na
 from cspdiag.network.ir.network import Network
 
 
-@dataclass(frozen=True)
+@record
 class Definition:
     """A class with rows for a body."""
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from typing import ClassVar
 
+from cspdiag.base.record import record
 from cspdiag.codegen.python.plain.docs import sentence
 from cspdiag.codegen.python.plain.expressions import Printer
 from cspdiag.codegen.python.plain.external import ExternalModules, external_call
@@ -37,7 +37,7 @@ from cspdiag.network.ir.network import Environment, ExternalPort, Network, Submo
 MEMBERS = INTEGRATION | {"self", "now", "steps", "start", "advance", "drivers", "on_miss", "_evaluate"}
 
 
-@dataclass(frozen=True)
+@record
 class EnvironmentModule:
     """What the template lays out."""
 

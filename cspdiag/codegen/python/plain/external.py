@@ -6,8 +6,8 @@ import ast
 import posixpath
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 
+from cspdiag.base.record import record
 from cspdiag.codegen.python.plain.expressions import Printer
 from cspdiag.codegen.python.text.code import Argument, Call, Code
 from cspdiag.codegen.python.text.imports import Imports
@@ -19,7 +19,7 @@ from cspdiag.network.ir.network import Network
 from cspdiag.network.ir.walk import parts
 
 
-@dataclass(frozen=True)
+@record
 class Body:
     """What is known of an external class: where it is imported from, and which optional parts it has."""
 

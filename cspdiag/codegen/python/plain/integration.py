@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
+from cspdiag.base.record import record
 from cspdiag.codegen.python.plain.expressions import Printer
 from cspdiag.codegen.python.text.code import PRODUCT, SUM, Argument, Atom, Call, Code, infix, tuple_of
 from cspdiag.codegen.python.text.names import Names
@@ -14,7 +14,7 @@ from cspdiag.network.ir.equations import SubmodelEquation
 from cspdiag.network.ir.network import SubmodelClass
 
 
-@dataclass(frozen=True)
+@record
 class Integration:
     """Writes the derivatives of a class as a method and the Runge-Kutta (or Euler) step that calls it.
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 
+from cspdiag.base.record import record
 from cspdiag.codegen.python.text.names import PROCESS_MEMBERS, Names, indexed
 from cspdiag.codegen.python.text.statements import Statement, bound_in
 from cspdiag.network.ir.actions import ChannelEnd, End, InputEvent, InputRead, PortEnd, ReadValue, ReadyEvent
@@ -12,7 +12,7 @@ from cspdiag.network.ir.network import InstanceOf, LocalChannel, Network, Proces
 from cspdiag.network.ir.walk import parts
 
 
-@dataclass(frozen=True)
+@record
 class Array:
     """Instances or channels that stand in one list: the attribute, and their names in order."""
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 
+from cspdiag.base.record import record
 from cspdiag.codegen.python.plain.environments import port_key
 from cspdiag.codegen.python.plain.external import ExternalModules
 from cspdiag.codegen.python.plain.instances import keywords_of
@@ -17,7 +17,7 @@ from cspdiag.codegen.python.text.types import accepted, annotation, duration, li
 from cspdiag.network.ir.network import ExternalPort, Network, ProcessClass
 
 
-@dataclass(frozen=True)
+@record
 class NetworkModule:
     """What the template lays out."""
 

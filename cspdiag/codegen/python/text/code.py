@@ -6,15 +6,16 @@ The generator builds these; ``python_layout`` breaks them over lines where a lin
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar, Literal, TypeAlias
+
+from cspdiag.base.record import record
 
 CONDITIONAL, OR, AND, NOT, COMPARISON, SUM, PRODUCT, SIGN, AWAIT, PRIMARY = range(10)
 """Precedences of Python, the loosest first (The Python Language Reference, section 6.17)."""
 
 
-@dataclass(frozen=True)
+@record
 class Atom:
     """A name, a literal or an attribute: text that never breaks; ``precedence`` is lower for a negative number."""
 
@@ -27,7 +28,7 @@ class Atom:
         return self.text
 
 
-@dataclass(frozen=True)
+@record
 class Argument:
     """An argument of a call: positional, ``name=value``, or ``*value``."""
 
@@ -46,7 +47,7 @@ class Argument:
         return self.prefix + self.value.flat
 
 
-@dataclass(frozen=True)
+@record
 class Call:
     """A call of something named."""
 
@@ -60,7 +61,7 @@ class Call:
         return f"{self.function}({', '.join(argument.flat for argument in self.arguments)})"
 
 
-@dataclass(frozen=True)
+@record
 class Postfix:
     """An attribute or an element of a value: ``operand.x``, ``operand[0]``."""
 
@@ -74,7 +75,7 @@ class Postfix:
         return self.operand.flat + self.text
 
 
-@dataclass(frozen=True)
+@record
 class Prefix:
     """``-x``, ``not x``, ``await x``: the text before the operand, blank included."""
 
@@ -92,7 +93,7 @@ class Prefix:
         return self.text + self.operand.flat
 
 
-@dataclass(frozen=True)
+@record
 class Chain:
     """Operands joined by operators of one precedence: ``a + b - c``."""
 
@@ -106,7 +107,7 @@ class Chain:
         return self.first.flat + "".join(f" {operator} {operand.flat}" for operator, operand in self.rest)
 
 
-@dataclass(frozen=True)
+@record
 class Conditional:
     """``then if condition else otherwise``."""
 
@@ -121,7 +122,7 @@ class Conditional:
         return f"{self.then.flat} if {self.condition.flat} else {self.otherwise.flat}"
 
 
-@dataclass(frozen=True)
+@record
 class Parenthesized:
     """An expression in the parentheses that its surroundings ask for."""
 
@@ -134,7 +135,7 @@ class Parenthesized:
         return f"({self.operand.flat})"
 
 
-@dataclass(frozen=True)
+@record
 class Items:
     """A tuple, a list or a dictionary (its items then ``key: value`` by ``name``)."""
 
@@ -150,7 +151,7 @@ class Items:
         return f"{self.brackets[0]}{inside}{comma}{self.brackets[1]}"
 
 
-@dataclass(frozen=True)
+@record
 class Entry:
     """``key: value`` in a dictionary."""
 
@@ -164,7 +165,7 @@ class Entry:
         return f"{self.key}: {self.value.flat}"
 
 
-@dataclass(frozen=True)
+@record
 class Comprehension:
     """``[element for i in range(8)]``, or a generator in parentheses."""
 
@@ -179,7 +180,7 @@ class Comprehension:
         return f"{self.brackets[0]}{self.element.flat} {self.clause}{self.brackets[1]}"
 
 
-@dataclass(frozen=True)
+@record
 class Starred:
     """``*value`` in a list."""
 
@@ -192,7 +193,7 @@ class Starred:
         return f"*{self.value.flat}"
 
 
-@dataclass(frozen=True)
+@record
 class Named:
     """``name := value``: a value that is wanted again in the same expression; always in parentheses."""
 

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
+from cspdiag.base.record import record
 from cspdiag.codegen.python.text.imports import Imports
 from cspdiag.codegen.python.text.types import annotation
 from cspdiag.network.ir.network import Port
 
 
-@dataclass(frozen=True)
+@record
 class ClassModule:
     """A module: its docstring, imports, and a class with its methods, each as lines."""
 

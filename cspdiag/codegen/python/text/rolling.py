@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import TypeVar
 
+from cspdiag.base.record import record
 from cspdiag.codegen.python.text.code import (
     PRODUCT,
     SUM,
@@ -43,7 +43,7 @@ class _IrregularError(Exception):
     """Elements do not differ in an index only."""
 
 
-@dataclass(frozen=True)
+@record
 class Counting:
     """An index variable that counts from ``start``; ``size`` elements in all, round which an index may go."""
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from typing import TypeAlias
 
+from cspdiag.base.record import record
 from cspdiag.codegen.python.text.code import Atom, Code
 from cspdiag.codegen.python.text.layout import INDENT, LINE_LENGTH, statement
 from cspdiag.codegen.python.text.literals import remark
@@ -14,7 +14,7 @@ from cspdiag.codegen.python.text.literals import remark
 NOTHING = Atom("")
 
 
-@dataclass(frozen=True)
+@record
 class Line:
     """A simple statement: ``before code after``."""
 
@@ -24,7 +24,7 @@ class Line:
     comment: str | None = None
 
 
-@dataclass(frozen=True)
+@record
 class Block:
     """A head that ends in a colon, and what it governs; an empty body is ``pass``."""
 
@@ -32,7 +32,7 @@ class Block:
     body: tuple[Statement, ...]
 
 
-@dataclass(frozen=True)
+@record
 class Unpack:
     """``a, b = code``."""
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 
+from cspdiag.base.record import replaced
 from cspdiag.proofs.transitions.systems.system import INTERNAL, Event, System
 
 
@@ -12,7 +12,7 @@ def without(system: System, is_left_out: Callable[[Event], bool]) -> System:
     """The same components and events; those that are left out never happen."""
     gone = {number for number, event in enumerate(system.events) if is_left_out(event)}
     components = tuple(
-        replace(
+        replaced(
             component,
             edges=tuple(
                 tuple(edge for edge in edges if edge[0] == INTERNAL or edge[0] not in gone) for edges in component.edges
@@ -20,7 +20,7 @@ def without(system: System, is_left_out: Callable[[Event], bool]) -> System:
         )
         for component in system.components
     )
-    return replace(system, components=components)
+    return replaced(system, components=components)
 
 
 def prompt(system: System) -> System:
@@ -37,7 +37,7 @@ def prompt(system: System) -> System:
         owner = event.parties[0]
         beside = {other for here in offered[owner] if number in here for other in here if other != INTERNAL}
         partners = sorted({party for other in beside for party in system.events[other].parties} - {owner})
-        events[number] = replace(event, parties=(owner, *partners))
+        events[number] = replaced(event, parties=(owner, *partners))
         for partner in partners:
             added.setdefault(partner, []).extend(
                 (state, number) for state, here in enumerate(offered[partner]) if not here & beside
@@ -47,8 +47,8 @@ def prompt(system: System) -> System:
         edges = [list(known) for known in components[partner].edges]
         for state, number in loops:
             edges[state].append((number, state))
-        components[partner] = replace(components[partner], edges=tuple(map(tuple, edges)))
-    return replace(system, components=tuple(components), events=tuple(events))
+        components[partner] = replaced(components[partner], edges=tuple(map(tuple, edges)))
+    return replaced(system, components=tuple(components), events=tuple(events))
 
 
 def is_time_out(event: Event) -> bool:

@@ -10,11 +10,11 @@ A state without edges that is not ``terminal`` never goes on (``stop``); in a te
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Literal, TypeAlias
+from typing import ClassVar, Literal, TypeAlias
 
 from cspdiag.base import Span
+from cspdiag.base.record import EMPTY, record
 from cspdiag.proofs.transitions.told_apart import Apart
 
 INTERNAL = -1
@@ -39,7 +39,7 @@ EventKind: TypeAlias = Literal[
 """
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Event:
     """Something that happens to all its parties at once.
 
@@ -71,16 +71,18 @@ def with_value(channel: str, value: str | None) -> str:
     return f"{channel} {value}" if ".." in value else f"{channel}.{value}"
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Place:
     """What a process is doing in a state, for people: ``waits to write fork[1]``, where the text says so, and the path of the innermost process that does it."""
+
+    uncompared: ClassVar[frozenset[str]] = frozenset()
 
     words: str
     span: Span | None = None
     path: str = ""
 
 
-@dataclass(frozen=True)
+@record
 class Component:
     """One state machine: a sequential process, a branch of a parallel composition, a channel with memory, or a tracked variable.
 
@@ -92,21 +94,23 @@ class Component:
     edges: tuple[tuple[Edge, ...], ...]
     terminal: frozenset[int] = frozenset()
     initial: int = 0
-    places: Mapping[int, Place] = field(default_factory=dict)
+    places: Mapping[int, Place] = EMPTY
     process: bool = True
     path: str = ""
     failed: frozenset[int] = frozenset()
 
 
-@dataclass(frozen=True)
+@record
 class Abstraction:
     """Something that the transition system leaves open although the program decides it; a refutation that depends on it must be replayed."""
+
+    uncompared: ClassVar[frozenset[str]] = frozenset()
 
     what: str
     span: Span | None = None
 
 
-@dataclass(frozen=True)
+@record
 class System:
     """Components and the events that join them. Every component that has an edge with an event is one of its parties.
 
@@ -118,7 +122,7 @@ class System:
     components: tuple[Component, ...]
     events: tuple[Event, ...]
     abstractions: tuple[Abstraction, ...] = ()
-    apart: Mapping[str, Apart] = field(default_factory=dict)
+    apart: Mapping[str, Apart] = EMPTY
 
     @cached_property
     def initial(self) -> tuple[int, ...]:

@@ -6,9 +6,10 @@ A thread is the outermost process or one branch of a parallel composition, with 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, TypeAlias
+from typing import Any, ClassVar, TypeAlias
 
 from cspdiag.base import Span
+from cspdiag.base.record import record
 from cspdiag.network.ir.actions import End
 from cspdiag.proofs.transitions.program import Node
 from cspdiag.proofs.transitions.systems.system import Abstraction, EventKind
@@ -64,9 +65,11 @@ def is_late(label: Label) -> bool:
     return len(label) == 5 and label[4] == LATE
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Spot:
     """What a thread does in a state: words, the medium that they end with, the place in the text, and the process inside the thread that does it."""
+
+    uncompared: ClassVar[frozenset[str]] = frozenset()
 
     words: str
     reference: Reference | None = None

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
+from cspdiag.base.record import replaced
 from cspdiag.network.dump.expression import expression_text
 from cspdiag.network.ir.actions import (
     AfterEvent,
@@ -28,7 +27,7 @@ MISSED_A_SAMPLE = "raises Timeout"
 def spot(thread: Thread, configuration: Configuration) -> Spot:
     """What the thread does in a configuration."""
     assert configuration.stack is not None
-    return replace(_spot(thread, configuration.stack[0]), path=_innermost(configuration))
+    return replaced(_spot(thread, configuration.stack[0]), path=_innermost(configuration))
 
 
 def _innermost(configuration: Configuration) -> Path:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 import random
-from dataclasses import replace
 
 import pytest
 
@@ -14,6 +13,7 @@ from cspdiag.analyses.timing.tasks.assignment import feasible_order
 from cspdiag.analyses.timing.tasks.demand import demand, meets_deadlines
 from cspdiag.analyses.timing.tasks.response import response_times
 from cspdiag.analyses.timing.tasks.schedule import simulate
+from cspdiag.base.record import replaced
 from tests.analyses.timing.programs import law, loops_of, report_of
 
 
@@ -27,7 +27,7 @@ def random_set(source: random.Random, *, number: int, load: float) -> list[Task]
 
 
 def is_met(tasks: list[Task], order: tuple[int, ...]) -> bool:
-    ranked = [replace(tasks[k], priority=rank) for rank, k in enumerate(order)]
+    ranked = [replaced(tasks[k], priority=rank) for rank, k in enumerate(order)]
     return all(
         response.worst is not None and response.worst <= task.deadline
         for task, response in zip(ranked, response_times(ranked), strict=True)
