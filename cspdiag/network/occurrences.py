@@ -104,7 +104,10 @@ class Occurrences:
     def flatten(self) -> bool:
         """Make the class of every submodel instance; False where something is wrong that was reported."""
         for law in self._laws.values():
-            made = flatten(self.program, *law.use[:3], self.report, overrides=law.overrides)
+            use = law.use
+            made = flatten(
+                self.program, use.definition, use.arguments, use.sample, self.report, overrides=law.overrides
+            )
             if made is not None:
                 law.flattened = made
         return not self.report.has_errors

@@ -8,9 +8,10 @@ An instance brings the pairs inside it along, so that the relations of a net are
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from typing import NamedTuple, TypeAlias, assert_never
+from typing import TypeAlias, assert_never
 
 from cspdiag.base import Span
+from cspdiag.base.record import record
 from cspdiag.network.ir.actions import (
     Action,
     AfterEvent,
@@ -49,7 +50,8 @@ from cspdiag.network.ir.expressions import Expression, VariableValue
 from cspdiag.network.shapes import InstanceShape, Key, Shape, attached_key, element_name
 
 
-class Access(NamedTuple):
+@record
+class Access:
     """One use of a channel as the diagram shows it: by an instance, or by the process itself (``instance`` is empty).
 
     ``span`` is the end of the relationship or the communication; ``run`` is where in the composition that happens.

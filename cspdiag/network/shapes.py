@@ -7,7 +7,7 @@ depend on) share one shape, so that the checks cost as much as the text, not as 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import NamedTuple, TypeAlias
+from typing import TypeAlias
 
 from cspdiag.base import Span
 from cspdiag.base.record import node, record
@@ -95,7 +95,8 @@ class Unresolved:
 AttachmentShape: TypeAlias = OwnPort | OwnChannel | Default | Discarded | Unresolved
 
 
-class Attached(NamedTuple):
+@record
+class Attached:
     """What a port of an instance is attached to, and where the relationship says so."""
 
     target: AttachmentShape
@@ -122,7 +123,8 @@ class InstanceShape:
         return self.declaration.name.span
 
 
-class AskedKind(NamedTuple):
+@record
+class AskedKind:
     """A kind that a relationship or a declaration asks for, with the capacity of a FIFO."""
 
     name: KindName

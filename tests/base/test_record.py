@@ -283,17 +283,36 @@ def test_fields_that_follow_from_others_are_completed_and_checked():
         Task(-1)
 
 
+def declared(pattern: str) -> set[tuple[str, str]]:
+    """What matches in the package, but for the runtime, which stands alone, and the file that it is in."""
+    package = Path(cspdiag.__file__).parent
+    return {
+        (name, path.relative_to(package).as_posix())
+        for path in package.rglob("*.py")
+        if path.relative_to(package).parts[0] != "runtime"
+        for name in re.findall(pattern, path.read_text(encoding="utf-8"), re.MULTILINE)
+    }
+
+
 def test_plain_data_is_a_record_everywhere_but_in_the_runtime_which_stands_alone():
     """What keeps a list of temporaries while it prints is no plain data."""
-    package = Path(cspdiag.__file__).parent
-    found = {
-        str(path.relative_to(package))
-        for path in package.rglob("*.py")
-        if re.search(r"^@dataclass\(.*frozen=True", path.read_text(), re.MULTILINE)
-    }
-    printers = {
+    assert {path for _, path in declared(r"^@dataclass\(.*frozen=True")} == {
         "codegen/c/text/expressions.py",
         "codegen/python/fast/expressions.py",
         "codegen/python/plain/expressions.py",
     }
-    assert {path for path in found if not path.startswith("runtime/")} == printers
+
+
+def test_a_tuple_with_names_has_a_reason():
+    results_that_users_unpack = {"Signal", "Communication", "Activity", "ExecutionTime"}
+    made_for_each_token = {"Token", "Previous"}
+    kept_as_plain_tuples_in_a_file = {"Rule", "Tables"}
+    hashed_or_read_in_the_inner_loop_of_a_proof = {"Configuration", "Role", "Neighbour"}
+    traces_that_are_compared_as_tuples = {"Ending", "Execution"}
+    assert {name for name, _ in declared(r"^class (\w+)\(NamedTuple\)")} == (
+        results_that_users_unpack
+        | traces_that_are_compared_as_tuples
+        | made_for_each_token
+        | kept_as_plain_tuples_in_a_file
+        | hashed_or_read_in_the_inner_loop_of_a_proof
+    )

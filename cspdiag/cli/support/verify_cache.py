@@ -10,15 +10,16 @@ import os
 from contextlib import suppress
 from hashlib import sha256
 from pathlib import Path
-from typing import NamedTuple
 
 from cspdiag import __version__
 from cspdiag.base.caches import cache_folder
+from cspdiag.base.record import record
 from cspdiag.base.sources import read_source
 from cspdiag.base.span import SourceFile
 
 
-class Printed(NamedTuple):
+@record
+class Printed:
     """What a run of ``verify`` said and how it ended."""
 
     code: int
@@ -50,7 +51,12 @@ class Cache:
 
     def keep(self, printed: Printed) -> None:
         """Remember what was said about the files that were read."""
-        entry = {"files": self._read, **printed._asdict()}
+        entry = {
+            "files": self._read,
+            "code": printed.code,
+            "stdout": printed.stdout,
+            "stderr": printed.stderr,
+        }
         with suppress(OSError):
             path = self._path()
             temporary = path.with_name(f"{path.name}.{os.getpid()}.tmp")

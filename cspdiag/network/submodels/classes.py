@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import NamedTuple
 
 from cspdiag.base import Report
-from cspdiag.base.record import node, replaced
+from cspdiag.base.record import node, record, replaced
 from cspdiag.model.program import BuiltinSymbol, Program
 from cspdiag.network.diagnostics.usage import InputDiscarded
 from cspdiag.network.elaborate.expression import lower_expression
@@ -21,7 +20,8 @@ from cspdiag.network.syntax_walk import declarations, declared_in, nodes
 from cspdiag.syntax import ast
 
 
-class LawUse(NamedTuple):
+@record
+class LawUse:
     """An instance of a submodel: what is known of the values of its parameters, of its period in nanoseconds, and of parameters inside it, by path, from outside."""
 
     definition: ast.SubmodelDefinition
@@ -189,10 +189,14 @@ def _check_inputs(program: Program, definition: ast.SubmodelDefinition, report: 
 
 def _check(program: Program, use: LawUse, report: Report, *, environment: bool = False) -> bool:
     """Look at an instance, or at a definition by itself; whether another instance might be different."""
-    definition, arguments, sample, overrides = use
-    is_concrete = len(arguments) == len(definition.parameters) and not environment
+    definition = use.definition
+    is_concrete = len(use.arguments) == len(definition.parameters) and not environment
     draft = Draft(
-        owner=definition.name.span, sample=sample, arguments=arguments, concrete=is_concrete, overrides=overrides
+        owner=definition.name.span,
+        sample=use.sample,
+        arguments=use.arguments,
+        concrete=is_concrete,
+        overrides=use.overrides,
     )
     _inlined(program, draft, definition, environment, report)
     evaluation_order(draft, report)

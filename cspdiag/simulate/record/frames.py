@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from cspdiag.base.errors import missing_package
+from cspdiag.base.record import record
 from cspdiag.model.types import ArrayType, BoolType, EnumType, IntType, RealType, TimeType, Type
 from cspdiag.simulate.record.held import Column, columns_of, held_rows
 
@@ -17,7 +18,8 @@ if TYPE_CHECKING:
     from cspdiag.simulate.record.run_data import RunData
 
 
-class _Channel(NamedTuple):
+@record
+class _Channel:
     """A signal to be put into a table; ``period`` in seconds."""
 
     path: str

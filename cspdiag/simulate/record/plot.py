@@ -10,8 +10,9 @@ import io
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
+from cspdiag.base.record import record, replaced
 from cspdiag.simulate.record.files import write_whole
 from cspdiag.simulate.record.modes import ModeGroup, mode_groups
 from cspdiag.simulate.record.plot_lanes import (
@@ -72,7 +73,8 @@ _STYLE = {
 }
 
 
-class _Column(NamedTuple):
+@record
+class _Column:
     """What stands below each other: a part of the program, its lanes, and its curves by panel."""
 
     group: ModeGroup
@@ -166,7 +168,7 @@ def _columns(run: RunData) -> list[_Column]:
     found = [{unit: _variables(run, column.group, unit) for unit in units} for column in columns]
     sizes.add((unit, _greatest(line)) for lines in found for unit in units for line in lines[unit].values())
     return [
-        column._replace(variables=_by_panel(column.panels, lines, sizes))
+        replaced(column, variables=_by_panel(column.panels, lines, sizes))
         for column, lines in zip(columns, found, strict=True)
     ]
 
@@ -175,7 +177,7 @@ def _by_panel(
     panels: Iterable[Row], variables: Mapping[str, Mapping[str, Points]], sizes: Sizes
 ) -> dict[Row, dict[str, Points]]:
     """Variables where there are curves of their unit and size, or else in panels of their own."""
-    first = {row[:2]: row for row in reversed([*panels])}
+    first = {(row.unit, row.size): row for row in reversed([*panels])}
     found: dict[Row, dict[str, Points]] = {}
     for unit, lines in variables.items():
         for name, line in lines.items():

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
+from cspdiag.base.record import record, replaced
 from cspdiag.model.types import BoolType, EnumType
 from cspdiag.simulate.record.modes import ModeGroup
 from cspdiag.simulate.record.plot_series import Series, apart, shortened, stairs
@@ -33,7 +34,8 @@ _MOST_LANES = 40
 """A person does not read more bars than this; the first ones are shown."""
 
 
-class Bar(NamedTuple):
+@record(order=True)
+class Bar:
     """Something from one instant to another, in seconds: what stands in it, its colour, and whether it is drawn thin."""
 
     start: float
@@ -43,7 +45,8 @@ class Bar(NamedTuple):
     thin: bool = False
 
 
-class Lane(NamedTuple):
+@record
+class Lane:
     """A row: bars, or the steps of a truth value, or events with what they brought; ``arrivals`` are when values of the former came."""
 
     name: str
@@ -62,7 +65,7 @@ def activity_lanes(run: RunData, groups: Sequence[ModeGroup]) -> list[Lane]:
         bars = {path: list(_bars(run, group, path)) for path in group.modes}
         if _overlap([bar for own in bars.values() for bar in own]):
             found += [
-                Lane(group.modes[path], [bar._replace(text="", color=RUNNING) for bar in own])
+                Lane(group.modes[path], [replaced(bar, text="", color=RUNNING) for bar in own])
                 for path, own in bars.items()
             ]
         elif any(bars.values()):
@@ -70,7 +73,7 @@ def activity_lanes(run: RunData, groups: Sequence[ModeGroup]) -> list[Lane]:
             found.append(
                 Lane(
                     group.name,
-                    [bar._replace(text="", color=RUNNING) if bar.text == group.name else bar for bar in ordered],
+                    [replaced(bar, text="", color=RUNNING) if bar.text == group.name else bar for bar in ordered],
                 )
             )
     return found[:_MOST_LANES]
@@ -204,7 +207,7 @@ def _draw_truth(axes: Axes, row: int, series: Series, end: float) -> None:
         return row + _LOW + (_HIGH - _LOW) * values  # type: ignore[operator]
 
     changed = series.changes
-    few = series._replace(time=series.time[changed], value=series.value[changed], unread=series.unread[changed])
+    few = replaced(series, time=series.time[changed], value=series.value[changed], unread=series.unread[changed])
     if not len(few.time):
         return
     for unread in {bool(value) for value in few.unread}:

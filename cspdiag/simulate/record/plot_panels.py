@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
+from cspdiag.base.record import record
 from cspdiag.simulate.record.plot_series import Series, quantity
 
 if TYPE_CHECKING:
@@ -20,7 +21,8 @@ _LOOKED_AT = 200
 """Instants at which curves are compared."""
 
 
-class Row(NamedTuple):
+@record
+class Row:
     """A panel: what its axis says, the size of its values (of several sizes, which), and its number among those of both."""
 
     unit: str
@@ -69,7 +71,7 @@ def panels_of(curves: Sequence[Series], size: Callable[[Series], int]) -> dict[R
     for series in curves:
         ports.setdefault((quantity(series.type), size(series), _array(series)), []).append(series)
     for (unit, kind, _), of_port in ports.items():
-        used = [row for row in panels if row[:2] == (unit, kind)]
+        used = [row for row in panels if (row.unit, row.size) == (unit, kind)]
         last = panels[used[-1]] if used else []
         if used and len(last) + len(of_port) <= _MOST_CURVES and not _is_rest(used, panels):
             last += of_port

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
+from cspdiag.base.record import record, replaced
 from cspdiag.model.types import BoolType, EnumType, RealType, TimeType, Type
 from cspdiag.network.ir.network import ExternalPort
 from cspdiag.simulate.record.leaves import leaves
@@ -18,7 +19,8 @@ _COLUMNS = 1500
 """Finer than this nothing is drawn: of what falls into one column the first, the least, the greatest and the last value are left."""
 
 
-class Series(NamedTuple):
+@record
+class Series:
     """The values of a port, or of an element of it, from each instant in seconds to the next; the last one to the end of the run.
 
     ``unread`` are the values of a sampled input that nobody read. ``is_event`` tells values that come when something happens. Durations are in seconds.
@@ -52,7 +54,7 @@ class Series(NamedTuple):
         import numpy
 
         again = numpy.setdiff1d(numpy.arange(len(self.value)), self.changes)
-        return self._replace(time=self.time[again], value=self.value[again], unread=self.unread[again])
+        return replaced(self, time=self.time[again], value=self.value[again], unread=self.unread[again])
 
 
 def series_of(run: RunData) -> list[Series]:
@@ -126,7 +128,7 @@ def apart(series: Series, end: float) -> Series:
 
     column = (series.time * (_COLUMNS / max(end, 1e-12))).astype(int)
     kept = numpy.flatnonzero(numpy.diff(column, prepend=-1))
-    return series._replace(time=series.time[kept], value=series.value[kept], unread=series.unread[kept])
+    return replaced(series, time=series.time[kept], value=series.value[kept], unread=series.unread[kept])
 
 
 _QUANTITIES = {

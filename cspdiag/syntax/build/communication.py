@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple, cast
+from typing import Any, cast
 
+from cspdiag.base.record import record
 from cspdiag.base.span import Span
 from cspdiag.syntax import ast
 from cspdiag.syntax.build.expressions import ExpressionBuilder
@@ -11,7 +12,8 @@ from cspdiag.syntax.diagnostics.tokens import LabelNotAName, NotAnInstanceName, 
 from cspdiag.syntax.parse.lexer import Token
 
 
-class Medium(NamedTuple):
+@record
+class Medium:
     """What stands between the arrow heads of a communication relationship."""
 
     label: ast.Identifier | None
@@ -19,7 +21,8 @@ class Medium(NamedTuple):
     kind: ast.Kind | None
 
 
-class Period(NamedTuple):
+@record
+class Period:
     """``@ T [immediate]``."""
 
     value: ast.Expression | None

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple, TypeAlias, cast
+from typing import Any, TypeAlias, cast
 
+from cspdiag.base.record import record
 from cspdiag.base.span import Span
 from cspdiag.syntax import ast
 from cspdiag.syntax.build.communication import CommunicationBuilder
@@ -12,7 +13,8 @@ from cspdiag.syntax.diagnostics.tokens import OptionNotHere, OptionTwice
 from cspdiag.syntax.parse.lexer import Token
 
 
-class Option(NamedTuple):
+@record
+class Option:
     """One clause of the head of a definition."""
 
     span: Span

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import NamedTuple
 
+from cspdiag.base.record import record
 from cspdiag.syntax.format.layout import Padding, flat_width
 from cspdiag.syntax.format.writer import Writer
 
@@ -13,7 +13,8 @@ WIDEST_ALIGNED = 40
 """Cells wider than this are left out of the alignment of their column."""
 
 
-class Cell(NamedTuple):
+@record
+class Cell:
     """A part of a row with the padding after it; ``width`` is None if it cannot be on one line."""
 
     width: int | None

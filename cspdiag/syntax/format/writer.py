@@ -9,15 +9,16 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import NamedTuple
 
+from cspdiag.base.record import record
 from cspdiag.syntax.format.layout import Break, Mark, Padding, Piece, Separator
 from cspdiag.syntax.parse.automaton import automaton
 
 _DURATION = re.compile(r"([0-9.]+(?:[eE][+-]?[0-9]+)?)[ \t]*([A-Za-z]+)")
 
 
-class Comment(NamedTuple):
+@record
+class Comment:
     """A comment; the new lines between it and what stands before and after it."""
 
     text: str

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Literal, NamedTuple
+from typing import Literal
 
 from cspdiag.base import Diagnostic, SourceFile
+from cspdiag.base.record import record
 from cspdiag.base.span import Span
 from cspdiag.syntax.parse.automaton import Automaton
 from cspdiag.syntax.parse.lexer import Lexer
@@ -21,7 +22,8 @@ _BLOCKS = frozenset(
 )
 
 
-class Repair(NamedTuple):
+@record
+class Repair:
     """How to go on: take the token (up to ``end``) for another one, leave it out, or put another one before it."""
 
     action: Literal["replace", "remove", "insert"]
@@ -33,7 +35,8 @@ Finding = tuple[Diagnostic, Repair | None]
 """An explanation; without a repair reading goes on at the next declaration or definition."""
 
 
-class Situation(NamedTuple):
+@record
+class Situation:
     """Where the parser is stuck; ``starts[i]`` is the offset of what led to ``states[i + 1]``."""
 
     source: SourceFile
