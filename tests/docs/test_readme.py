@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import re
 import shlex
+import shutil
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -12,7 +14,8 @@ from cspdiag import pipeline
 from cspdiag.base import SourceFile
 from cspdiag.base.render.text import render
 from cspdiag.base.sources import read_source
-from cspdiag.cli.main import VERBS, verb_parser
+from cspdiag.cli.main import VERBS, main, verb_parser
+from cspdiag.draw.layout.elk import engine_available
 
 ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text()
@@ -42,6 +45,22 @@ def test_the_command_lines_are_understood() -> None:
         verb, *arguments = shlex.split(command)
         assert verb in VERBS
         verb_parser(verb).parse_args(arguments)
+
+
+@pytest.mark.skipif(shutil.which("git") is None or shutil.which("cc") is None, reason="needs git and a C compiler")
+@pytest.mark.skipif(not engine_available(), reason="the layout engine was not fetched (make setup)")
+def test_the_tour_ends_well_in_a_fresh_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    for variable in ("GIT_AUTHOR_NAME", "GIT_AUTHOR_EMAIL", "GIT_COMMITTER_NAME", "GIT_COMMITTER_EMAIL"):
+        monkeypatch.setenv(variable, "reader")
+    monkeypatch.setenv("GIT_CEILING_DIRECTORIES", str(tmp_path.parent))
+    (tour,) = re.findall(r"^## A tour\n\n((?:    .*\n)+)", README, re.MULTILINE)
+    for line in tour.splitlines():
+        for command in line.partition(" # ")[0].split("&&"):
+            program, *arguments = shlex.split(command)
+            ended = main(arguments) if program == "cspdiag" else subprocess.run([program, *arguments]).returncode
+            assert (ended, command) == (0, command)
+    assert (tmp_path / "changes.svg").stat().st_size > 0
 
 
 def test_the_files_it_points_to_exist() -> None:

@@ -13,6 +13,9 @@ from cspdiag.cli.support.failure import UsageError
 
 Reader = Callable[[str], SourceFile]
 
+LAST_COMMIT = "HEAD"
+_COMMIT_OR_NAME_TWO = "commit it first, or name two files to compare: diff OLD NEW"
+
 
 def reader_of(revision: str | None) -> Reader:
     """Reads a file, named as in the working tree, in a revision; None is the working tree itself.
@@ -56,12 +59,13 @@ def _shown(revision: str, path: str) -> bytes:
         "--quiet",
         "--end-of-options",
         f"{revision}^{{commit}}",
-        says=f"no revision {revision!r}",
+        says=f"no revision {revision!r}" + (f": {_COMMIT_OR_NAME_TWO}" if revision == LAST_COMMIT else ""),
     )
     try:
         return _git(path, folder, "show", "--end-of-options", f"{revision}:./{rest}")
     except UsageError:
-        raise OSError(errno.ENOENT, f"not in revision {revision}", path) from None
+        advice = f" ({_COMMIT_OR_NAME_TWO})" if revision == LAST_COMMIT else ""
+        raise OSError(errno.ENOENT, f"not in revision {revision}{advice}", path) from None
 
 
 def _git(path: str, folder: str, *arguments: str, says: str = "") -> bytes:
@@ -79,6 +83,6 @@ def _git(path: str, folder: str, *arguments: str, says: str = "") -> bytes:
     if done.returncode != 0:
         told = done.stderr.decode(errors="replace").strip().partition("\n")[0].removeprefix("fatal: ")
         if told.startswith("not a git repository"):
-            raise UsageError(f"{path} is not in a git repository, so name two files to compare: diff OLD NEW")
+            raise UsageError(f"{path} is not in a git repository: {_COMMIT_OR_NAME_TWO}")
         raise UsageError(f"git: {told or says}")
     return done.stdout

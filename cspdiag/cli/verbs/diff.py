@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from cspdiag.base.render.snippet import on_one_line
 from cspdiag.cli.support.failure import FINE, UNSUCCESSFUL, NoResultError, UsageError
-from cspdiag.cli.support.revisions import reader_of, split_name
+from cspdiag.cli.support.revisions import LAST_COMMIT, reader_of, split_name
 from cspdiag.cli.support.terminal import say, show_diagnostics, wants_colour, write_out
 from cspdiag.cli.support.written import require_file
 from cspdiag.pipeline import check
@@ -83,7 +83,7 @@ def _versions(arguments: Namespace) -> tuple[tuple[str | None, str], tuple[str |
         if arguments.start is not None:
             raise UsageError(f"{arguments.old} names a revision, and so does --from")
         return (revision, path), (arguments.end, path)
-    return (arguments.start or "HEAD", path), (arguments.end, path)
+    return (arguments.start or LAST_COMMIT, path), (arguments.end, path)
 
 
 def _program(revision: str | None, path: str, arguments: Namespace) -> Program:

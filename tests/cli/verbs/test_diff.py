@@ -158,10 +158,20 @@ def test_what_cannot_be_compared_is_refused_in_a_line(
 def test_outside_of_a_repository_two_files_are_needed(cspdiag: Command, versions: tuple[Path, Path]) -> None:
     result = cspdiag("diff", versions[0])
     assert result.code == 2
-    assert result.err == (
-        f"cspdiag: {versions[0]} is not in a git repository, so name two files to compare: diff OLD NEW\n"
-    )
+    advice = "commit it first, or name two files to compare: diff OLD NEW"
+    assert result.err == f"cspdiag: {versions[0]} is not in a git repository: {advice}\n"
     assert cspdiag("diff", *versions).code == 1
+
+
+def test_before_the_first_commit_it_is_said_what_to_do(cspdiag: Command, repository: Path, tmp_path: Path) -> None:
+    advice = "commit it first, or name two files to compare: diff OLD NEW"
+    new = repository / "new.csp"
+    new.write_text(PROGRAM)
+    assert cspdiag("diff", new) == (2, "", f"cspdiag: {new}: not in revision HEAD ({advice})\n")
+    fresh = tmp_path / "fresh"
+    subprocess.run(["git", "init", "-q", str(fresh)], check=True)
+    (fresh / "new.csp").write_text(PROGRAM)
+    assert cspdiag("diff", fresh / "new.csp") == (2, "", f"cspdiag: git: no revision 'HEAD': {advice}\n")
 
 
 def test_a_version_that_cannot_be_read_is_shown_with_its_errors(cspdiag: Command, versions: tuple[Path, Path]) -> None:
