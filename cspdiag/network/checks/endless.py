@@ -2,33 +2,10 @@
 
 from __future__ import annotations
 
-from typing import assert_never
-
-from cspdiag.network.infer.ends import all_actions
-from cspdiag.network.ir.actions import (
-    Action,
-    AssignValue,
-    CatchException,
-    Choice,
-    CountedLoop,
-    Group,
-    IfElse,
-    InterruptOn,
-    OptimizedStep,
-    ParallelSteps,
-    RaiseException,
-    ReadValue,
-    Repeat,
-    ResetInstance,
-    RunInstance,
-    SequentialSteps,
-    SkipStep,
-    StopStep,
-    WaitStep,
-    WhileLoop,
-    WriteValue,
-)
-from cspdiag.network.ir.network import Network, ProcessClass, SubmodelClass
+from cspdiag.network.flow.ends import may_end
+from cspdiag.network.ir.actions import RaiseException
+from cspdiag.network.ir.network import Network, ProcessClass
+from cspdiag.network.ir.walk import parts
 
 
 def never_ends(network: Network) -> bool:
@@ -36,53 +13,13 @@ def never_ends(network: Network) -> bool:
 
     Missed samples and faults are not thought of, nor is anything said of a program that raises exceptions of its own.
     """
-    bodies = {made.name: None if isinstance(made, SubmodelClass) else made.body for made in network.classes}
+    processes = [entry for entry in network.classes if isinstance(entry, ProcessClass)]
     # After a `raise` parts end that would not.
-    if any(
-        isinstance(part, RaiseException) for body in bodies.values() if body is not None for part in all_actions(body)
-    ):
+    if any(isinstance(part, RaiseException) for part in parts([process.body for process in processes])):
         return False
-    ends: dict[str, bool] = {}
-    for made in network.classes:
-        body = bodies[made.name]
-        ends[made.name] = isinstance(made, SubmodelClass) or body is None or _Ends(made, ends).of(body)
-    return not ends[network.top]
-
-
-class _Ends:
-    """Whether actions of a process may come to their end; ``known`` says it of the classes of its instances."""
-
-    def __init__(self, process: ProcessClass, known: dict[str, bool]) -> None:
-        self.classes = {instance.name: instance.class_name for instance in process.instances}
-        self.known = known
-
-    def of(self, action: Action) -> bool:
-        match action:
-            case RunInstance():
-                return self.known[self.classes[action.instance]]
-            case ReadValue() | WriteValue() | AssignValue() | SkipStep() | WaitStep() | ResetInstance():
-                return True
-            case StopStep() | RaiseException():
-                return False
-            case SequentialSteps() | ParallelSteps():
-                return all(self.of(step) for step in action.steps)
-            case Choice():
-                return any(self.of(branch.body) for branch in action.branches)
-            case Repeat():
-                return self.of(action.body) and action.until is not None
-            case WhileLoop():
-                return True
-            case CountedLoop():
-                return self.of(action.body)
-            case IfElse():
-                return self.of(action.then) or self.of(action.otherwise)
-            case CatchException():
-                return self.of(action.body) or self.of(action.handler)
-            case InterruptOn():
-                return self.of(action.body) or self.of(action.branch.body)
-            case Group():
-                return self.of(action.body)
-            case OptimizedStep():
-                return True
-            case _:
-                assert_never(action)
+    endless: set[str] = set()
+    for process in processes:
+        stuck = {instance.name for instance in process.instances if instance.class_name in endless}
+        if process.body is not None and not may_end(process.body, stuck):
+            endless.add(process.name)
+    return network.top in endless

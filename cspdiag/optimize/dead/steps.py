@@ -10,12 +10,12 @@ from typing import Any, TypeAlias
 
 from cspdiag.base.record import replaced
 from cspdiag.network.checks.unwritten import may_be_unwritten
+from cspdiag.network.flow.ends import may_end
 from cspdiag.network.ir.actions import (
     Action,
     CatchException,
     ChannelEnd,
     Choice,
-    CountedLoop,
     InputEvent,
     InputRead,
     PortEnd,
@@ -24,11 +24,9 @@ from cspdiag.network.ir.actions import (
     ReadInputs,
     ReadValue,
     ReadyEvent,
-    Repeat,
     ResetInstance,
     RunInstance,
     SequentialSteps,
-    StopStep,
     Target,
 )
 from cspdiag.network.ir.equations import ExternalCall
@@ -101,22 +99,9 @@ def ends_of(item: Any, places: frozenset[str]) -> frozenset[Any]:
     return frozenset(end for end in ends if (end.port if isinstance(end, PortEnd) else end.channel) in places)
 
 
-def never_ends(action: Action) -> bool:
-    """Whether what stands after the action in sequence is never reached."""
-    match action:
-        case StopStep() | RaiseException() | Repeat(until=None):
-            return True
-        case SequentialSteps(steps=steps):
-            return never_ends(steps[-1])
-        case CountedLoop(body=body):
-            return never_ends(body)
-        case _:
-            return False
-
-
 def _until_the_last(sequence: SequentialSteps, waited_for: frozenset[str]) -> Action:
     for number, step in enumerate(sequence.steps[:-1], start=1):
-        if never_ends(step):
+        if not may_end(step):
             rest = sequence.steps[number:]
             if any(isinstance(part, RunInstance) for part in parts(rest)) or ends_of(rest, waited_for):
                 break

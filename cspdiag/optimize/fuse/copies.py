@@ -11,6 +11,7 @@ from typing import Any, TypeVar
 
 from cspdiag.base.record import replaced
 from cspdiag.model.types import BOOL
+from cspdiag.network.flow.ends import may_end
 from cspdiag.network.ir.actions import (
     Action,
     AssignValue,
@@ -30,7 +31,6 @@ from cspdiag.network.ir.everywhere import rewritten
 from cspdiag.network.ir.expressions import LiteralValue, VariableValue
 from cspdiag.network.ir.walk import parts
 from cspdiag.optimize.changes import with_inner_actions
-from cspdiag.optimize.dead.steps import never_ends
 
 T = TypeVar("T")
 Copies = Mapping[str, str]
@@ -79,7 +79,7 @@ def _after(action: Action, copies: Copies) -> tuple[Action, Copies | None]:
             return with_inner_actions(action, lambda inner: _after(inner, known)[0]), known
         case _:
             after = _written(copies, _targets(action))
-            return _origins(action, copies), None if never_ends(action) else after
+            return _origins(action, copies), after if may_end(action) else None
 
 
 def _repeated(loop: Repeat, copies: Copies) -> tuple[Action, Copies | None]:

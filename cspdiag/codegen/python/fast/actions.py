@@ -11,12 +11,12 @@ from typing import assert_never
 from cspdiag.codegen.python.fast.alternatives import Alternatives
 from cspdiag.codegen.python.fast.communications import Statements, text
 from cspdiag.codegen.python.fast.law_steps import LawSteps, law_of
-from cspdiag.codegen.python.fast.storage import never_ends
 from cspdiag.codegen.python.text.code import Argument, Atom, Call, Code, Comprehension, Starred, tuple_of
 from cspdiag.codegen.python.text.literals import quoted
 from cspdiag.codegen.python.text.rolling import LEAST, statements_template
 from cspdiag.codegen.python.text.statements import Block, Line, Statement, lines
 from cspdiag.codegen.shared.branch_names import branch_name
+from cspdiag.network.flow.ends import may_end
 from cspdiag.network.ir.actions import (
     Action,
     AssignValue,
@@ -236,7 +236,7 @@ class Composition(Alternatives, LawSteps):
         yield Block(text("try:"), body)
         failed = (text(f"{part}.fail({me}, {error})"), text("raise"))
         yield Block(text(f"except BaseException as {error}:"), failed)
-        if not never_ends(scope.body):
+        if may_end(scope.body):
             yield text(f"{part}.end({me})")
 
     def _branches(self, steps: Sequence[Action]) -> Iterator[Code]:

@@ -14,7 +14,7 @@ from cspdiag.codegen.python.fast.expressions import FastPrinter
 from cspdiag.codegen.python.fast.laws import external_calls
 from cspdiag.codegen.python.fast.places import Spelling, is_alternated, is_inline
 from cspdiag.codegen.python.fast.statements import assigned
-from cspdiag.codegen.python.fast.storage import never_ends, run_again
+from cspdiag.codegen.python.fast.storage import run_again
 from cspdiag.codegen.python.fast.temporaries import Temporaries
 from cspdiag.codegen.python.plain.docs import class_doc
 from cspdiag.codegen.python.plain.external import ExternalModules
@@ -28,6 +28,7 @@ from cspdiag.codegen.python.text.names import PackageNames
 from cspdiag.codegen.python.text.rolling import rolled_list
 from cspdiag.codegen.python.text.statements import Block, Line, Statement, assign, lines, signature
 from cspdiag.codegen.python.text.types import annotation
+from cspdiag.network.flow.ends import may_end
 from cspdiag.network.ir.actions import ChannelEnd, End, ParallelSteps, PortEnd
 from cspdiag.network.ir.network import (
     CreatedChoice,
@@ -171,7 +172,7 @@ class _ProcessWriter:
             Block(text("try:"), self._generator(body)),
             Block(text(f"except BaseException as {error}:"), failed),
         )
-        if process.body is None or not never_ends(process.body):
+        if process.body is None or may_end(process.body):
             code += (text(f"self.end({me})"),)
         return [f"    def steps(self, {me}: {task}) -> {steps}:", *lines(code, "        ")]
 

@@ -188,8 +188,3 @@ def _loops(process: ProcessClass) -> Iterator[Action]:
     for part in parts(process.body):
         if isinstance(part, Repeat | WhileLoop | CountedLoop):
             yield part
-
-
-def never_ends(action: Action) -> bool:
-    """Whether nothing that stands after ``action`` is ever reached, as far as the text tells."""
-    return _Flow().after(action, frozenset()) is None

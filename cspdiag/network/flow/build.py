@@ -1,0 +1,210 @@
+"""Instructions from a composition."""
+
+from __future__ import annotations
+
+from typing import assert_never
+
+from cspdiag.network.flow.code import (
+    Abandon,
+    Call,
+    Code,
+    Communicate,
+    Compute,
+    Delay,
+    End,
+    Enter,
+    Fork,
+    Instruction,
+    Join,
+    Leave,
+    Loop,
+    Meet,
+    Raise,
+    Resume,
+    Select,
+    Stop,
+    Take,
+    Test,
+    Turn,
+    Unwatch,
+    Watch,
+)
+from cspdiag.network.ir.actions import (
+    Action,
+    AssignValue,
+    Branch,
+    CatchException,
+    Choice,
+    CountedLoop,
+    Group,
+    IfElse,
+    InterruptOn,
+    ParallelSteps,
+    ProcessScope,
+    RaiseException,
+    ReadInputs,
+    ReadValue,
+    Repeat,
+    ReportCommunication,
+    ResetInstance,
+    ResetStates,
+    RunInstance,
+    RunLaw,
+    SequentialSteps,
+    SkipStep,
+    StopStep,
+    WaitStep,
+    WhileLoop,
+    WriteOutputs,
+    WriteValue,
+)
+
+
+def flow_of(body: Action) -> Code:
+    """The instructions of a composition."""
+    builder = _Builder()
+    builder.action(body)
+    builder.add(End(span=body.span))
+    return builder.code
+
+
+class _Builder:
+    """Adds instructions in the order of the text."""
+
+    def __init__(self) -> None:
+        self.code = Code(instructions=[], before=[], after=[], abandoned=[], sequences=[])
+        self._open: list[int] = []
+        """What the next instruction comes after: at most one, but where ways come together, and none where nothing ends."""
+        self._watched: list[list[int]] = []
+        """The instructions of each watched part around, from the outermost."""
+
+    def add(self, instruction: Instruction) -> int:
+        """Add an instruction after those that are open; it alone is open then."""
+        code, index = self.code, len(self.code.instructions)
+        code.instructions.append(instruction)
+        code.before.append(self._open)
+        code.after.append([])
+        code.abandoned.append(None)
+        for earlier in self._open:
+            code.after[earlier].append(index)
+        if self._watched:
+            self._watched[-1].append(index)
+        self._open = [index]
+        return index
+
+    def action(self, action: Action) -> None:
+        """Add the instructions of an action."""
+        span = action.span
+        match action:
+            case RunInstance():
+                self.add(Call(span=span, step=action))
+            case ReadValue() | WriteValue() | ReadInputs() | WriteOutputs():
+                self.add(Communicate(span=span, step=action))
+            case AssignValue() | SkipStep() | ResetInstance() | RunLaw() | ResetStates() | ReportCommunication():
+                self.add(Compute(span=span, step=action))
+            case WaitStep():
+                self.add(Delay(span=span, step=action))
+            case StopStep():
+                self.add(Stop(span=span, step=action))
+                self._open = []
+            case RaiseException():
+                self.add(Raise(span=span, step=action))
+                self._open = []
+            case SequentialSteps():
+                starts = []
+                for step in action.steps:
+                    starts.append(len(self.code.instructions))
+                    self.action(step)
+                self.code.sequences.append((action, starts))
+            case ParallelSteps():
+                self._parallel(action)
+            case Choice():
+                self._choice(action)
+            case Repeat():
+                start = self.add(Loop(span=span))
+                self.action(action.body)
+                if action.until is not None:
+                    self.add(Test(span=span, condition=action.until))
+                self._back(start)
+                if action.until is None:
+                    self._open = []
+            case WhileLoop():
+                start = self.add(Loop(span=span))
+                test = self.add(Test(span=span, condition=action.condition))
+                self.action(action.body)
+                self._back(start)
+                self._open = [test]
+            case CountedLoop():
+                start = self.add(Loop(span=span))
+                self.action(action.body)
+                self.add(Turn(span=span))
+                self._back(start)
+            case IfElse():
+                test = self.add(Test(span=span, condition=action.condition))
+                self.action(action.then)
+                then, self._open = self._open, [test]
+                self.action(action.otherwise)
+                self._open = then + self._open
+                self.add(Meet(span=span))
+            case CatchException():
+                ended = self._watch(action)
+                self.action(action.handler)
+                self._resume(action, ended)
+            case InterruptOn():
+                ended = self._watch(action)
+                self._branch(action.branch)
+                self._resume(action, ended)
+            case Group():
+                self.action(action.body)
+            case ProcessScope():
+                self.add(Enter(span=span, step=action))
+                self.action(action.body)
+                self.add(Leave(span=span, step=action))
+            case _:
+                assert_never(action)
+
+    def _back(self, start: int) -> None:
+        for last in self._open:
+            self.code.after[last].append(start)
+            self.code.before[start].append(last)
+
+    def _parallel(self, parallel: ParallelSteps) -> None:
+        fork = self.add(Fork(span=parallel.span, step=parallel))
+        ends: list[int] = []
+        for step in parallel.steps:
+            self._open = [fork]
+            self.action(step)
+            ends += self._open
+        self._open = ends if len(ends) == len(parallel.steps) else []
+        self.add(Join(span=parallel.span))
+
+    def _choice(self, choice: Choice) -> None:
+        select = self.add(Select(span=choice.span, step=choice))
+        ends: list[int] = []
+        for branch in choice.branches:
+            self._open = [select]
+            self._branch(branch)
+            ends += self._open
+        self._open = ends
+        self.add(Meet(span=choice.span))
+
+    def _branch(self, branch: Branch) -> None:
+        self.add(Take(span=branch.span, branch=branch))
+        self.action(branch.body)
+
+    def _watch(self, watching: CatchException | InterruptOn) -> int:
+        """Add what may be abandoned; what follows then comes next. Returns where it has ended by itself."""
+        self.add(Watch(span=watching.span, step=watching))
+        self._watched.append([])
+        self.action(watching.body)
+        ended = self.add(Unwatch(span=watching.span))
+        inside = self._watched.pop()
+        self._open = []
+        abandon = self.add(Abandon(span=watching.span))
+        for index in inside:
+            self.code.abandoned[index] = abandon
+        return ended
+
+    def _resume(self, watching: CatchException | InterruptOn, ended: int) -> None:
+        self._open = [ended, *self._open]
+        self.add(Resume(span=watching.span))

@@ -1,0 +1,213 @@
+"""What a process does as instructions with edges between them: one graph that every analysis of control flow follows.
+
+An instruction stands where its step stands in the text, so that indexes go up along every edge but those that close a loop. What may be
+abandoned (by an exception, or by an interrupt) lies between two markers; from each instruction there, the markers among them, an edge of its own
+(``abandoned``) leads to where it goes on then, with what was so *before* the instruction.
+"""
+
+from __future__ import annotations
+
+from typing import TypeAlias
+
+from cspdiag.base import Span
+from cspdiag.base.record import node
+from cspdiag.network.ir.actions import (
+    AssignValue,
+    Branch,
+    CatchException,
+    Choice,
+    InterruptOn,
+    ParallelSteps,
+    ProcessScope,
+    RaiseException,
+    ReadInputs,
+    ReadValue,
+    ReportCommunication,
+    ResetInstance,
+    ResetStates,
+    RunInstance,
+    RunLaw,
+    SequentialSteps,
+    SkipStep,
+    StopStep,
+    WaitStep,
+    WriteOutputs,
+    WriteValue,
+)
+from cspdiag.network.ir.expressions import Expression
+
+
+@node
+class Placed:
+    """Anything in a process that is executed; it has a place."""
+
+    span: Span
+
+
+@node
+class Compute(Placed):
+    """Takes no time and communicates nothing."""
+
+    step: AssignValue | SkipStep | ResetInstance | RunLaw | ResetStates | ReportCommunication
+
+
+@node
+class Communicate(Placed):
+    """Waits for partners, if it has to."""
+
+    step: ReadValue | WriteValue | ReadInputs | WriteOutputs
+
+
+@node
+class Delay(Placed):
+    """Waits for time to pass."""
+
+    step: WaitStep
+
+
+@node
+class Call(Placed):
+    """Runs an instance to its end."""
+
+    step: RunInstance
+
+
+@node
+class Select(Placed):
+    """Waits until a guard is ready; a ``Take`` for each branch follows."""
+
+    step: Choice
+
+
+@node
+class Take(Placed):
+    """A guard is chosen: its event happens. Its condition, which is looked at before, counts as read here."""
+
+    branch: Branch
+
+
+@node
+class Test(Placed):
+    """Goes on in two ways; the first is where the condition holds."""
+
+    condition: Expression
+
+
+@node
+class Loop(Placed):
+    """Where the turns of a loop begin."""
+
+
+@node
+class Turn(Placed):
+    """The end of a turn of a counted loop: goes back, or on."""
+
+
+@node
+class Fork(Placed):
+    """The branches of a parallel begin."""
+
+    step: ParallelSteps
+
+
+@node
+class Join(Placed):
+    """The branches of a parallel, the instructions before, have all ended."""
+
+
+@node
+class Meet(Placed):
+    """Several ways come together, of which one was taken."""
+
+
+@node
+class Watch(Placed):
+    """Begins what an exception or an interrupt may abandon."""
+
+    step: CatchException | InterruptOn
+
+
+@node
+class Unwatch(Placed):
+    """It has come to its end by itself."""
+
+
+@node
+class Abandon(Placed):
+    """It was abandoned: the handler or the interrupt's branch follows."""
+
+
+@node
+class Resume(Placed):
+    """What is watched has ended (``Unwatch``, the first before it), or what followed when it was abandoned (the second)."""
+
+
+@node
+class Raise(Placed):
+    """Ends the process unsuccessfully."""
+
+    step: RaiseException
+
+
+@node
+class Stop(Placed):
+    """Never ends."""
+
+    step: StopStep
+
+
+@node
+class Enter(Placed):
+    """A process that was flattened into this one begins."""
+
+    step: ProcessScope
+
+
+@node
+class Leave(Placed):
+    """It has ended."""
+
+    step: ProcessScope
+
+
+@node
+class End(Placed):
+    """The process has ended."""
+
+
+Instruction: TypeAlias = (
+    Compute
+    | Communicate
+    | Delay
+    | Call
+    | Select
+    | Take
+    | Test
+    | Loop
+    | Turn
+    | Fork
+    | Join
+    | Meet
+    | Watch
+    | Unwatch
+    | Abandon
+    | Resume
+    | Raise
+    | Stop
+    | Enter
+    | Leave
+    | End
+)
+
+
+@node
+class Code:
+    """The instructions of a process, the first one its entry and the last one its ``End``, with their edges as indexes."""
+
+    instructions: list[Instruction]
+    before: list[list[int]]
+    after: list[list[int]]
+    abandoned: list[int | None]
+    """Where it goes on if what it stands in is abandoned: the innermost ``Abandon``."""
+    sequences: list[tuple[SequentialSteps, list[int]]]
+    """Every sequence, with the instruction at which each of its steps begins."""

@@ -1,0 +1,102 @@
+"""Compositions as instructions with edges, and where they end."""
+
+from __future__ import annotations
+
+import pytest
+
+from cspdiag.network.checks.endless import never_ends
+from cspdiag.network.flow.build import flow_of
+from cspdiag.network.flow.code import Abandon, Code, Communicate, Join, Loop, Resume, Unwatch
+from cspdiag.network.flow.ends import may_end
+from cspdiag.network.ir.actions import Action
+from cspdiag.optimize import optimize
+from tests.network import programs
+
+
+def body(composition: str) -> Action:
+    network = programs.network(f"""
+exception Odd
+process Main {{
+  in u : int
+  out y : int
+  communication {{ var x : int = 0 }}
+  composition {{ {composition} }}
+}}
+""")
+    found = programs.process(network, "Main").body
+    assert found is not None
+    return found
+
+
+def code(composition: str) -> Code:
+    return flow_of(body(composition))
+
+
+def places(code: Code, kind: type) -> list[int]:
+    return [index for index, instruction in enumerate(code.instructions) if isinstance(instruction, kind)]
+
+
+@pytest.mark.parametrize(
+    ("composition", "ends"),
+    [
+        ("u ? x", True),
+        ("stop", False),
+        ("mu u ? x", False),
+        ("mu u ? x until x > 3", True),
+        ("mu (u ? x ; stop) until x > 3", False),
+        ("while x < 3 do stop", True),
+        ("u ? x || stop", False),
+        ("u ? x || y ! 1", True),
+        ("if x > 3 then stop else mu u ? x", False),
+        ("if x > 3 then stop else u ? x", True),
+        ("(u ? x -> stop) [] (after 1 ms -> mu u ? x)", False),
+        ("(u ? x -> stop) [] (after 1 ms -> y ! 1)", True),
+        ("(mu u ? x) catch Timeout -> y ! 1", True),
+        ("(mu u ? x) catch Timeout -> stop", False),
+        ("(mu u ? x) interrupt after 1 ms -> skip", True),
+        ("(mu u ? x) interrupt after 1 ms -> stop", False),
+        ("raise Odd", False),
+        ("seq i < 3 : (y ! i)", True),
+    ],
+)  # fmt: skip
+def test_whether_a_composition_may_end(composition: str, ends: bool) -> None:
+    assert may_end(body(composition)) == ends
+
+
+def test_an_instance_that_never_ends_keeps_what_runs_it() -> None:
+    network = programs.network("""
+process Inner { in u : int  communication { var x : int }  composition { mu u ? x } }
+process Main { in u : int  communication { inner : Inner  u -> inner.u }  composition { inner } }
+""")
+    main = programs.process(network, "Main").body
+    assert main is not None
+    assert may_end(main)
+    assert not may_end(main, {"inner"})
+    assert never_ends(network)
+    assert never_ends(optimize(network)), "the same is said of a process that was flattened into another"
+
+
+def test_from_everything_that_is_watched_an_edge_leads_to_the_handler() -> None:
+    found = code("((u ? x ; y ! x) catch Timeout -> y ! 0) ; y ! 2")
+    (abandon,) = places(found, Abandon)
+    first, second, handler, after = places(found, Communicate)
+    (ended,) = places(found, Unwatch)
+    assert [found.abandoned[index] for index in (first, second, ended)] == [abandon] * 3
+    assert [found.abandoned[index] for index in (abandon, handler, after)] == [None] * 3
+    assert found.before[places(found, Resume)[0]] == [ended, handler]
+
+
+def test_a_handler_inside_another_part_that_is_watched_may_be_abandoned_too() -> None:
+    found = code("((u ? x catch Timeout -> y ! 0) catch Odd -> y ! 1)")
+    inner, outer = places(found, Abandon)
+    assert found.abandoned[inner] == outer
+    assert found.abandoned[places(found, Communicate)[1]] == outer
+
+
+def test_edges_go_up_but_for_those_that_close_a_loop() -> None:
+    found = code("mu ((u ? x || y ! 1) ; while x > 3 do u ? x) until x > 7")
+    for index, later in enumerate(found.after):
+        for target in later:
+            assert index in found.before[target]
+            assert target > index or isinstance(found.instructions[target], Loop)
+    assert len(found.before[places(found, Join)[0]]) == 2
