@@ -136,7 +136,8 @@ class Analysis:
             return
         self.laws = laws
         for placed, several in by_context.items():
-            placed.parameters.update(ranges_of(occurrence.arguments() for occurrence in several))
+            placed.given.extend(occurrence.arguments() for occurrence in several)
+            placed.parameters.update(ranges_of(placed.given))
 
     def law_samples(self) -> set[tuple[ast.SubmodelDefinition, int]]:
         """The submodels that were met, with the sample periods at which they run."""

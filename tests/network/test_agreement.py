@@ -74,6 +74,15 @@ def test_all_turns_agree(composition: str, expected: list[str]) -> None:
         ("seq i < n : (c ? v ; o ! 1)", "n = 0", "n = 1", []),
         ("(mu (c ? v ; o ! v) until v > 9) ; (mu wait d)", "0 ms", "1 ms", []),
         ("(mu (c ? v ; o ! v) until v > 9) ; (mu wait d)", "0 ms", "0 ms", ["E0612"]),
+        ("c ? v ; wait d ; mu (o ! 1) until n > 3", "n = 5", "n = 7", []),
+        ("c ? v ; wait d ; mu (o ! 1) until n > 3", "n = 5", "n = 1", []),
+        ("c ? v ; wait d ; mu (o ! 1) until n > 3", "n = 2", "n = 1", ["E0612"]),
+        ("c ? v ; wait d ; mu (o ! 1) until n > 3", "n = 1", "n = 1", ["E0612"]),
+        ("c ? v ; wait d ; mu (o ! 1) until n > 3 or v > 4", "n = 1", "n = 1", ["E0612"]),
+        ("c ? v ; o ! 1 ; while d > 3 ms do o ! 1", "2 ms", "3 ms", []),
+        ("c ? v ; o ! 1 ; while d > 3 ms do o ! 1", "4 ms", "4 ms", ["E0612"]),
+        ("c ? v ; wait d ; seq k < 3 : mu (o ! n) until k < 3", "n = 1", "n = 2", []),
+        ("c ? v ; wait d ; seq k < 3 : mu (o ! n) until k < 2", "n = 1", "n = 2", ["E0612"]),
     ],
 )
 def test_all_instances_agree(part: str, first: str, second: str, expected: list[str]) -> None:

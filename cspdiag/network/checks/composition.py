@@ -9,10 +9,9 @@ from cspdiag.model.types import UnknownType
 from cspdiag.network.checks.agreement import Agreement
 from cspdiag.network.diagnostics.alternatives import BranchNeverChosen, SamePortTwice, TimeOutNeverElapses
 from cspdiag.network.diagnostics.runs import EndlessLoop, InstanceNeverRun, NoComposition, RunTwiceAtOnce
-from cspdiag.network.elaborate.constant_value import constant_value
 from cspdiag.network.infer.contexts import Placed
 from cspdiag.network.infer.ends import all_actions
-from cspdiag.network.infer.possible import overtaken
+from cspdiag.network.infer.possible import decided_by_instance, overtaken
 from cspdiag.network.infer.waiting import Waiting, is_always_ready, is_open, is_over_at_once
 from cspdiag.network.ir.actions import (
     Action,
@@ -32,7 +31,7 @@ from cspdiag.network.ir.actions import (
     WhileLoop,
 )
 from cspdiag.network.ir.expression_walk import walk
-from cspdiag.network.ir.expressions import Expression, LiteralValue
+from cspdiag.network.ir.expressions import Expression, LiteralValue, ParameterValue
 from cspdiag.network.relations import UsesByKey, end_key, run_key, variables_read
 from cspdiag.network.shapes import InstanceShape, Key, Shape, attached_key
 from cspdiag.network.syntax_walk import nodes
@@ -109,25 +108,31 @@ def _check_loop(
 
     Where that comes of the values of parameters, it is refused only if all instances are given such values.
     """
-    if waiting.action(placed, loop.body):
+    if waiting.action(placed, loop.body) or _may_end(placed, loop, condition):
         agreement.refuted(EndlessLoop, loop.span)
         return
-    if condition is not None:
-        if isinstance(loop, WhileLoop) and isinstance(condition, LiteralValue) and condition.value is False:
-            return
-        if isinstance(loop, Repeat) and isinstance(condition, LiteralValue) and condition.value is True:
-            return
-        if any(isinstance(part.type, UnknownType) for part in walk(condition)):
-            return
-        looked_at = {value.channel for value in variables_read(condition)}
-        if looked_at & _written_in(placed.shape, loop.body) or any(is_open(placed, key) for key in looked_at):
-            return
     delays = [one for one in _delays(loop.body) if is_over_at_once(placed, one[1])]
     endless = EndlessLoop(span=loop.span, conditional=condition is not None, delay=delays[0][0] if delays else None)
-    if any(constant_value(duration, lambda _: None) is None for _, duration in delays):
+    causes = [duration for _, duration in delays] + ([] if condition is None else [condition])
+    if any(isinstance(part, ParameterValue) for cause in causes for part in walk(cause)):
         agreement.found(endless)
     else:
         report.add(endless)
+
+
+def _may_end(placed: Placed, loop: Repeat | WhileLoop, condition: Expression | None) -> bool:
+    """Whether a loop may not begin at all, or end: what its condition looks at is changed inside, or has other values in other instances."""
+    if condition is None:
+        return False
+    ends = isinstance(loop, Repeat)
+    holds = decided_by_instance(placed, condition)
+    if not holds or ends in holds or any(isinstance(part.type, UnknownType) for part in walk(condition)):
+        return True
+    if holds == {not ends}:
+        return False
+    looked_at = {value.channel for value in variables_read(condition)}
+    written = _written_in(placed.shape, loop.body)
+    return not looked_at.isdisjoint(written) or any(is_open(placed, key) for key in looked_at)
 
 
 def _delays(body: Action) -> Iterator[tuple[Span, Expression]]:

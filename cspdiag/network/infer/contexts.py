@@ -11,6 +11,7 @@ from typing import Literal, TypeAlias, assert_never
 from cspdiag.base import Report
 from cspdiag.base.record import node
 from cspdiag.network.infer.periods import Rates, Samples
+from cspdiag.network.ir.expressions import Value
 from cspdiag.network.ir.network import ChannelKind
 from cspdiag.network.ir.ranges import Range
 from cspdiag.network.shapes import (
@@ -48,6 +49,8 @@ class Placed:
     """The process instances by name."""
     parameters: dict[str, Range]
     """What the instances give whole-number parameters, as far as all are known."""
+    given: list[Mapping[str, Value]]
+    """What each instance gives all parameters, as far as all are known."""
 
     def period(self, key: Key) -> int | None:
         """The sample period of the net at a port or channel."""
@@ -95,6 +98,7 @@ class Contexts:
                 unknown_samples=samples.unknown,
                 inside={},
                 parameters={},
+                given=[],
             )
             self.placed.append(known)
             self._pending.append(known)

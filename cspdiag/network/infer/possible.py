@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
+from functools import partial
 
 from cspdiag.base.record import record, replaced
+from cspdiag.network.elaborate.constant_value import constant_value
 from cspdiag.network.infer.contexts import Placed
 from cspdiag.network.infer.waiting import constant_in, is_always_ready, known_duration, sample_period
 from cspdiag.network.ir.actions import AfterEvent, Branch, Choice, Event, InputEvent, ReadyEvent, Target
 from cspdiag.network.ir.expression_walk import walk
-from cspdiag.network.ir.expressions import Expression, UnaryOperation, VariableValue
+from cspdiag.network.ir.expressions import Expression, ParameterValue, SignalValue, UnaryOperation, Value, VariableValue
 from cspdiag.network.ir.walk import parts
 from cspdiag.network.relations import end_key
 from cspdiag.network.shapes import Key
@@ -37,6 +39,21 @@ def decided(placed: Placed, condition: Expression | None) -> bool | None:
         return True
     value = constant_in(placed, condition)
     return value if isinstance(value, bool) else None
+
+
+def decided_by_instance(placed: Placed, condition: Expression) -> set[bool | None]:
+    """Whether a condition always holds, or never, in the instances; None of one where that depends on more than its parameters.
+
+    Empty where a parameter of the condition is not known.
+    """
+    if not any(isinstance(part, ParameterValue) for part in walk(condition)):
+        return {decided(placed, condition)}
+    found = {constant_value(condition, partial(_parameter, given)) for given in placed.given}
+    return {value if isinstance(value, bool) else None for value in found}
+
+
+def _parameter(given: Mapping[str, Value], name: ParameterValue | SignalValue) -> Value | None:
+    return given.get(name.name)
 
 
 def overtaken(placed: Placed, choice: Choice) -> Iterator[Overtaken]:
