@@ -8,6 +8,7 @@ from typing import Any
 from cspdiag.semantics.media import Offer
 from cspdiag.semantics.outside import begin_sessions
 from cspdiag.semantics.requests import CancelledError, Request, Steps, Task, no_steps
+from cspdiag.semantics.values import RaisedError
 
 
 class Choose(Request):
@@ -144,7 +145,7 @@ class Promise:
     def __init__(self, interrupt: Interrupt) -> None:
         self.interrupt = interrupt
 
-    def branch_ended(self, task: Task, error: Exception | None) -> None:
+    def branch_ended(self, task: Task, error: RaisedError | None) -> None:
         """Its turn: the process goes on, if it waits for nothing else."""
         guard, process = self.interrupt.guard, self.interrupt.task
         guard.done, guard.result = True, (guard.chosen, None)
@@ -207,7 +208,7 @@ class Interrupt(Request):
         self.triggered = True
         self.world.cancel(self.body)
 
-    def branch_ended(self, task: Task, error: Exception | None) -> None:
+    def branch_ended(self, task: Task, error: RaisedError | None) -> None:
         """The body has ended, by itself or by the cancellation. «Interrupt» 3 and 4"""
         abandoned = isinstance(error, CancelledError)
         if (self.guard.chosen is not None and (error is None or abandoned)) or (

@@ -27,10 +27,10 @@ from cspdiag.semantics.outside import MissedSampleError
 from cspdiag.semantics.requests import Communicate, Parallel, Request, Steps, Wait
 from cspdiag.semantics.scheduler import Scheduler
 from cspdiag.semantics.submodels import InlinedLaws, SubmodelInstance
-from cspdiag.semantics.values import FaultError, value_of, within
+from cspdiag.semantics.values import FaultError, RaisedError, value_of, within
 
 
-class DeclaredError(Exception):
+class DeclaredError(RaisedError):
     """A declared exception. «Exceptions»"""
 
 
@@ -352,7 +352,7 @@ class ProcessInstance:
         yield from self.steps(branches[index].body)
 
 
-def exception_name(error: Exception) -> str:
+def exception_name(error: RaisedError) -> str:
     """The name of an exception in the language. «Exceptions»"""
     match error:
         case FaultError():

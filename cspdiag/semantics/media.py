@@ -110,7 +110,7 @@ class Medium:
             self.offers.remove(offer)
 
     def park(self, offer: Offer) -> None:
-        """The guard of an alternative begins to wait."""
+        """It begins to wait."""
         self.offers.append(offer)
 
     def arrive(self, offer: Offer) -> None:
@@ -157,7 +157,7 @@ class Rendezvous(Medium):
         if plain:
             self._pass(offer, plain[0])
         else:
-            self.offers.append(offer)
+            self.park(offer)
 
     def ready(self, offer: Offer) -> bool:
         """A party waits on the other side, or a guard."""
@@ -214,7 +214,7 @@ class Fifo(Medium):
 
     def arrive(self, offer: Offer) -> None:
         """Put or take, and then whatever became possible with that: a value goes on to a reader that waits."""
-        self.offers.append(offer)
+        self.park(offer)
         offer.guard = None
         while any(self._move(o) for o in list(self.offers) if o.guard is None):
             pass
@@ -223,12 +223,20 @@ class Fifo(Medium):
         if not self.ready(offer):
             return False
         if offer.writes:
-            self.world.communicate(self.name, offer.value, offer.end[0])
-            self.values = [*self.values, offer.value][-self.capacity :]
+            self.put(offer)
         else:
-            offer.value = self.values.pop(0)
+            self.take(offer)
         self.complete(offer)
         return True
+
+    def put(self, offer: Offer) -> None:
+        """The value communicates and enters, in the place of the oldest where there is no room."""
+        self.world.communicate(self.name, offer.value, offer.end[0])
+        self.values = [*self.values, offer.value][-self.capacity :]
+
+    def take(self, offer: Offer) -> None:
+        """The oldest value comes to a reader."""
+        offer.value = self.values.pop(0)
 
 
 class Broadcast(Medium):

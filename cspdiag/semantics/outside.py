@@ -7,10 +7,10 @@ import math
 from typing import Any
 
 from cspdiag.semantics.media import AtOnce, EndKey, Medium, Offer, World
-from cspdiag.semantics.values import FaultError
+from cspdiag.semantics.values import FaultError, RaisedError
 
 
-class MissedSampleError(Exception):
+class MissedSampleError(RaisedError):
     """A sample was overwritten before it was taken: the exception ``Timeout``. «Time»"""
 
 
@@ -153,6 +153,11 @@ class SampledInput(ExternalInput):
                 session.available = True
                 self.world.notice()
 
+    def begin(self, end: EndKey, *, available: bool) -> Session:
+        """Open the books of an end: its first read."""
+        self.sessions[end] = Session(self.world.now, available)
+        return self.sessions[end]
+
     def ready(self, offer: Offer) -> bool:
         """There is a sample not yet taken.
 
@@ -173,7 +178,7 @@ class SampledInput(ExternalInput):
 
     def take(self, end: EndKey) -> Any:
         """The latest sample; Timeout, once, where one was missed."""
-        session = self.sessions.setdefault(end, Session(self.world.now, True))
+        session = self.sessions.get(end) or self.begin(end, available=True)
         if session.missed and self.world.timeouts:
             session.missed = False
             raise MissedSampleError
@@ -191,4 +196,4 @@ def begin_sessions(offers: list[Offer]) -> None:
     found = [(o, o.medium.ready(o)) for o in new]
     for offer, available in found:
         assert isinstance(offer.medium, SampledInput)
-        offer.medium.sessions[offer.end] = Session(offer.medium.world.now, available)
+        offer.medium.begin(offer.end, available=available)

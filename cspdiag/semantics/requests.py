@@ -7,13 +7,24 @@ from typing import Any, Protocol
 
 from cspdiag.semantics.media import Offer, World
 from cspdiag.semantics.outside import begin_sessions
+from cspdiag.semantics.values import RaisedError
 
 
-class CancelledError(Exception):
+class CancelledError(RaisedError):
     """A sibling has failed, or an interrupt has come: the process ends here. «Cancellation»"""
 
 
 Steps = Generator["Request", Any, Any]
+
+
+class Run(Protocol):
+    """What a task does, from one request to the next; StopIteration at its end. «Scheduling and traces»"""
+
+    def send(self, answer: Any, /) -> Request:
+        """Go on with what was asked for, at first with None."""
+
+    def throw(self, error: RaisedError, /) -> Request:
+        """Go on with an exception in the place of what was asked for."""
 
 
 def no_steps() -> Steps:
@@ -24,7 +35,7 @@ def no_steps() -> Steps:
 class Parent(Protocol):
     """What is told of the end of a branch. «Parallel», «Interrupt»"""
 
-    def branch_ended(self, task: Task, error: Exception | None) -> None:
+    def branch_ended(self, task: Task, error: RaisedError | None) -> None:
         """A branch has ended, by an exception if ``error`` is not None."""
 
 
@@ -34,7 +45,7 @@ class Task:
     «Scheduling and traces»
     """
 
-    def __init__(self, steps: Steps, priority: tuple[int, ...], parent: Parent | None) -> None:
+    def __init__(self, steps: Run, priority: tuple[int, ...], parent: Parent | None) -> None:
         self.steps = steps
         self.priority = priority
         self.parent = parent
@@ -61,7 +72,7 @@ class Scheduling(World, Protocol):
     """How many requests have begun."""
     ready: list[Task]
 
-    def start(self, steps: Steps, priority: tuple[int, ...], parent: Parent | None) -> Task:
+    def start(self, steps: Run, priority: tuple[int, ...], parent: Parent | None) -> Task:
         """A new branch."""
 
     def make_ready(self, task: Task) -> None:
@@ -88,7 +99,7 @@ class Request:
     def __init__(self) -> None:
         self.done = False
         self.result: Any = None
-        self.error: Exception | None = None
+        self.error: RaisedError | None = None
 
     @property
     def completed(self) -> bool:
@@ -230,12 +241,12 @@ class Parallel(Request):
     «Parallel», «Exceptions»
     """
 
-    def __init__(self, branches: Sequence[Steps], prioritized: bool) -> None:
+    def __init__(self, branches: Sequence[Run], prioritized: bool) -> None:
         super().__init__()
         self.branches = branches
         self.prioritized = prioritized
         self.tasks: list[Task] = []
-        self.failure: Exception | None = None
+        self.failure: RaisedError | None = None
         self.abandoned = False
 
     def begin(self) -> None:
@@ -254,7 +265,7 @@ class Parallel(Request):
         """Whether a branch has not ended."""
         return not all(task.ended for task in self.tasks)
 
-    def branch_ended(self, task: Task, error: Exception | None) -> None:
+    def branch_ended(self, task: Task, error: RaisedError | None) -> None:
         """A branch has ended; one that failed cancels the others. «Exceptions», «Cancellation» 2"""
         if isinstance(error, CancelledError):
             self.abandoned = True

@@ -9,8 +9,9 @@ from typing import Any, Protocol
 
 from cspdiag.semantics.observer import Observer
 from cspdiag.semantics.outside import EventInput, ExternalInput, SampledInput, SampledOutput
-from cspdiag.semantics.requests import CancelledError, Parent, Request, Steps, Task, no_steps
+from cspdiag.semantics.requests import CancelledError, Parent, Request, Run, Task, no_steps
 from cspdiag.semantics.trace import Communication, Ending
+from cspdiag.semantics.values import RaisedError
 
 Resumption = Callable[[], Request]
 
@@ -36,7 +37,7 @@ class Canceller:
     def __init__(self, victim: Task) -> None:
         self.victim = victim
 
-    def branch_ended(self, task: Task, error: Exception | None) -> None:
+    def branch_ended(self, task: Task, error: RaisedError | None) -> None:
         """Its turn."""
         victim = self.victim
         victim.doomed = False
@@ -70,7 +71,7 @@ class Scheduler:
         """In the order in which they began."""
         self.running: Task | None = None
         self.begun = 0
-        self.failure: Exception | None = None
+        self.failure: RaisedError | None = None
         self.look: Callable[[Scheduler], None] | None = None
         """Handed the state after each communication."""
         self.observer: Observer | None = None
@@ -121,7 +122,7 @@ class Scheduler:
         if self.observer is not None and (interrupted is None or isinstance(interrupted, Exception)):
             self.observer.process_ended(self.now, path)
 
-    def start(self, steps: Steps, priority: tuple[int, ...], parent: Parent | None) -> Task:
+    def start(self, steps: Run, priority: tuple[int, ...], parent: Parent | None) -> Task:
         """A new branch."""
         return Task(steps, priority, parent)
 
@@ -184,7 +185,7 @@ class Scheduler:
             except StopIteration:
                 self._end(task, None)
                 break
-            except Exception as error:
+            except RaisedError as error:
                 self._end(task, error)
                 break
             resumption = self._begun(task, request)
@@ -194,7 +195,7 @@ class Scheduler:
     def _continued(self, task: Task) -> Resumption | None:
         request = task.request
         if request is None:
-            return partial(next, task.steps)
+            return partial(task.steps.send, None)
         if not request.completed and not task.cancelled:
             self._attempt(request, request.attempt)
         return self._answer(task, request)
@@ -214,7 +215,7 @@ class Scheduler:
     def _attempt(self, request: Request, step: Callable[[], None]) -> None:
         try:
             step()
-        except Exception as error:
+        except RaisedError as error:
             for offer in request.offers_now():
                 offer.medium.withdraw(offer)
             request.done, request.error = True, error
@@ -231,7 +232,7 @@ class Scheduler:
             return partial(task.steps.throw, request.error)
         return partial(task.steps.send, request.outcome())
 
-    def _end(self, task: Task, error: Exception | None) -> None:
+    def _end(self, task: Task, error: RaisedError | None) -> None:
         task.ended = True
         if task.parent is not None:
             task.parent.branch_ended(task, error)
@@ -244,7 +245,7 @@ class Scheduler:
         outside = self.outside
         if outside is not None:
             on_grid = now % outside.step == 0
-            if on_grid or any(now % period == 0 for period in self._periods()):
+            if on_grid or any(now % period == 0 for period in self.periods()):
                 outside.advance(now)
             for port in self.inputs:
                 value = outside.output(port.name.removeprefix(f"{self.top}."))
@@ -261,7 +262,8 @@ class Scheduler:
         self.due = now
         self._wake(list(self.waiting))
 
-    def _periods(self) -> list[int]:
+    def periods(self) -> list[int]:
+        """Those of the ports. «Time»"""
         sampled = [port.period for port in self.inputs if isinstance(port, SampledInput)]
         return sampled + [port.period for port in self.outputs]
 
@@ -275,12 +277,12 @@ class Scheduler:
         pending = any(output.latched for output in self.outputs)
         if not deadlines and not waits_outside and not pending:
             return None
-        periods = self._periods()
+        periods = self.periods()
         if self.outside is not None:
             periods.append(self.outside.step)
         return min([*deadlines, *((self.now // period + 1) * period for period in periods)])
 
-    def run(self, program: Steps, until: int | None) -> Ending:
+    def run(self, program: Run, until: int | None) -> Ending:
         """Run to the end, or to ``until``. «Scheduling and traces»"""
         main = self.start(program, (), None)
         self.make_ready(main)

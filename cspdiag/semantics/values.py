@@ -13,7 +13,11 @@ from cspdiag.network.ir import expressions as ex
 Names = Callable[[str], Any]
 
 
-class FaultError(Exception):
+class RaisedError(Exception):
+    """What ends a process, unless something around it catches it. «Exceptions»"""
+
+
+class FaultError(RaisedError):
     """Overflow, a value out of range, division by zero, a value that is no number. «Faults»"""
 
 
