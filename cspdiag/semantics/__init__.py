@@ -2,4 +2,5 @@
 
 It is slow and plain. Docstrings name the sections and paragraphs that the code states, «between guillemets». The
 runtime and the C kernel, which are written for speed, share nothing with it; the conformance kit compares them with it.
+Fusion follows it at compile time.
 """

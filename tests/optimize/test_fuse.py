@@ -223,6 +223,12 @@ FUSED = {
     "priorities": program(
         SENDER + RECEIVER, PAIR + "\n    t : Sender\n    u : Receiver\n    t.o -> d : int -> u.i", "(s || r) ||> (t || u)"
     ),
+    "an alternative chooses on a broadcast": program(
+        SENDER + "process Chooser {\n  in i : int\n  communication { var v : int = 0 }\n"
+        "  composition { wait 300 us ; mu (i ? v -> skip [] after 700 us -> skip) }\n}\n",
+        "    s : Sender\n    r : Chooser\n    t : Chooser\n    s.o -> c : int broadcast -> r.i, t.i",
+        "s || r || t",
+    ),
     "what happens first is not what happens then": program(
         SENDER.replace("mu (", "o ! 5 ; o ! 6 ; wait 3 ms ; mu (") + RECEIVER, PAIR, "s || r"
     ),

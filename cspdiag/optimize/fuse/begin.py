@@ -1,4 +1,4 @@
-"""What tasks wait for, made from the instructions that ask for it."""
+"""What tasks ask for, made from the instructions."""
 
 from __future__ import annotations
 
@@ -7,17 +7,27 @@ from typing import Protocol
 from cspdiag.network.ir.actions import AfterEvent, Choice, End, InputEvent, OutputEvent, ReadyEvent, SkipEvent
 from cspdiag.network.ir.expressions import Expression, LiteralValue
 from cspdiag.optimize.folding import is_literal
-from cspdiag.optimize.fuse.code import Communicate, Delay, NotStaticError
-from cspdiag.optimize.fuse.media import Medium, Offer
-from cspdiag.optimize.fuse.requests import Exchange, Selection
-from cspdiag.optimize.fuse.tasks import Task, TaskScheduler, Waiting
+from cspdiag.optimize.fuse import code
+from cspdiag.optimize.fuse.code import NotStaticError
+from cspdiag.optimize.fuse.media import Medium, Offer, Place
+from cspdiag.semantics.choice import Choose
+from cspdiag.semantics.media import EndKey
+from cspdiag.semantics.requests import Communicate, Wait
 
 
-class FollowedProgram(TaskScheduler, Protocol):
+class Surroundings(Protocol):
     """What is asked of the program that is followed, where an instruction is begun."""
+
+    now: int
 
     def medium_of(self, end: End) -> Medium:
         """What an end belongs to. Raises NotStaticError where that is an input without a period."""
+
+    def key_of(self, end: End) -> EndKey:
+        """The end as one of the process that it belongs to."""
+
+    def alternative(self, name: str, *, prioritized: bool) -> Choose:
+        """An alternative that has no guards yet."""
 
     def folded(self, expression: Expression) -> Expression:
         """The expression, or its value where that is known."""
@@ -26,39 +36,56 @@ class FollowedProgram(TaskScheduler, Protocol):
         """The value of one of several offers is computed before any of them is made."""
 
 
-def exchange(world: FollowedProgram, task: Task, instruction: Communicate) -> Exchange:
+def exchange(world: Surroundings, place: Place, instruction: code.Communicate) -> Communicate:
     """Readers and writers; of several values, each is computed before any is offered."""
-    request = Exchange(world, task)
+    request = Communicate()
     for end, target in instruction.reads:
-        number = len(request.offers)
-        request.offers.append(Offer(request, world.medium_of(end), end, number, instruction.span, target=target))
-    several = len(instruction.writes) > 1
+        request.offers.append(
+            Offer(
+                request=request,
+                medium=world.medium_of(end),
+                end=world.key_of(end),
+                writes=False,
+                place=place,
+                source=end,
+                number=len(request.offers),
+                span=instruction.span,
+                target=target,
+            )
+        )
     for end, value in instruction.writes:
-        number = len(request.offers)
-        offer = Offer(request, world.medium_of(end), end, number, instruction.span, value=value)
+        offer = Offer(
+            request=request,
+            medium=world.medium_of(end),
+            end=world.key_of(end),
+            writes=True,
+            value=value,
+            place=place,
+            source=end,
+            number=len(request.offers),
+            span=instruction.span,
+        )
         request.offers.append(offer)
-        if several:
+        if len(instruction.writes) > 1:
             world.compute_beside(offer)
     return request
 
 
-def delay(world: FollowedProgram, task: Task, instruction: Delay) -> Waiting:
+def delay(world: Surroundings, instruction: code.Delay) -> Wait:
     """A delay. Raises NotStaticError where its length is not known."""
-    if instruction.duration is None:
-        return Waiting(world, task, None)
-    return Waiting(world, task, max(0, _time(world, instruction.duration)))
+    return Wait(None if instruction.duration is None else _time(world, instruction.duration))
 
 
-def _time(world: FollowedProgram, duration: Expression) -> int:
+def _time(world: Surroundings, duration: Expression) -> int:
     value = world.folded(duration)
     if not isinstance(value, LiteralValue) or not isinstance(value.value, int):
         raise NotStaticError("the length of a delay is not known", duration.span)
     return value.value
 
 
-def selection(world: FollowedProgram, task: Task, choice: Choice) -> Selection:
+def selection(world: Surroundings, place: Place, choice: Choice) -> Choose:
     """The guards that are enabled. Raises NotStaticError where that is not known."""
-    request = Selection(world, task, choice.name, choice.prioritized)
+    request = world.alternative(choice.name, prioritized=choice.prioritized)
     for index, branch in enumerate(choice.branches):
         if branch.condition is not None:
             condition = world.folded(branch.condition)
@@ -72,14 +99,29 @@ def selection(world: FollowedProgram, task: Task, choice: Choice) -> Selection:
                 request.always.add(index)
             case AfterEvent():
                 request.timeouts[index] = world.now + _time(world, event.duration)
-            case OutputEvent():
-                offer = Offer(request, world.medium_of(event.sink), event.sink, index, event.span)
-                offer.value, offer.guard = event.value, index
-                world.compute_beside(offer)
-                request.offers[index] = offer
-            case InputEvent() | ReadyEvent():
-                offer = Offer(request, world.medium_of(event.source), event.source, index, event.span)
-                offer.guard, offer.only_ready = index, isinstance(event, ReadyEvent)
-                offer.target = event.target if isinstance(event, InputEvent) else None
-                request.offers[index] = offer
+            case OutputEvent() | InputEvent() | ReadyEvent():
+                request.offers[index] = _guard(world, place, request, index, event)
     return request
+
+
+def _guard(
+    world: Surroundings, place: Place, request: Choose, index: int, event: OutputEvent | InputEvent | ReadyEvent
+) -> Offer:
+    end = event.sink if isinstance(event, OutputEvent) else event.source
+    offer = Offer(
+        request=request,
+        medium=world.medium_of(end),
+        end=world.key_of(end),
+        writes=isinstance(event, OutputEvent),
+        value=event.value if isinstance(event, OutputEvent) else None,
+        guard=index,
+        only_ready=isinstance(event, ReadyEvent),
+        place=place,
+        source=end,
+        number=index,
+        span=event.span,
+        target=event.target if isinstance(event, InputEvent) else None,
+    )
+    if offer.writes:
+        world.compute_beside(offer)
+    return offer

@@ -1,4 +1,4 @@
-"""Follows at compile time what a program does: all its tasks, their channels and the time, by the scheduling rules of the language.
+"""Follows at compile time what a program does, by the meaning of the language: all its tasks, their channels and the time.
 
 Values are not known, but for variables that only count. What happens is written down: computations, samples that are taken, values that pass. Where
 the program goes on depends on a value that is not known, ``decisions`` say where to go; without one for it, following stops there.
@@ -7,35 +7,23 @@ the program goes on depends on a value that is not known, ``decisions`` say wher
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TypeAlias
 
 from cspdiag.base.record import record
 from cspdiag.network.ir.actions import ChannelEnd, End, PortEnd, ProcessScope
 from cspdiag.network.ir.expressions import Expression, LiteralValue
-from cspdiag.network.ir.network import ExternalPort, ProcessClass
+from cspdiag.network.ir.network import CreatedChoice, ExternalPort, ProcessClass
 from cspdiag.network.ir.walk import parts
-from cspdiag.optimize.fuse.begin import delay, exchange, selection
-from cspdiag.optimize.fuse.code import (
-    Close,
-    Code,
-    Communicate,
-    Compute,
-    Decide,
-    Delay,
-    Finish,
-    Handler,
-    Jump,
-    NotStaticError,
-    Raise,
-    Scope,
-    Select,
-    Start,
-)
-from cspdiag.optimize.fuse.media import AtOnce, Medium, SampledInput, channel_medium
+from cspdiag.optimize.fuse.code import Code, NotStaticError, Raise
+from cspdiag.optimize.fuse.media import AtOnce, Input, Medium, Offer, channel_medium
 from cspdiag.optimize.fuse.record import Recorder
-from cspdiag.optimize.fuse.requests import Exchange, Selection
-from cspdiag.optimize.fuse.tasks import Branches, Request, Task
+from cspdiag.optimize.fuse.walker import FailureError, Walker
+from cspdiag.semantics.choice import Choose
+from cspdiag.semantics.ends import choices
+from cspdiag.semantics.media import EndKey, Place
+from cspdiag.semantics.requests import Parent, Run, Task
+from cspdiag.semantics.scheduler import Scheduler
 
 LONGEST = 1000
 """Turns of tasks that are followed at most; a schedule that is longer would not be worth its memory."""
@@ -72,298 +60,192 @@ class _FoundError(Exception):
         self.outcome = outcome
 
 
-class Following(Recorder):
+class _Unknown:
+    """The environment: inputs are sampled, and nobody knows what."""
+
+    step = 2**63
+
+    def advance(self, now: int) -> None:
+        """It goes on."""
+
+    def output(self, port: str) -> None:
+        """A value that is not known."""
+
+    def give(self, port: str, value: object) -> None:
+        """Outputs are written down where they are written."""
+
+
+class Following(Scheduler):
     """The state of a program at an instant, and what has happened so far."""
 
     def __init__(
         self, code: Code, ports: Sequence[ExternalPort], counting: frozenset[str], decisions: Sequence[bool]
     ) -> None:
-        super().__init__(code.entry, counting)
+        super().__init__(code.entry.name, _Unknown(), timeouts=True)
         self.code = code
-        self.due = 0
-        self.ready: list[Task] = []
-        self.waiting: list[Request] = []
-        self.running: Task | None = None
-        self.memories: dict[str, int] = {}
-        self.failure: Raise | None = None
+        self.record = Recorder(code.entry, counting)
         self._decisions = decisions
         self._asked = 0
         self._seen: dict[object, tuple[int, int]] = {}
-        self._tasks: list[Task] = []
+        self._walkers: list[Walker] = []
         self._owners = _owners(code.entry)
-        self.media: dict[tuple[str, int | None], Medium] = {}
-        self.inputs: list[SampledInput] = []
+        self._memories: dict[str, dict[str, int]] = {}
+        """By the name of an alternative, the guard that it chose last."""
+        self._numbers = {name: number for number, name in enumerate(dict.fromkeys(_alternatives(code.entry)))}
+        self._sampled: list[Input] = []
+        self._ends: dict[EndKey, End] = {}
+        self._media: dict[Place, Medium] = {}
         self._make_media(code.entry, ports)
-        self._waited_at = [medium for medium in self.media.values() if not isinstance(medium, AtOnce)]
-        self.period = math.lcm(*(port.period for port in self.inputs)) if self.inputs else 1
+        self._waited_at = [medium for medium in self._media.values() if not isinstance(medium, AtOnce)]
+        self._period = math.lcm(*(port.period for port in self._sampled)) if self._sampled else 1
 
     def _make_media(self, entry: ProcessClass, ports: Sequence[ExternalPort]) -> None:
-        ends = [end for end in entry.creation if isinstance(end, PortEnd | ChannelEnd)]
+        readers: dict[Place, list[EndKey]] = {}
+        for end in entry.creation:
+            if isinstance(end, PortEnd | ChannelEnd):
+                key = self.key_of(end)
+                self._ends[key] = end
+                readers.setdefault(_place(end), []).append(key)
         for channel in entry.channels:
-            readers: list[End] = [e for e in ends if isinstance(e, ChannelEnd) and e.channel == channel.name]
-            self.media[channel.name, None] = channel_medium(self, channel, readers)
+            place: Place = (channel.name, None)
+            self._media[place] = channel_medium(self.record, self, channel, readers.get(place, []))
         for port in ports:
-            name = port.name.partition("[")[0]
-            readers = [e for e in ends if isinstance(e, PortEnd) and (e.port, e.index) == (name, port.index)]
-            if port.direction == "in" and port.period is not None:
-                sampled = SampledInput(self, port.name, port.period, readers)
-                self.media[name, port.index] = sampled
-                if readers:
-                    self.inputs.append(sampled)
-            elif port.direction == "out":
-                self.media[name, port.index] = AtOnce(self, port.name)
+            place = (port.name.partition("[")[0], port.index)
+            if port.direction == "out":
+                self._media[place] = AtOnce(self.record, self, port.name)
+            elif port.period is not None:
+                self._media[place] = self._input(port.name, port.period, readers.get(place, []))
+
+    def _input(self, name: str, period: int, ends: Sequence[EndKey]) -> Input:
+        sampled = Input(self.record, self, name, period)
+        for end in ends:
+            sampled.register(end)
+        if ends:
+            self.inputs.append(sampled)
+            self._sampled.append(sampled)
+        return sampled
 
     def medium_of(self, end: End) -> Medium:
         """What an end belongs to. Raises NotStaticError where that is an input without a period."""
-        key = (end.port, end.index) if isinstance(end, PortEnd) else (end.channel, None)
-        medium = self.media.get(key)
+        medium = self._media.get(_place(end))
         if medium is None:
-            raise NotStaticError(f"nobody knows when {key[0]} has an event")
+            raise NotStaticError(f"nobody knows when {_place(end)[0]} has an event")
         return medium
 
-    def run(self) -> Outcome:
+    def key_of(self, end: End) -> EndKey:
+        """The end as one of the process that it belongs to."""
+        name, index = _place(end)
+        return (self._owners.get(end, ""), name, index, end.end)
+
+    def alternative(self, name: str, *, prioritized: bool) -> Choose:
+        """An alternative that has no guards yet."""
+        memory = {} if prioritized else self._memories.setdefault(name, {})
+        return Choose(prioritized, memory, self._numbers[name])
+
+    def follow(self) -> Outcome:
         """Follows to the end, to a state that has been before, or to where a decision is missing. Raises NotStaticError."""
-        main = self._task((0,), 0, (), None)
-        self.make_ready(main)
         try:
-            while True:
-                self._run_all_ready()
-                if main.ended:
-                    return Ends(self.failure)
-                self._instant(self._next_instant())
+            ending = self.run(Walker(self, (0,), 0), None)
         except _FoundError as found:
             return found.outcome
+        if ending.ended == "deadlock":
+            raise NotStaticError("it deadlocks")
+        return Ends(self.failure.instruction if isinstance(self.failure, FailureError) else None)
 
-    def _task(self, key: tuple[int, ...], position: int, priority: tuple[int, ...], parent: Branches | None) -> Task:
-        task = Task(key, position, priority, parent)
-        self._tasks.append(task)
-        return task
+    def start(self, steps: Run, priority: tuple[int, ...], parent: Parent | None) -> Task:
+        """A new branch."""
+        assert isinstance(steps, Walker)
+        steps.task = super().start(steps, priority, parent)
+        self._walkers.append(steps)
+        return steps.task
+
+    def periods(self) -> list[int]:
+        """Those of the inputs that somebody follows."""
+        return [port.period for port in self._sampled if port.sessions]
+
+    def instant(self, now: int) -> None:
+        """Everything that happens at an instant before tasks run."""
+        self.record.now = now
+        self.record.count_instruction()
+        super().instant(now)
+
+    def next_of(self, ready: Sequence[Task]) -> Task:
+        """The next turn: this is where the state of a program is compared with those before."""
+        self._walkers = [walker for walker in self._walkers if not walker.task.ended]
+        self.remember()
+        return super().next_of(ready)
 
     def followed_since(self) -> dict[End, int]:
         """When the ends of sampled inputs were read, or waited at, for the first time."""
-        return {end: since for port in self.inputs for end, since in port.since.items()}
+        return {self._ends[end]: since for port in self._sampled for end, since in port.since.items()}
 
-    def make_ready(self, task: Task) -> None:
-        """Put into the ready queue, where it is not there yet."""
-        if task is not self.running and task not in self.ready and not task.ended:
-            self.ready.append(task)
+    def folded(self, expression: Expression) -> Expression:
+        """The expression, or its value where that is known."""
+        return self.record.folded(expression)
 
-    def cancel(self, task: Task) -> None:
-        """The task ends when it runs next: what it would still compute until its next communication, nobody sees."""
-        if task.ended or task.cancelled:
-            return
-        task.cancelled = True
-        if task.request is not None and not task.request.done:
-            task.request.abandon()
+    def compute_beside(self, offer: Offer) -> None:
+        """The value of one of several offers is computed before any of them is made."""
+        self.record.compute_beside(offer)
 
-    def notice(self) -> None:
-        """Wake whoever may go on now."""
-        for request in list(self.waiting):
-            task = request.task
-            asleep = task is not self.running and task not in self.ready and not task.cancelled
-            if asleep and request in self.waiting and not request.done and request.may_go_on():
-                self.make_ready(task)
+    def holds(self, condition: Expression) -> bool:
+        """Whether a condition holds, as far as it is known, or decided."""
+        value = self.folded(condition)
+        if isinstance(value, LiteralValue):
+            return value.value is True
+        if self._asked == len(self._decisions):
+            raise _FoundError(Asks(condition))
+        taken = self._decisions[self._asked]
+        self._asked += 1
+        self.record.turn(condition, taken)
+        return taken
 
-    def follows(self, end: End, period: int) -> bool:
-        """Whether the process of an end followed a period before the present tick, through another end."""
-        owner = self._owners.get(end)
-        return any(
-            port.follows(other)
-            for port in self.inputs
-            if port.period == period
-            for other in port.sessions
-            if self._owners.get(other) == owner
-        )
+    def close(self, process: ProcessScope) -> None:
+        """A process has ended."""
+        if process.ends:
+            self.record.close(process)
+        self.process_ended(process.instance)
 
-    def _run_all_ready(self) -> None:
-        while self.ready:
-            self._remember()
-            task = min(self.ready, key=Task.rank)
-            self.ready.remove(task)
-            self.running = task
-            self._run(task)
-            self.running = None
-            self.notice()
-            self._tasks = [task for task in self._tasks if not task.ended]
-
-    def _remember(self) -> None:
+    def remember(self) -> None:
         """Stops where the program is in a state for the second time."""
         state = self._state()
+        happened = len(self.record.happenings)
         before = self._seen.get(state)
         if before is not None:
             position, since = before
-            if since == self.now and position == len(self.happenings):
+            if since == self.now and position == happened:
                 raise NotStaticError("it goes on for ever without doing anything")
             raise _FoundError(Loops(position, since))
         if len(self._seen) > LONGEST:
             raise NotStaticError(f"it takes more than {LONGEST} turns until it repeats")
-        self._seen[state] = (len(self.happenings), self.now)
+        self._seen[state] = (happened, self.now)
 
     def _state(self) -> object:
         return (
-            None if self.running is None else self.running.key,
-            self.now % self.period,
-            tuple(task.key for task in self.ready),
-            tuple(task.state() for task in self._tasks),
-            tuple(request.task.key for request in self.waiting),
+            None if self.running is None else _key(self.running),
+            self.now % self._period,
+            tuple(map(_key, self.ready)),
+            tuple(walker.state(self.now) for walker in self._walkers),
+            tuple(_key(request.task) for request in self.waiting),
             tuple(medium.state() for medium in self._waited_at),
-            tuple(sorted(self.memories.items())),
-            self.knowledge(),
+            tuple(sorted((name, memory["last"]) for name, memory in self._memories.items() if memory)),
+            self.record.knowledge(),
         )
 
-    def _run(self, task: Task) -> None:
-        request = task.request
-        if request is not None:
-            if not request.done and not task.cancelled:
-                request.attempt()
-            if not request.done and not (task.cancelled and not isinstance(request, Branches)):
-                return
-            self.waiting.remove(request)
-            task.request = None
-        if task.cancelled:
-            self._end(task, None)
-            return
-        if request is not None and not self._go_on(task, request):
-            return
-        while self._execute(task):
-            pass
 
-    def _go_on(self, task: Task, request: Request) -> bool:
-        """After what it waited for; gives whether it goes on."""
-        self.resumed(task.key)
-        match request:
-            case Branches(failure=Raise() as failure):
-                return self._raise(task, failure)
-            case Branches():
-                task.position = request.after
-            case Selection():
-                instruction = self.code.instructions[task.position]
-                assert isinstance(instruction, Select)
-                assert request.chosen is not None
-                task.position = instruction.bodies[request.chosen]
-            case _:
-                task.position += 1
-        return True
+def _key(task: Task) -> tuple[int, ...]:
+    assert isinstance(task.steps, Walker)
+    return task.steps.key
 
-    def _execute(self, task: Task) -> bool:
-        """One instruction; gives whether the task goes on."""
-        self.count_instruction()
-        instruction = self.code.instructions[task.position]
-        match instruction:
-            case Compute(action=action):
-                self.compute_action(action)
-                task.position += 1
-            case Decide():
-                holds = self._holds(instruction)
-                self._jump(task, task.position + 1 if holds else instruction.otherwise)
-            case Jump(to=to):
-                self._jump(task, to)
-            case Raise():
-                return self._raise(task, instruction)
-            case Close(scope=scope):
-                self._process_ended(scope)
-                task.position += 1
-            case Finish():
-                self._end(task, None)
-                return False
-            case Start():
-                return self._start(task, instruction)
-            case Communicate():
-                return self._begin(task, exchange(self, task, instruction))
-            case Delay():
-                return self._begin(task, delay(self, task, instruction))
-            case Select():
-                return self._begin(task, selection(self, task, instruction.choice))
-        return True
 
-    def _jump(self, task: Task, to: int) -> None:
-        back = to <= task.position
-        task.position = to
-        if back:
-            self._remember()
+def _place(end: End) -> Place:
+    return (end.port, end.index) if isinstance(end, PortEnd) else (end.channel, None)
 
-    def _holds(self, decide: Decide) -> bool:
-        value = self.folded(decide.condition)
-        if isinstance(value, LiteralValue):
-            return value.value is True
-        if self._asked == len(self._decisions):
-            raise _FoundError(Asks(decide.condition))
-        taken = self._decisions[self._asked]
-        self._asked += 1
-        self.turn(decide.condition, taken)
-        return taken
 
-    def _begin(self, task: Task, request: Request) -> bool:
-        task.request = request
-        self.waiting.append(request)
-        if isinstance(request, Exchange):
-            request.begin()
-        if not request.done:
-            request.attempt()
-        self.notice()
-        if not request.done:
-            return False
-        self.waiting.remove(request)
-        task.request = None
-        return self._go_on(task, request)
-
-    def _start(self, task: Task, instruction: Start) -> bool:
-        request = Branches(self, task, instruction.after)
-        task.request = request
-        self.waiting.append(request)
-        for number, position in enumerate(instruction.branches):
-            priority = (*task.priority, number) if instruction.prioritized else task.priority
-            request.tasks.append(self._task((*task.key, task.position, number), position, priority, request))
-        for branch in request.tasks:
-            self.make_ready(branch)
-        return False
-
-    def _raise(self, task: Task, failure: Raise) -> bool:
-        for item in self.code.around[task.position]:
-            match item:
-                case Scope(process=process):
-                    self._process_ended(process)
-                case Handler(exception=caught, handler=handler) if caught == failure.action.exception:
-                    task.position = handler
-                    return True
-        self._end(task, failure)
-        return False
-
-    def _end(self, task: Task, failure: Raise | None) -> None:
-        task.ended = True
-        self.forget(task.key)
-        if task.cancelled:
-            for item in self.code.around[task.position]:
-                if isinstance(item, Scope):
-                    self._process_ended(item.process)
-        if task.parent is not None:
-            task.parent.branch_ended(failure, task.cancelled)
-        else:
-            self.failure = failure
-
-    def _process_ended(self, process: ProcessScope) -> None:
-        if process.ends:
-            self.process_ended(process)
-        instance = process.instance
-        for port in self.inputs:
-            port.sessions = {end: s for end, s in port.sessions.items() if self._owners.get(end) != instance}
-
-    def _next_instant(self) -> int:
-        deadlines = [deadline for request in self.waiting for deadline in request.deadlines()]
-        followed = [port for port in self.inputs if port.sessions]
-        if not deadlines and not any(port.offers for port in self.inputs):
-            raise NotStaticError("it deadlocks")
-        return min([*deadlines, *((self.now // port.period + 1) * port.period for port in followed)])
-
-    def _instant(self, now: int) -> None:
-        self.count_instruction()
-        self.now = now
-        for port in self.inputs:
-            if now % port.period == 0:
-                port.sampled()
-                self.notice()
-        self.due = now
-        self.notice()
+def _alternatives(entry: ProcessClass) -> Iterator[str]:
+    """In the order in which they come to be, which is that in which they are served."""
+    assert entry.body is not None
+    yield from (made.choice for made in entry.creation if isinstance(made, CreatedChoice))
+    yield from (choice.name for choice in choices(entry.body))
 
 
 def _owners(entry: ProcessClass) -> Mapping[End, str]:

@@ -1,6 +1,6 @@
 """Fuses a program whose schedule is known at compile time into one process.
 
-All processes are followed from the start by the scheduling rules of the language until they are in a state for the second time. What they did is
+All processes are followed from the start, on the meaning of the language (``cspdiag.semantics``), until they are in a state for the second time. What they did is
 written down as the composition of one process: what happened first, and a loop with what happens again and again. A rendezvous in it is
 an assignment, and for the trace a report; samples are read and outputs written where they were.
 

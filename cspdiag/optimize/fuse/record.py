@@ -84,7 +84,7 @@ class Recorder:
         """The expression, or its value where that is known."""
         return folded_with(expression, self._known)
 
-    def process_ended(self, process: ProcessScope) -> None:
+    def close(self, process: ProcessScope) -> None:
         """A process that had ends has ended; without what it did, it closes them."""
         self._do(process)
 
@@ -120,7 +120,7 @@ class Recorder:
 
     def _variable(self, name: str, kind: Type, offer: Offer | None = None) -> str:
         """A variable besides those of the program; one for each place that offers."""
-        key = (name, None if offer is None else (*offer.task.key, offer.task.position, offer.number))
+        key = (name, None if offer is None else (*offer.place.key, offer.place.position, offer.number))
         if key not in self._names:
             number = 1
             unique = name
@@ -154,7 +154,7 @@ class Recorder:
         name = self._variable(f"{channel}.taken", self._types[channel], offer)
         self._assign(offer.span, Target(name), value)
         taken = VariableValue(type=self._types[channel], channel=name)
-        self._later.setdefault(offer.task.key, []).append(AssignValue(span=offer.span, target=target, value=taken))
+        self._later.setdefault(offer.place.key, []).append(AssignValue(span=offer.span, target=target, value=taken))
         return taken
 
     def forget(self, task: object) -> None:
@@ -180,20 +180,20 @@ class Recorder:
     def sample(self, offer: Offer, fresh: bool) -> None:
         """A sample is taken; ``fresh`` tells that it came at this instant."""
         assert offer.target is not None
-        self._do(ReadValue(span=offer.span, source=offer.end, target=offer.target), fresh=fresh)
+        self._do(ReadValue(span=offer.span, source=offer.source, target=offer.target), fresh=fresh)
         self._assigned(offer.target.channel, None, surely=not offer.target.indexes)
 
     def at_once(self, offer: Offer) -> None:
         """A variable is read, or it or an output is written."""
         if offer.value is None:
-            assert isinstance(offer.end, ChannelEnd)
+            assert isinstance(offer.source, ChannelEnd)
             assert offer.target is not None
-            value = VariableValue(type=self._types[offer.end.channel], channel=offer.end.channel)
+            value = VariableValue(type=self._types[offer.source.channel], channel=offer.source.channel)
             self.compute_action(AssignValue(span=offer.span, target=offer.target, value=value))
-        elif isinstance(offer.end, ChannelEnd):
-            self._assign(offer.span, Target(offer.end.channel), offer.value)
+        elif isinstance(offer.source, ChannelEnd):
+            self._assign(offer.span, Target(offer.source.channel), offer.value)
         else:
-            self._do(WriteValue(span=offer.span, sink=offer.end, value=offer.value))
+            self._do(WriteValue(span=offer.span, sink=offer.source, value=offer.value))
 
     def compute(self, offer: Offer) -> None:
         """The value of a writer that goes on to wait is computed, unless it is the same later."""

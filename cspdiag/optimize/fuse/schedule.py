@@ -78,20 +78,21 @@ def schedule(entry: ProcessClass, ports: Sequence[ExternalPort]) -> Path:
 
 def _explored(code: Code, ports: Sequence[ExternalPort], counting: frozenset[str], decisions: tuple[bool, ...]) -> Path:
     following = Following(code, ports, counting, decisions)
-    outcome = following.run()
+    outcome = following.follow()
+    record = following.record
     if not isinstance(outcome, Asks):
         return Path(
-            tuple(following.happenings),
+            tuple(record.happenings),
             outcome,
             {},
-            following.made,
+            record.made,
             following.now,
             counting,
             following.followed_since(),
         )
     if len(decisions) == MOST_DECISIONS:
         raise NotStaticError("what it does depends on values too often")
-    position = len(following.happenings)
+    position = len(record.happenings)
     holds = _explored(code, ports, counting, (*decisions, True))
     fails = _explored(code, ports, counting, (*decisions, False))
     main, other = (fails, holds) if isinstance(holds.outcome, Ends) else (holds, fails)
