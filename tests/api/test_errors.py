@@ -21,9 +21,10 @@ PACKAGE = Path(cspdiag.__file__).parent
 CAUGHT_INSIDE = {
     "UndefinedError", "OutOfRangeError", "NoPartError", "EvaluationFault", "NeedsLoad", "Restart", "TransitionError",
     "LimitError", "SolverTimeoutError", "TooLargeError", "NoSuchElementError", "UnboundedError", "AstrayError",
-    "NotStaticError", "NoResultError", "UsageError", "CancelledError", "DeclaredError", "FaultError", "MissedSampleError",
+    "NotStaticError", "NoResultError", "UsageError", "RaisedError", "CancelledError", "DeclaredError", "FaultError",
+    "MissedSampleError", "FailureError",
 }  # fmt: skip
-"""What is always caught by who calls: UsageError by the command line, LimitError as no ``Exception``, the last four by the interpreter."""
+"""What is always caught by who calls: UsageError by the command line, LimitError as no ``Exception``, the last six by the interpreter."""
 
 
 def exceptions_of_the_library() -> dict[str, type[BaseException]]:
