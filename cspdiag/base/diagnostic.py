@@ -23,6 +23,14 @@ class Label:
 
 
 @record
+class Edit:
+    """A change of the text: what stands at ``span``, which may be empty, gives way to ``replacement``."""
+
+    span: Span
+    replacement: str
+
+
+@record
 class Diagnostic:
     """One thing that is wrong, where, why, and how to mend it.
 
@@ -50,6 +58,14 @@ class Diagnostic:
     def help(self) -> str | None:
         """How to mend it, or None where nothing useful can be said."""
         return None
+
+    @property
+    def edits(self) -> tuple[Edit, ...]:
+        """The mend, where there is exactly one that is surely meant: changes that belong together, none inside another.
+
+        What is not sure is said in ``help`` only.
+        """
+        return ()
 
     def __repr__(self) -> str:
         return f"<{self.code} {self}>"

@@ -37,6 +37,24 @@ class Speller:
         return best
 
 
+def is_slip(written: str, meant: str) -> bool:
+    """Whether a name is surely the slip of another one.
+
+    That is one in letters of another size, with two neighbours exchanged, or with a letter inside it lost or added. A digit,
+    the first letter or the last often tell two things apart, and so does any letter in a short name.
+    """
+    if written.lower() == meant.lower():
+        return len(meant) > 2
+    shorter, longer = sorted((written, meant), key=len)
+    if len(shorter) < 4:
+        return False
+    at = next((at for at, (a, b) in enumerate(zip(shorter, longer, strict=False)) if a != b), len(shorter))
+    if len(shorter) == len(longer):
+        exchanged = shorter[:at] + shorter[at + 1 : at + 2] + shorter[at] + shorter[at + 2 :]
+        return exchanged == longer and shorter[at : at + 2].isalpha()
+    return 0 < at < len(shorter) and shorter[at:] == longer[at + 1 :] and longer[at].isalpha()
+
+
 def edits(left: str, right: str) -> int:
     """Insertions, deletions, replacements and swaps of neighbours (optimal string alignment)."""
     before: list[int] = []

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cspdiag.base import Span
+from cspdiag.base import Edit, Span
 from cspdiag.model.types import IntType, RealType, TimeType, Type
 from cspdiag.model.units import SECOND
 
@@ -39,6 +39,24 @@ def conversion_help(found: Type, wanted: Type, written: str) -> str | None:
         case _:
             pass
     return None
+
+
+def conversion(found: Type, wanted: Type, span: Span) -> tuple[Edit, ...]:
+    """What ``conversion_help`` says as a change of the text, where it keeps the value as well as the wanted type can."""
+    text = span.text
+    if "\n" in text:
+        return ()
+    match found, wanted:
+        case RealType(), RealType() if found.bits == wanted.bits and found.unit.exponents == wanted.unit.exponents:
+            if found.unit.scale != wanted.unit.scale:
+                return (Edit(span, f"convert({text}, {wanted.unit})"),)
+        case IntType(), RealType(bits=64) if wanted.unit.is_dimensionless:
+            return (Edit(span, f"double({text})"),)
+        case IntType(), IntType() if found.bits < wanted.bits and (wanted.signed or not found.signed):
+            return (Edit(span, f"{wanted}({text})"),)
+        case _:
+            pass
+    return ()
 
 
 def shortened(span: Span) -> str:

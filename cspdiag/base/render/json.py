@@ -23,15 +23,17 @@ def place(span: Span | None) -> dict[str, Any]:
     return {"file": span.file, "line": line, "column": column}
 
 
+def _range(span: Span) -> dict[str, Any]:
+    return {**place(span), "end_line": span.end_line, "end_column": span.end_column}
+
+
 def _object(diagnostic: Diagnostic) -> dict[str, Any]:
-    span = diagnostic.span
     return {
         "code": diagnostic.code,
         "severity": diagnostic.severity,
         "message": diagnostic.message,
-        **place(span),
-        "end_line": span.end_line,
-        "end_column": span.end_column,
+        **_range(diagnostic.span),
         "help": diagnostic.help,
         "related": [{"message": label.message, **place(label.span)} for label in diagnostic.all_labels],
+        "edits": [{**_range(edit.span), "replacement": edit.replacement} for edit in diagnostic.edits],
     }

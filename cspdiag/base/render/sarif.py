@@ -55,16 +55,34 @@ def _result(diagnostic: Diagnostic, rule_index: int) -> dict[str, Any]:
             {"id": number, "message": {"text": label.message}, **_location(label.span)}
             for number, label in enumerate(diagnostic.all_labels, start=1)
         ]
+    if diagnostic.edits:
+        result["fixes"] = [_fix(diagnostic)]
     return result
 
 
+def _fix(diagnostic: Diagnostic) -> dict[str, Any]:
+    """The mend: its changes by file, in the order of their places."""
+    changed: dict[str, list[dict[str, Any]]] = {}
+    for edit in sorted(diagnostic.edits, key=lambda edit: edit.span.start):
+        replacement = {"deletedRegion": _region(edit.span), "insertedContent": {"text": edit.replacement}}
+        changed.setdefault(_uri(edit.span), []).append(replacement)
+    changes = [{"artifactLocation": {"uri": uri}, "replacements": parts} for uri, parts in changed.items()]
+    return {"description": {"text": diagnostic.help or diagnostic.title}, "artifactChanges": changes}
+
+
 def _location(span: Span) -> dict[str, Any]:
+    return {"physicalLocation": {"artifactLocation": {"uri": _uri(span)}, "region": _region(span)}}
+
+
+def _uri(span: Span) -> str:
     path = Path(span.file)
-    uri = path.as_uri() if path.is_absolute() else quote(os.fsencode(path.as_posix()))
-    region = {
+    return path.as_uri() if path.is_absolute() else quote(os.fsencode(path.as_posix()))
+
+
+def _region(span: Span) -> dict[str, int]:
+    return {
         "startLine": span.line,
         "startColumn": span.column,
         "endLine": span.end_line,
         "endColumn": span.end_column,
     }
-    return {"physicalLocation": {"artifactLocation": {"uri": uri}, "region": region}}

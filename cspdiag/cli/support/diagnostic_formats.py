@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import sys
+from argparse import Namespace
 from collections.abc import Sequence
 
 from cspdiag.base.diagnostic import Diagnostic
+from cspdiag.cli.support.terminal import put, wants_colour, write_out
 
 FORMATS = ("text", "concise", "json", "sarif", "github", "junit")
 
@@ -38,3 +41,14 @@ def told_diagnostics(
             from cspdiag.base.render.text import render as render_text
 
             return "", render_text(diagnostics, colour=colour) if diagnostics else ""
+
+
+def show_findings(diagnostics: Sequence[Diagnostic], names: Sequence[str], arguments: Namespace) -> None:
+    """Show what was found in files as ``--format`` and ``--color`` ask, and that nothing was found."""
+    colour = wants_colour(arguments.color, sys.stderr)
+    stdout, stderr = told_diagnostics(diagnostics, arguments.format, names, colour=colour)
+    if arguments.format == "text" and names and not diagnostics:
+        files = "1 file" if len(names) == 1 else f"{len(names)} files"
+        stderr = f"checked {files}: no errors\n"
+    write_out(stdout)
+    put(stderr)

@@ -27,6 +27,34 @@ def replace_text(path: str, text: str) -> None:
     write_whole(Path(path), text.encode())
 
 
+def replace_files(files: Mapping[str, bytes]) -> None:
+    """Give files that there are other contents, by path: all of them, or none where one cannot be written.
+
+    Symbolic links keep pointing where they point, files keep their permissions. Raises OSError with the name that was given.
+    """
+    from secrets import token_hex
+
+    staged: list[tuple[str, str]] = []
+    path = ""
+    try:
+        for path, data in files.items():
+            real = os.path.realpath(path)
+            temporary = f"{real}.{token_hex(8)}.tmp"
+            with open(temporary, "xb") as file:
+                staged.append((temporary, real))
+                file.write(data)
+            with suppress(OSError):
+                os.chmod(temporary, os.stat(real).st_mode & 0o7777)
+        for temporary, real in staged:
+            os.replace(temporary, real)
+    except OSError as problem:
+        raise OSError(problem.errno, problem.strerror, path) from None
+    finally:
+        for temporary, _ in staged:
+            with suppress(FileNotFoundError):
+                os.unlink(temporary)
+
+
 def write_package(folder: str, files: Mapping[str, str], target: str, *, program: str = "", force: bool) -> None:
     """Write the files of a package that was generated for ``target``, by path relative to ``folder``.
 

@@ -2,39 +2,54 @@
 
 from __future__ import annotations
 
-import sys
 from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
 
-from cspdiag.base.diagnostic import Diagnostic
 from cspdiag.base.report import Report
 from cspdiag.base.sources import read_source
 from cspdiag.base.span import SourceFile
-from cspdiag.cli.support.diagnostic_formats import FORMATS, told_diagnostics
+from cspdiag.cli.support.diagnostic_formats import FORMATS, show_findings
 from cspdiag.cli.support.failure import FINE, UNSUCCESSFUL, UsageError, described
-from cspdiag.cli.support.terminal import put, wants_colour, write_out
 from cspdiag.pipeline import check
 
-EXAMPLE = "cspdiag check models/jiwy/jiwy.csp\ncspdiag check --format sarif controller.csp > controller.sarif"
+EXAMPLE = (
+    "cspdiag check models/jiwy/jiwy.csp\ncspdiag check --diff controller.csp\ncspdiag check --fix controller.csp\n"
+    "cspdiag check --format sarif controller.csp > controller.sarif"
+)
 
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Declare the options."""
     parser.add_argument("files", nargs="+", metavar="FILE", help="a program; - reads standard input")
+    parser.add_argument(
+        "--fix", action="store_true", help="mend what has exactly one sensible mend, in imported files, too"
+    )
+    parser.add_argument(
+        "--diff", action="store_true", help="print what --fix would change, and change nothing; exit 1 if there is any"
+    )
     parser.add_argument("--format", choices=FORMATS, default="text", help="how to tell what was found (default: text)")
 
 
 def run(arguments: Namespace) -> int:
     """Check every file and show what was found; a file that cannot be read does not keep the others from it."""
+    mends = arguments.fix or arguments.diff
+    if mends:
+        from cspdiag.cli.support.mending import mend_files, require_free_output
+
+        require_free_output(arguments)
     sources, unreadable = _read(arguments.files)
-    found = Report()
-    for source in sources:
-        for diagnostic in check(source, read_source).report.diagnostics:
-            found.add(diagnostic)
-    _show(found.diagnostics, [source.name for source in sources], arguments)
+    if mends:
+        code = mend_files(sources, arguments)
+    else:
+        found = Report()
+        for source in sources:
+            for diagnostic in check(source, read_source).report.diagnostics:
+                found.add(diagnostic)
+        show_findings(found.diagnostics, [source.name for source in sources], arguments)
+        code = UNSUCCESSFUL if found.has_errors else FINE
     if unreadable:
         raise UsageError("; ".join(unreadable))
-    return UNSUCCESSFUL if found.has_errors else FINE
+    return code
 
 
 def _read(names: Sequence[str]) -> tuple[list[SourceFile], list[str]]:
@@ -46,13 +61,3 @@ def _read(names: Sequence[str]) -> tuple[list[SourceFile], list[str]]:
         except OSError as problem:
             unreadable.append(described(problem))
     return sources, unreadable
-
-
-def _show(diagnostics: list[Diagnostic], names: list[str], arguments: Namespace) -> None:
-    colour = wants_colour(arguments.color, sys.stderr)
-    stdout, stderr = told_diagnostics(diagnostics, arguments.format, names, colour=colour)
-    if arguments.format == "text" and names and not diagnostics:
-        files = "1 file" if len(names) == 1 else f"{len(names)} files"
-        stderr = f"checked {files}: no errors\n"
-    write_out(stdout)
-    put(stderr)

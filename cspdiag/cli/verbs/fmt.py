@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import os
-import re
-import sys
 from argparse import ArgumentParser, Namespace
 
-from cspdiag.base.render.snippet import on_one_line, printable
+from cspdiag.base.render.snippet import on_one_line
 from cspdiag.base.report import Report
 from cspdiag.base.sources import STANDARD_INPUT, read_source
 from cspdiag.base.span import SourceFile
+from cspdiag.cli.support.difference import show_difference
 from cspdiag.cli.support.failure import FINE, UNSUCCESSFUL, UsageError
 from cspdiag.cli.support.output import replace_text
 from cspdiag.cli.support.terminal import say, show_diagnostics, write_out
@@ -43,8 +42,7 @@ def run(arguments: Namespace) -> int:
         if text is None:
             continue
         if arguments.diff:
-            difference = _difference(source, text)
-            write_out(printable(difference) if sys.stdout.isatty() else difference)
+            show_difference(source, text, "formatted")
         elif source.name == STANDARD_INPUT and not arguments.check:
             write_out(text)
         if text != source.text:
@@ -70,21 +68,3 @@ def _change(source: SourceFile, text: str, arguments: Namespace) -> None:
     elif not arguments.diff and source.name != STANDARD_INPUT:
         replace_text(source.name, text)
         say(f"formatted {on_one_line(source.name)}")
-
-
-def _difference(source: SourceFile, text: str) -> str:
-    from difflib import unified_diff
-
-    name = on_one_line(source.name)
-    lines = unified_diff(
-        _lines(source.text),
-        _lines(text),
-        name,
-        f"{name} (formatted)",
-    )
-    return "".join(line if line.endswith("\n") else f"{line}\n\\ No newline at end of file\n" for line in lines)
-
-
-def _lines(text: str) -> list[str]:
-    """The lines with their ends, which are line feeds: a comment may have other characters that Python takes for ends of lines."""
-    return [line for line in re.split(r"(?<=\n)", text) if line]

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from cspdiag.base import Diagnostic, Label, Span
+from cspdiag.base import Diagnostic, Edit, Label, Span
+from cspdiag.base.edits import slip
 from cspdiag.base.record import record
 
 
@@ -56,6 +57,10 @@ class UnknownArgument(Diagnostic):
         if not self.options:
             return f"`{self.owner}` has no parameters"
         return "it has " + ", ".join(f"`{option}`" for option in self.options)
+
+    @property
+    def edits(self) -> tuple[Edit, ...]:
+        return slip(self.span, self.name, self.suggestion)
 
     @property
     def labels(self) -> tuple[Label, ...]:
@@ -126,6 +131,12 @@ class PositionalAfterNamed(Diagnostic):
             return "give it by name"
         return f"give it by name: `{self.names[0]} = ...`"
 
+    @property
+    def edits(self) -> tuple[Edit, ...]:
+        if len(self.names) != 1:
+            return ()
+        return (Edit(Span(self.span.source, self.span.start, self.span.start), f"{self.names[0]} = "),)
+
 
 @record
 class WrongNumberOfArguments(Diagnostic):
@@ -165,3 +176,7 @@ class UnknownOption(Diagnostic):
         if self.suggestion:
             return f"did you mean `{self.suggestion}`?"
         return "choose among " + ", ".join(f"`{option}`" for option in self.options)
+
+    @property
+    def edits(self) -> tuple[Edit, ...]:
+        return slip(self.span, self.option, self.suggestion)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from cspdiag.base import Diagnostic
+from cspdiag.base import Diagnostic, Edit
+from cspdiag.base.edits import removing
 from cspdiag.base.record import record
 
 
@@ -63,3 +64,7 @@ class ImportCycle(Diagnostic):
         if len(self.cycle) == 2:
             return "remove this import"
         return "move what both need to a third file, and import it from both"
+
+    @property
+    def edits(self) -> tuple[Edit, ...]:
+        return (removing(self.span),) if len(self.cycle) == 2 else ()

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from cspdiag.base import Diagnostic, Label, Span
+import re
+
+from cspdiag.base import Diagnostic, Edit, Label, Span
+from cspdiag.base.edits import slip
 from cspdiag.base.record import record
 
 
@@ -58,6 +61,13 @@ class DuplicateName(Diagnostic):
         return "choose another name for one of them"
 
     @property
+    def edits(self) -> tuple[Edit, ...]:
+        let = re.search(r"\blet\s+\Z", self.span.source.text[max(0, self.span.start - 20) : self.span.start])
+        if let is None or (self.kind, self.first_kind) != ("a local value", "an out port"):
+            return ()
+        return (Edit(Span(self.span.source, self.span.start - len(let[0]), self.span.start), ""),)
+
+    @property
     def labels(self) -> tuple[Label, ...]:
         return (Label(self.first, f"`{self.name}` is {self.first_kind} here"),)
 
@@ -89,6 +99,8 @@ class UnknownName(Diagnostic):
     suggestion: str | None
     declared: Span | None
     advice: str | None = None
+    is_synonym: bool = False
+    """Whether the suggestion is what other languages call so."""
 
     @property
     def message(self) -> str:
@@ -97,6 +109,12 @@ class UnknownName(Diagnostic):
     @property
     def help(self) -> str | None:
         return f"did you mean `{self.suggestion}`?" if self.suggestion else self.advice
+
+    @property
+    def edits(self) -> tuple[Edit, ...]:
+        if self.is_synonym and self.suggestion and self.span.text == self.name:
+            return (Edit(self.span, self.suggestion),)
+        return slip(self.span, self.name, self.suggestion)
 
     @property
     def labels(self) -> tuple[Label, ...]:
@@ -151,6 +169,10 @@ class UnknownMember(Diagnostic):
             return f"it has no {self.wanted}s at all"
         shown = ", ".join(f"`{option}`" for option in self.options[:8])
         return f"it has {shown}" + (", …" if len(self.options) > 8 else "")
+
+    @property
+    def edits(self) -> tuple[Edit, ...]:
+        return slip(self.span, self.name, self.suggestion)
 
     @property
     def labels(self) -> tuple[Label, ...]:

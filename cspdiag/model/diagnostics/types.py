@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from cspdiag.base import Diagnostic, Label, Span
+from cspdiag.base import Diagnostic, Edit, Label, Span
 from cspdiag.base.record import record
 from cspdiag.model.types import IntType, RealType, Type
-from cspdiag.model.wording import conversion_help, noun, shortened
+from cspdiag.model.wording import conversion, conversion_help, noun, shortened
 
 
 @record
@@ -61,6 +61,10 @@ class MixedNumbers(Diagnostic):
         return conversion_help(self.right, self.left, self.right_span.text)
 
     @property
+    def edits(self) -> tuple[Edit, ...]:
+        return conversion(self.left, self.right, self.left_span) or conversion(self.right, self.left, self.right_span)
+
+    @property
     def labels(self) -> tuple[Label, ...]:
         return (
             Label(self.left_span, f"this is {noun(self.left)}"),
@@ -102,6 +106,14 @@ class NotCondition(Diagnostic):
         if isinstance(self.found, IntType | RealType):
             return f"compare it: `{shortened(self.span)} != 0`"
         return None
+
+    @property
+    def edits(self) -> tuple[Edit, ...]:
+        text, source = self.span.text, self.span.source.text
+        if not isinstance(self.found, IntType) or not text.replace(".", "_").isidentifier():
+            return ()
+        is_negated = source[: self.span.start].rstrip().endswith("not")
+        return (Edit(self.span, f"({text} != 0)" if is_negated else f"{text} != 0"),)
 
 
 @record
@@ -146,6 +158,10 @@ class DifferentTypes(Diagnostic):
         if isinstance(self.first, IntType) and isinstance(self.second, RealType):
             return conversion_help(self.first, self.second, self.first_span.text)
         return conversion_help(self.second, self.first, self.span.text)
+
+    @property
+    def edits(self) -> tuple[Edit, ...]:
+        return conversion(self.first, self.second, self.first_span) or conversion(self.second, self.first, self.span)
 
     @property
     def labels(self) -> tuple[Label, ...]:

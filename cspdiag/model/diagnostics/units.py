@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from cspdiag.base import Diagnostic, Label, Span
+from cspdiag.base import Diagnostic, Edit, Label, Span
 from cspdiag.base.record import record
 from cspdiag.model.types import RealType, Type
 from cspdiag.model.units import canonical
-from cspdiag.model.wording import conversion_help, noun, shortened
+from cspdiag.model.wording import conversion, conversion_help, noun, shortened
 
 
 @record
@@ -56,6 +56,10 @@ class WrongScale(Diagnostic):
         return conversion_help(self.found, self.wanted, self.span.text)
 
     @property
+    def edits(self) -> tuple[Edit, ...]:
+        return conversion(self.found, self.wanted, self.span)
+
+    @property
     def labels(self) -> tuple[Label, ...]:
         return (Label(self.declared, self.declared_text),) if self.declared else ()
 
@@ -90,6 +94,14 @@ class MixedUnits(Diagnostic):
         return f"write `convert({shortened(self.left_span)}, {self.right.unit})`"
 
     @property
+    def edits(self) -> tuple[Edit, ...]:
+        if not isinstance(self.left, RealType) or not isinstance(self.right, RealType) or self.number is not None:
+            return ()
+        if self.left.unit.factor == 1 or self.right.unit.factor != 1:
+            return conversion(self.right, self.left, self.right_span)
+        return conversion(self.left, self.right, self.left_span)
+
+    @property
     def labels(self) -> tuple[Label, ...]:
         return (
             Label(self.left_span, f"this is {noun(self.left)}"),
@@ -117,6 +129,12 @@ class NotDimensionless(Diagnostic):
         if unit.is_dimensionless:
             return f"write `convert({shortened(self.span)}, {canonical(unit)})`"
         return f"divide by a quantity of the same unit, such as `1<{unit}>`"
+
+    @property
+    def edits(self) -> tuple[Edit, ...]:
+        if not isinstance(self.found, RealType) or not self.found.unit.is_dimensionless or "\n" in self.span.text:
+            return ()
+        return (Edit(self.span, f"convert({self.span.text}, {canonical(self.found.unit)})"),)
 
 
 @record

@@ -57,9 +57,13 @@ def _structure(typer: ExpressionTyper, node: ast.Call, structure: StructType) ->
     return structure
 
 
-_ELSEWHERE = {
+_SYNONYMS = {
     "arcsin": "asin", "arccos": "acos", "arctan": "atan", "arctan2": "atan2", "ln": "log", "fabs": "abs", "sgn": "sign",
-    "clamp": "limit", "clip": "limit", "saturate": "limit", "sat": "limit", "trunc": "int", "real": "double",
+}  # fmt: skip
+"""Functions of this language under the names of others."""
+
+_ELSEWHERE = {
+    **_SYNONYMS, "clamp": "limit", "clip": "limit", "saturate": "limit", "sat": "limit", "trunc": "int", "real": "double",
 }  # fmt: skip
 """What functions are called in other languages, and here."""
 
@@ -103,6 +107,7 @@ def _refuse_function(typer: ExpressionTyper, node: ast.Call, definition: ast.Def
                 suggestion=None if operator else near,
                 declared=None,
                 advice=f"write `{operator}`" if operator else None,
+                is_synonym=name in _SYNONYMS,
             ),
             node,
         )

@@ -15,12 +15,17 @@ from cspdiag.model.types import BOOL, DOUBLE, TEXT, TIME, UNKNOWN, ArrayType, Re
 from cspdiag.model.units import Unit, parse_unit
 from cspdiag.syntax import ast
 
-_OTHER_NAMES = {
-    "real": "double", "float64": "double", "number": "double", "float32": "float", "single": "float",
-    "integer": "int", "int64": "int", "long": "int", "short": "int16", "byte": "uint8", "unsigned": "uint32",
-    "char": "uint8", "boolean": "bool", "logical": "bool", "duration": "time",
+_SYNONYMS = {
+    "real": "double", "float64": "double", "float32": "float", "single": "float",
+    "integer": "int", "boolean": "bool", "logical": "bool",
 }  # fmt: skip
-"""Types of other languages."""
+"""Types of this language under the names of others."""
+
+_OTHER_NAMES = {
+    **_SYNONYMS, "number": "double", "int64": "int", "long": "int", "short": "int16", "byte": "uint8",
+    "unsigned": "uint32", "char": "uint8", "duration": "time",
+}  # fmt: skip
+"""Types of other languages, and what comes near them."""
 
 _TEXTS = frozenset(["string", "String", "str"])
 
@@ -96,6 +101,7 @@ def _defined_type(context: Context, name: ast.TypeName) -> Type:
             suggestion=suggestion,
             declared=declared,
             advice=advice if text in _TEXTS else None,
+            is_synonym=text in _SYNONYMS,
         )
         context.refuse(refused, name)
     return UNKNOWN

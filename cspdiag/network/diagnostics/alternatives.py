@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from cspdiag.base import Diagnostic, Label, Span
+from cspdiag.base import Diagnostic, Edit, Label, Span
 from cspdiag.base.record import record
 from cspdiag.model.constants.durations import duration
 
@@ -23,6 +23,10 @@ class UnguardedBranch(Diagnostic):
         if self.communicates:
             return "to make its communication the guard write `-> skip` after it"
         return "begin it with a guard: `port -> ...`, `port ? x -> ...`, `after 5 ms -> ...` or `skip -> ...`"
+
+    @property
+    def edits(self) -> tuple[Edit, ...]:
+        return (Edit(Span(self.span.source, self.span.end, self.span.end), " -> skip"),) if self.communicates else ()
 
 
 @record

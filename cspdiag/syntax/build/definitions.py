@@ -121,7 +121,9 @@ class DefinitionBuilder(CommunicationBuilder, CompositionBuilder):
             if option.name not in clauses:
                 self.report.add(OptionNotHere(option.span, _CLAUSES[option.name], definition))
             elif clauses[option.name] is not None:
-                self.report.add(OptionTwice(option.span, _CLAUSES[option.name], definition))
+                first = next(other.span.text for other in options if other.name == option.name)
+                same = first == option.span.text
+                self.report.add(OptionTwice(option.span, _CLAUSES[option.name], definition, same))
             else:
                 clauses[option.name] = option.value
         return clauses

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from cspdiag.base import Diagnostic, Label, Span
+from cspdiag.base import Diagnostic, Edit, Label, Span
+from cspdiag.base.edits import replacing
 from cspdiag.base.record import record
 
 
@@ -14,6 +15,8 @@ class UnexpectedText(Diagnostic):
     found: str
     expected: str
     advice: str | None = None
+    keyword: str | None = None
+    """What the word surely is a slip of."""
 
     @property
     def message(self) -> str:
@@ -22,6 +25,10 @@ class UnexpectedText(Diagnostic):
     @property
     def help(self) -> str | None:
         return self.advice
+
+    @property
+    def edits(self) -> tuple[Edit, ...]:
+        return (replacing(self.span, self.keyword),) if self.keyword else ()
 
 
 @record
@@ -87,6 +94,8 @@ class WrongOperator(Diagnostic):
     found: str
     wanted: str
     purpose: str
+    replaced: Span | None = None
+    """What ``wanted`` can stand for as it is; None where there is more to write."""
 
     @property
     def message(self) -> str:
@@ -95,6 +104,10 @@ class WrongOperator(Diagnostic):
     @property
     def help(self) -> str | None:
         return f"write `{self.wanted}`"
+
+    @property
+    def edits(self) -> tuple[Edit, ...]:
+        return (replacing(self.replaced, self.wanted),) if self.replaced else ()
 
 
 @record
@@ -145,6 +158,7 @@ class WrongPlace(Diagnostic):
 
     what: str
     rule: str
+    mend: Edit | None = None
 
     @property
     def message(self) -> str:
@@ -153,3 +167,7 @@ class WrongPlace(Diagnostic):
     @property
     def help(self) -> str | None:
         return self.rule
+
+    @property
+    def edits(self) -> tuple[Edit, ...]:
+        return (self.mend,) if self.mend else ()

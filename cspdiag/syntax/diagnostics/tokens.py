@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from cspdiag.base import Diagnostic
+from cspdiag.base import Diagnostic, Edit
+from cspdiag.base.edits import removing, replacing
 from cspdiag.base.record import record
 
 _TIMES = {
@@ -44,6 +45,16 @@ class UnknownCharacter(Diagnostic):
     @property
     def help(self) -> str | None:
         return f"write `{self.instead}`" if self.instead else None
+
+    @property
+    def edits(self) -> tuple[Edit, ...]:
+        if self.instead == "us":
+            # The rest of the unit stands behind the letter.
+            return (Edit(self.span, "u"),) if self.span.source.text.startswith("s", self.span.end) else ()
+        # A name in other letters would have to change wherever it stands.
+        if self.instead is None or (self.character.isidentifier() and self.instead != "pi"):
+            return ()
+        return (replacing(self.span, self.instead.replace(" ", "")),)
 
 
 @record
@@ -148,6 +159,8 @@ class OptionTwice(Diagnostic):
 
     clause: str
     definition: str
+    is_same: bool
+    """Whether it says what the first one says."""
 
     @property
     def message(self) -> str:
@@ -156,6 +169,10 @@ class OptionTwice(Diagnostic):
     @property
     def help(self) -> str | None:
         return "keep one of them"
+
+    @property
+    def edits(self) -> tuple[Edit, ...]:
+        return (removing(self.span),) if self.is_same else ()
 
 
 @record
@@ -172,9 +189,19 @@ class MissingUnitBrackets(Diagnostic):
 
     @property
     def help(self) -> str | None:
-        if self.unit in _TIMES:
-            return f"write `{self.number} {_TIMES[self.unit]}`"
-        if self.unit in _LONG_TIMES:
-            return f"write `{float(self.number) * _LONG_TIMES[self.unit]:.15g} min`, the longest unit of time"
+        explained = ", the longest unit of time" if self.unit in _LONG_TIMES else ""
         product = f", or `{self.number} * {self.unit}` for a product" if self.unit.isidentifier() else ""
-        return f"write `{self.number}<{self.unit.replace(' ', '')}>`{product}"
+        return f"write `{self._meant}`{explained or ('' if self.unit in _TIMES else product)}"
+
+    @property
+    def _meant(self) -> str:
+        if self.unit in _TIMES:
+            return f"{self.number} {_TIMES[self.unit]}"
+        if self.unit in _LONG_TIMES:
+            return f"{float(self.number) * _LONG_TIMES[self.unit]:.15g} min"
+        return f"{self.number}<{self.unit.replace(' ', '')}>"
+
+    @property
+    def edits(self) -> tuple[Edit, ...]:
+        is_sure = self.unit in _TIMES or self.unit in _LONG_TIMES or self.span.text.endswith(">")
+        return (Edit(self.span, self._meant),) if is_sure else ()

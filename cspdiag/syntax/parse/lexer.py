@@ -201,7 +201,8 @@ class Lexer:
 
         found = self.text
         meant = str(int(found, 0)) if found[1].isalpha() else found.replace("_", "")
-        self._tell(WrongOperator(Span(self._source, self.start, self.end), found, meant, "a number"))
+        span = Span(self._source, self.start, self.end)
+        self._tell(WrongOperator(span, found, meant, "a number", replaced=span))
         self.kind, self.text = "NUMBER", meant
 
     def _pass_unknown(self, match: re.Match[str]) -> re.Match[str] | None:

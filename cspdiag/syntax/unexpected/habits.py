@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 
+from cspdiag.base.diagnostic import Edit
 from cspdiag.base.span import Span
 from cspdiag.syntax.diagnostics.structure import KeywordAsName, UnexpectedText, WrongOperator, WrongPlace
 from cspdiag.syntax.unexpected.situation import Finding, Repair, Situation
@@ -64,19 +65,23 @@ def counting(situation: Situation) -> Finding | None:
         span = Span(situation.source, variable.start(), start + 2)
         amount = _AMOUNT.match(text, start + 2)
         by = amount[0].strip() if amount else "..."
-        wrong = WrongOperator(span, f"{variable[0]} {sign}=", f"{variable[0]} := {variable[0]} {sign} {by}", purpose)
+        whole = Span(situation.source, variable.start(), amount.end()) if amount else None
+        meant = f"{variable[0]} := {variable[0]} {sign} {by}"
+        wrong = WrongOperator(span, f"{variable[0]} {sign}=", meant, purpose, replaced=whole)
         return wrong, Repair("replace", situation.terminal(":="), start + 2)
     if following != sign or sign not in "+-":
         return None
     if variable is not None and situation.can(":="):
         span = Span(situation.source, variable.start(), start + 2)
-        wrong = WrongOperator(span, f"{variable[0]}{sign * 2}", f"{variable[0]} := {variable[0]} {sign} 1", purpose)
+        meant = f"{variable[0]} := {variable[0]} {sign} 1"
+        wrong = WrongOperator(span, f"{variable[0]}{sign * 2}", meant, purpose, replaced=span)
         return wrong, Repair("remove", end=start + 2)
     name = re.compile(r"[A-Za-z_]\w*", re.ASCII).match(text, start + 2)
     if name is None or not situation.can("SKIP"):
         return None
     span = Span(situation.source, start, name.end())
-    wrong = WrongOperator(span, f"{sign * 2}{name[0]}", f"{name[0]} := {name[0]} {sign} 1", purpose)
+    meant = f"{name[0]} := {name[0]} {sign} 1"
+    wrong = WrongOperator(span, f"{sign * 2}{name[0]}", meant, purpose, replaced=span)
     return wrong, Repair("remove", end=start + 2)
 
 
@@ -129,7 +134,13 @@ def ports_in_a_list(situation: Situation) -> Finding | None:
         f"every declaration begins with its direction: write `{word} {following[0].strip()}`; "
         "only names that share type and period stand in a list, before the colon"
     )
-    return WrongPlace(situation.span, "`,`", rule), Repair("replace", situation.terminal(word))
+    line = text[text.rfind("\n", 0, direction) + 1 : direction]
+    space = re.compile(r"\s*").match(text, situation.lexer.end)
+    assert space is not None
+    mend = Edit(
+        Span(situation.source, situation.lexer.start, space.end()), f"\n{line if line.isspace() else ''}{word} "
+    )
+    return WrongPlace(situation.span, "`,`", rule, mend), Repair("replace", situation.terminal(word))
 
 
 def call_of_a_library(situation: Situation) -> Finding | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from cspdiag.base.edits import removing
 from cspdiag.base.span import Span
 from cspdiag.syntax.diagnostics.structure import (
     ArrowWithoutEnd,
@@ -52,7 +53,8 @@ def separator(situation: Situation) -> Finding | None:
     if situation.text == "," and situation.block() != "STRUCT":
         return None
     rule = "remove it: declarations need nothing between them"
-    return WrongPlace(situation.span, f"`{situation.text}`", rule), Repair("remove")
+    mend = removing(situation.span)
+    return WrongPlace(situation.span, f"`{situation.text}`", rule, mend), Repair("remove")
 
 
 def missing_process(situation: Situation) -> Finding | None:

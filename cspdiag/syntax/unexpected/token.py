@@ -119,19 +119,22 @@ def _wrong_operator(situation: Situation) -> Finding | None:
         if whole and situation.can(wanted):
             end = situation.lexer.start + len(found)
             span = Span(situation.source, situation.lexer.start, end)
-            return WrongOperator(span, found, wanted, purpose), Repair("replace", situation.terminal(wanted), end)
+            wrong = WrongOperator(span, found, wanted, purpose, replaced=span)
+            return wrong, Repair("replace", situation.terminal(wanted), end)
     return None
 
 
 def _direction(situation: Situation) -> Finding | None:
     wanted = _DIRECTIONS.get(situation.text)
     if wanted is not None and situation.lexer.next_character().isalpha():
+        span = situation.span
         repair = Repair("replace", situation.terminal(wanted)) if situation.can(wanted) else None
-        return WrongOperator(situation.span, situation.text, wanted, "the direction of a port"), repair
+        return WrongOperator(span, situation.text, wanted, "the direction of a port", replaced=span), repair
     before = situation.lexer.before
     wanted = _DIRECTIONS.get(before.text)
     if wanted is not None and situation.kind == "NAME" and situation.block() in {"SUBMODEL", "PROCESS", "DRIVER"}:
-        return WrongOperator(situation.previous, before.text, wanted, "the direction of a port"), None
+        span = situation.previous
+        return WrongOperator(span, before.text, wanted, "the direction of a port", replaced=span), None
     return None
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 from cspdiag.base.span import Span
-from cspdiag.base.spelling import Speller
+from cspdiag.base.spelling import Speller, edits, is_slip
 from cspdiag.syntax.diagnostics.structure import UnexpectedText, WrongOperator
 from cspdiag.syntax.diagnostics.tokens import MissingUnitBrackets
 from cspdiag.syntax.unexpected.expected import expected_words, found_words
@@ -48,14 +48,25 @@ def misspelled(situation: Situation) -> Finding | None:
     meant = _keyword(situation.text, keywords) if situation.kind == "NAME" else None
     if meant is not None:
         found = UnexpectedText(
-            situation.span, found_words(situation), expected_words(situation), f"did you mean `{meant}`?"
+            situation.span,
+            found_words(situation),
+            expected_words(situation),
+            f"did you mean `{meant}`?",
+            meant if _is_surely(situation.text, meant) else None,
         )
         return found, Repair("replace", situation.terminal(meant))
     before = situation.lexer.before
     meant = _keyword(before.text, _BEFORE_A_NAME.get(situation.block(), ())) if before.kind == "NAME" else None
     if meant is None or situation.kind not in _AFTER_A_KEYWORD:
         return None
-    return UnexpectedText(situation.previous, f"`{before.text}`", f"`{meant}`", f"did you mean `{meant}`?"), None
+    sure = meant if _is_surely(before.text, meant) else None
+    return UnexpectedText(situation.previous, f"`{before.text}`", f"`{meant}`", f"did you mean `{meant}`?", sure), None
+
+
+def _is_surely(word: str, keyword: str) -> bool:
+    """Whether nothing else than the keyword can be meant; a word of another language may come with more of that language."""
+    is_shuffled = sorted(word.lower()) == sorted(keyword)
+    return is_shuffled or is_slip(word, keyword) or (len(keyword) > 4 and edits(word.lower(), keyword) == 1)
 
 
 def _keyword(word: str, keywords: set[str] | tuple[str, ...]) -> str | None:
@@ -70,7 +81,8 @@ def number(situation: Situation) -> Finding | None:
     before, lexer, text = situation.lexer.before, situation.lexer, situation.source.text
     if before.text == "." and (match := _NO_FRACTION.search(text, max(0, before.start - 40), before.end)) is not None:
         span = Span(situation.source, match.start(), match.end())
-        return WrongOperator(span, match.group(), f"{match.group()}0", "a number"), Repair("insert", "NAME")
+        wrong = WrongOperator(span, match.group(), f"{match.group()}0", "a number", replaced=span)
+        return wrong, Repair("insert", "NAME")
     start = before.start if before.kind == "NUMBER" and before.end == lexer.start else lexer.start
     if start == lexer.start and situation.text not in {".", ","}:
         return None
@@ -87,7 +99,8 @@ def number(situation: Situation) -> Finding | None:
         if not situation.can("NUMBER"):
             return None
         repair = Repair("replace", "NUMBER", match.end())
-    return WrongOperator(Span(situation.source, start, match.end()), found, wanted, "a number"), repair
+    span = Span(situation.source, start, match.end())
+    return WrongOperator(span, found, wanted, "a number", replaced=span), repair
 
 
 def unit(situation: Situation) -> Finding | None:

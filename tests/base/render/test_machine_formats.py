@@ -37,6 +37,7 @@ def test_json_has_the_documented_keys() -> None:
             "end_column": 12,
             "help": "use 100%, or:\nless",
             "related": [{"message": "of this", "file": "my arm.csp", "line": 1, "column": 9}],
+            "edits": [],
         }
     ]
 

@@ -1,0 +1,107 @@
+"""``check --fix`` and ``check --diff``: mends are shown, or written whole to the files that they belong to."""
+
+from __future__ import annotations
+
+import os
+import stat
+from argparse import Namespace
+from collections.abc import Sequence
+from difflib import SequenceMatcher
+
+from cspdiag.base.render.snippet import on_one_line
+from cspdiag.base.sources import STANDARD_INPUT, decoded, read_source
+from cspdiag.base.span import SourceFile
+from cspdiag.cli.support.diagnostic_formats import show_findings
+from cspdiag.cli.support.difference import show_difference
+from cspdiag.cli.support.failure import FINE, UNSUCCESSFUL, UsageError
+from cspdiag.cli.support.output import replace_files
+from cspdiag.cli.support.terminal import say, write_out
+from cspdiag.mend import MendedFile, mend
+
+_BYTE_ORDER_MARK = b"\xef\xbb\xbf"
+_FOR_PEOPLE = ("text", "concise")
+
+
+def require_free_output(arguments: Namespace) -> None:
+    """Raise UsageError where a difference or a program would share standard output with diagnostics for a machine."""
+    if arguments.format in _FOR_PEOPLE:
+        return
+    if arguments.diff:
+        raise UsageError(
+            f"--diff prints the differences on standard output, where --format {arguments.format} writes, too"
+        )
+    if STANDARD_INPUT in arguments.files:
+        raise UsageError(
+            f"`check --fix -` prints the program on standard output, where --format {arguments.format} writes, too"
+        )
+
+
+def mend_files(sources: Sequence[SourceFile], arguments: Namespace) -> int:
+    """Mend what can be mended, or show it, and say what is left; the exit code is about what is left, with ``--diff`` about differences as well."""
+    mended = mend(sources, read_source, _identity)
+    names = [source.name for source in sources]
+    if arguments.diff:
+        for file in mended.files:
+            show_difference(file.before, file.text, "mended")
+            say(f"would mend {file.count} in {_shown(file)}")
+        left = sum(found.severity == "error" for found in mended.left)
+        if left:
+            say(f"{left} {'error is' if left == 1 else 'errors are'} left that only you can mend")
+        return UNSUCCESSFUL if mended.files or left else FINE
+    _write(mended.files)
+    if STANDARD_INPUT in names:
+        texts = {file.before.name: file.text for file in mended.files}
+        (read,) = (source for source in sources if source.name == STANDARD_INPUT)
+        write_out(texts.get(STANDARD_INPUT, read.text))
+    for file in mended.files:
+        say(f"mended {file.count} in {_shown(file)}")
+    show_findings(mended.left, names, arguments)
+    return UNSUCCESSFUL if any(found.severity == "error" for found in mended.left) else FINE
+
+
+def _shown(file: MendedFile) -> str:
+    return "standard input" if file.before.name == STANDARD_INPUT else on_one_line(file.before.name)
+
+
+def _identity(name: str) -> str:
+    return name if name == STANDARD_INPUT else os.path.realpath(name)
+
+
+def _write(files: Sequence[MendedFile]) -> None:
+    """Write all files; none, where one of them cannot be written or is no longer as it was read."""
+    replace_files({file.before.name: _bytes(file) for file in files if file.before.name != STANDARD_INPUT})
+
+
+def _bytes(file: MendedFile) -> bytes:
+    """What the file is to have: with the byte order mark and the ends of lines that it had.
+
+    Raises UsageError where it cannot be replaced, or has changed since it was read.
+    """
+    name = file.before.name
+    if not os.path.isfile(name):
+        raise UsageError(f"{name}: is no file that could be replaced; `check --fix -` reads and prints")
+    if not os.access(name, os.W_OK) or not os.stat(name).st_mode & (stat.S_IWUSR | stat.S_IWGRP | stat.S_IWOTH):
+        raise UsageError(
+            f"{name}: cannot be mended, because it is read-only (`check --diff` shows the mends); nothing was written"
+        )
+    with open(name, "rb") as opened:
+        data = opened.read()
+    if decoded(data, name) != file.before.text:
+        raise UsageError(f"{name}: was changed by somebody else meanwhile; nothing was written, try again")
+    mark = _BYTE_ORDER_MARK if data.startswith(_BYTE_ORDER_MARK) else b""
+    return mark + _with_ends_of(data.decode("utf-8-sig"), file.text).encode()
+
+
+def _with_ends_of(before: str, text: str) -> str:
+    """``text`` with the ends of lines of ``before``: where that has both, unchanged lines keep their own and new ones have that of the first line."""
+    if "\r\n" not in before:
+        return text
+    old, new = before.split("\n"), text.split("\n")
+    first = "\r" if old[0].endswith("\r") else ""
+    if all(line.endswith("\r") for line in old[:-1]):
+        return text.replace("\n", "\r\n")
+    plain = [line.removesuffix("\r") for line in old]
+    ends = [first] * len(new)
+    for at, start, length in SequenceMatcher(None, plain, new, autojunk=False).get_matching_blocks():
+        ends[start : start + length] = [old[at + k][len(plain[at + k]) :] for k in range(length)]
+    return "\n".join([*(line + end for line, end in zip(new[:-1], ends[:-1], strict=True)), new[-1]])

@@ -1,0 +1,64 @@
+"""Whatever is done to a good program, its mends end, leave nothing that has one, and make nothing worse.
+
+``python -m tests.robustness.test_mended_programs 5000`` looks at as many programs as wanted.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+
+from cspdiag.base import Diagnostic, SourceFile
+from cspdiag.base.sources import read_source
+from cspdiag.mend import mend
+from cspdiag.pipeline import check
+from tests.robustness.damage import damaged
+
+PROGRAMS = 80
+
+
+def mistakes(seed: int) -> tuple[list[str], bool]:
+    """What is wrong with the mends of a damaged program, and whether there were any."""
+    path, text = damaged(seed)
+    source = SourceFile(name=str(path), text=text)
+    found = check(source, read_source).report.diagnostics
+    result = mend([source], read_source, str)
+    if not any(each.edits for each in found):
+        return ["changed without a mend"] * (
+            len(result.files) + ([*map(str, result.left)] != [*map(str, found)])
+        ), False
+    return list(_mistakes(source, found, result.left, [file.text for file in result.files])), True
+
+
+def _mistakes(
+    source: SourceFile, before: list[Diagnostic], left: tuple[Diagnostic, ...], texts: list[str]
+) -> Iterator[str]:
+    for prefix in ("E01",) if _count("E01", before) else ("E01", "E"):
+        if _count(prefix, left) > _count(prefix, before):
+            yield f"more errors {prefix}: {[*map(str, left)]}"
+    for text in texts:
+        mended = SourceFile(name=source.name, text=text)
+        if mend([mended], read_source, str).files:
+            yield "mended once more"
+        if [*map(str, check(mended, read_source).report.diagnostics)] != [*map(str, left)]:
+            yield "something else is left than was said"
+
+
+def _count(prefix: str, found: list[Diagnostic] | tuple[Diagnostic, ...]) -> int:
+    return sum(each.code.startswith(prefix) for each in found)
+
+
+def test_mends_of_damaged_programs_end_and_make_nothing_worse() -> None:
+    answers = {seed: mistakes(seed) for seed in range(PROGRAMS)}
+    assert {seed: wrong for seed, (wrong, _) in answers.items() if wrong} == {}
+    assert sum(has_mends for _, has_mends in answers.values()) > 3
+
+
+if __name__ == "__main__":
+    failed = False
+    for seed in range(int(sys.argv[1])):
+        wrong, _ = mistakes(seed)
+        failed |= bool(wrong)
+        for line in wrong:
+            print(seed, line)
+    sys.exit(failed)
