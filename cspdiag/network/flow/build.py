@@ -189,7 +189,7 @@ class _Builder:
         self.add(Meet(span=choice.span))
 
     def _branch(self, branch: Branch) -> None:
-        self.add(Take(span=branch.span, branch=branch))
+        self.add(Take(span=branch.event.span, branch=branch))
         self.action(branch.body)
 
     def _watch(self, watching: CatchException | InterruptOn) -> int:
